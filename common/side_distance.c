@@ -17,11 +17,11 @@ static double room(size_t i, size_t n, double spacing) {
  * the next voxel inside; of a surface that lies inside they are negative. INFINITY: nowhere near.
  */
 static float within_layer(const size_t n[3], const double spacing[3], const float *distance,
-                          const size_t at[3], const bool axes[2]) {
-  const size_t step[2] = {1, n[0]}, i = at[0] + n[0] * (at[1] + at[2] * n[1]);
+                          const size_t at[3], const bool axes[3]) {
+  const size_t step[3] = {1, n[0], n[0] * n[1]}, i = at[0] + n[0] * (at[1] + at[2] * n[1]);
   const double own = fabs((double)distance[i]);
   double outward = 0.0;
-  for (int a = 0; a < 2; a++) {
+  for (int a = 0; a < 3; a++) {
     if (!axes[a] || n[a] < 3 || (at[a] > 0 && at[a] + 1 < n[a])) continue;
     const float next = distance[at[a] == 0 ? i + step[a] : i - step[a]];
     if ((next < 0.0f) != (distance[i] < 0.0f)) continue;
@@ -51,7 +51,7 @@ static float between(const size_t n[3], const double spacing[3], const float *di
   return copysignf(least, own);
 }
 
-void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[2],
+void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[3],
                           float *distance) {
   const size_t plane = n[0] * n[1];
   /* The outermost layers, then what is next to the other phase, from distances that are still all
@@ -61,7 +61,7 @@ void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool
       const size_t at[3] = {i % n[0], i / n[0] % n[1], i / plane};
       double reach = INFINITY;
       bool outermost = false;
-      for (int a = 0; a < 2; a++) {
+      for (int a = 0; a < 3; a++) {
         if (!axes[a]) continue;
         outermost = outermost || at[a] == 0 || at[a] + 1 == n[a];
         reach = fmin(reach, room(at[a], n[a], spacing[a]));

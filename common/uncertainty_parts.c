@@ -36,11 +36,12 @@ double uncertainty_parts_total(const struct uncertainty_parts *parts, double res
   return known ? sqrt(sum) : NAN;
 }
 
-double uncertainty_share_of_sides(double wrapped, double y_mirrored, double mirrored) {
-  if (!(wrapped > 0.0 && mirrored > 0.0)) return NAN;
-  const double both = fabs(mirrored / wrapped - 1.0);
-  if (!(y_mirrored > 0.0)) return both;
-  return fmax(both, hypot(y_mirrored / wrapped - 1.0, mirrored / y_mirrored - 1.0));
+double uncertainty_share_of_sides(const double *k, int count) {
+  if (!(k[0] > 0.0 && k[count - 1] > 0.0)) return NAN;
+  double steps = 0.0;
+  for (int i = 1; i < count; i++)
+    if (k[i - 1] > 0.0 && k[i] > 0.0) steps = hypot(steps, k[i] / k[i - 1] - 1.0);
+  return fmax(fabs(k[count - 1] / k[0] - 1.0), steps);
 }
 
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,

@@ -40,11 +40,11 @@ extern const char *const uncertainty_part_names[UNCERTAINTY_PARTS]; /* of their 
 struct uncertainty_parts uncertainty_parts_none(void);
 /* Root of the sum of squares of the known shares, with another resolution; NAN if none is known. */
 double uncertainty_parts_total(const struct uncertainty_parts *parts, double resolution);
-/* Share of the sides, from k of a sample as it is wrapped, mirrored in y, and in x and y (0: not
- * found). Two sides may move k by as much and cancel in their sum, which no other sample's would:
- * so it is the larger of the whole change and of the root of the sum of squares of the two. NAN:
- * not known. */
-double uncertainty_share_of_sides(double wrapped, double y_mirrored, double mirrored);
+/* Share of the sides, from k of a sample as it is wrapped and with one axis more mirrored each time
+ * (0: not found). Two axes may move k by as much and cancel in their sum, which no other sample's
+ * would: so it is the larger of the whole change and of the root of the sum of squares of the
+ * steps. NAN: not known. */
+double uncertainty_share_of_sides(const double *k, int count);
 /* Attributes of `group`; what is not there is NAN. */
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,
                                    struct uncertainty_parts *parts);

@@ -4,11 +4,11 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/cut_pores.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/model/connect.h"
-#include "ct2model/model/sides.h"
 #include "ct2model/scan/crossing.h"
 
 static double void_ratio_of(double porosity) {
@@ -430,15 +430,15 @@ static double connected_soil(const struct voxel_model *model, const struct parts
 }
 
 /* Pores that end at the first or the last layer of the flow meet grain there: k is that of pores
- * with a sieve across them, and no part of its error says so. */
+ * with a sieve across them. */
 static void warn_of_cut_pores(const struct pipeline *pipeline, int flow) {
   const struct request *request = pipeline->request;
   if (flow == 2 ? request->mirror : request->sides == SIDES_MIRRORED) return;
-  const double cut = sides_cut_pores(&pipeline->model, flow);
+  const double cut = model_cut_pores(&pipeline->model, flow);
   if (cut > 0.0)
     log_warning("%.0f %% of the pores in the first and last layers along the flow meet grain where "
-                "the model repeats itself: k is that of pores cut there, too low, and its error "
-                "does not say so; %s, unless the image is periodic",
+                "the model repeats itself: k is that of pores cut there, too low, by as much as "
+                "its error has to say; %s, unless the image is periodic",
                 100.0 * cut, request->mirror ? "give --mirror z" : "leave out --mirror none");
 }
 

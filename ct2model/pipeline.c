@@ -302,7 +302,7 @@ static enum status find_walls(struct pipeline *pipeline) {
   model->grain_fraction = walls.grain_fraction;
   walls = (struct wall_result){0};
   if (pipeline->request->sides != SIDES_PERIODIC)
-    side_distance_unwrap(pipeline->size, model->spacing, (const bool[2]){true, true},
+    side_distance_unwrap(pipeline->size, model->spacing, (const bool[3]){true, true, false},
                          model->wall_distance);
   TRY(extend(pipeline, &model->wall_distance, "wall distances"));
   TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));

@@ -104,8 +104,8 @@ static void write_budget(const json_t *result, FILE *out) {
   if (isfinite(closed))
     fprintf(
         out,
-        "<p class=\"note\">Sides: the sample wraps round in x and y; mirrored there, k changes by "
-        "the share above. In a tube with the sample&rsquo;s sides, whose walls rub as no soil "
+        "<p class=\"note\">Sides: the sample wraps round; mirrored at its sides, k changes by the "
+        "share above. In a tube with the sample&rsquo;s sides, whose walls rub as no soil "
         "does, k would change by %s %%.</p>\n",
         change);
 }

@@ -40,34 +40,3 @@ void sides_repeat(const size_t n[3], const struct voxel_model *model, void *data
         if (from != at) memcpy(out + at * bytes, out + from * bytes, bytes);
       }
 }
-
-/* Voxels in which layers i and j along an axis differ; `pores`: those of both. */
-static size_t unlike_voxels(const struct voxel_model *model, int axis, size_t i, size_t j,
-                            size_t *pores) {
-  const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
-  const int a = axis == 0 ? 1 : 0, b = axis == 2 ? 1 : 2;
-  size_t unlike = 0;
-  *pores = 0;
-  for (size_t v = 0; v < n[b]; v++)
-    for (size_t u = 0; u < n[a]; u++) {
-      const uint8_t *at = model->solid + u * step[a] + v * step[b];
-      const bool one = at[i * step[axis]] != 0, other = at[j * step[axis]] != 0;
-      unlike += one != other;
-      *pores += (size_t)!one + (size_t)!other;
-    }
-  return unlike;
-}
-
-/* Layers of one body change by as much from one to the next; half as much again is for chance. */
-#define CHANGE_SPARE 1.5
-
-double sides_cut_pores(const struct voxel_model *model, int axis) {
-  const size_t n = model->size[axis];
-  size_t pores, most = 0;
-  for (size_t i = 0; i + 1 < n; i++) {
-    const size_t unlike = unlike_voxels(model, axis, i, i + 1, &pores);
-    if (unlike > most) most = unlike;
-  }
-  const size_t round = n > 1 ? unlike_voxels(model, axis, n - 1, 0, &pores) : 0;
-  return (double)round > CHANGE_SPARE * (double)most ? (double)round / (double)pores : 0.0;
-}

@@ -14,9 +14,4 @@ enum status sides_mirror(const size_t n[3], const struct voxel_model *model, voi
 /* The same of data that are spread already, where they stand. */
 void sides_repeat(const size_t n[3], const struct voxel_model *model, void *data, size_t bytes);
 
-/* Share of the pores in the first and the last layer along an axis that meet grain where the model
- * repeats itself; 0 where these layers are no less alike than neighbours are anywhere, as in an
- * image that is periodic. */
-double sides_cut_pores(const struct voxel_model *model, int axis);
-
 #endif

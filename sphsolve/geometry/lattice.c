@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/cut_pores.h"
 #include "common/memory.h"
 #include "common/model_file.h"
 #include "common/node_memory.h"
@@ -75,6 +76,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->model.count = model_site_count(&model);
   lattice->model.voxel = cbrt(model.spacing[0] * model.spacing[1] * model.spacing[2]);
   lattice->bulk_count = (double)lattice->model.count;
+  lattice->model.ends_cut = model.periodic[2] && model_cut_pores(&model, 2) > 0.0;
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {

@@ -38,10 +38,11 @@ struct model_facts {
   /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or
    * mirrored, so that it holds its sample twice along each axis. */
   bool sides_wrapped, sides_mirrored;
+  bool ends_cut; /* its first and last layers along z, too, are of no periodic body (cut_pores.h) */
   struct scan_quality scan;
 };
 
-/* All but `count` and `voxel`. */
+/* All but `count`, `voxel` and `ends_cut`. */
 enum status model_facts_read(const char *path, struct model_facts *facts);
 
 #endif

@@ -13,7 +13,7 @@ static size_t source(size_t i, size_t n) {
 }
 
 /* Distances as they are inside, where nothing is known of what lies beyond a side. */
-static enum status distances_inside(const struct lattice *wrapped, const bool axes[2],
+static enum status distances_inside(const struct lattice *wrapped, const bool axes[3],
                                     float **distance) {
   enum status status = STATUS_OK;
   TRY(memory_allocate(distance, wrapped->count, sizeof **distance, "a lattice"));
@@ -29,17 +29,21 @@ cleanup:
   return status;
 }
 
-enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[2],
+enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[3],
                                  struct lattice *mirrored) {
   enum status status = STATUS_OK;
-  const size_t *n = wrapped->size, times[2] = {axes[0] ? 2 : 1, axes[1] ? 2 : 1};
-  const size_t copies = times[0] * times[1];
+  const size_t *n = wrapped->size;
+  size_t copies = 1;
   float *distance = NULL;
   *mirrored = *wrapped;
   mirrored->kind = NULL, mirrored->wall_distance = NULL, mirrored->region = NULL;
   mirrored->micro_porosity = mirrored->micro_permeability = NULL;
   TRY(distances_inside(wrapped, axes, &distance));
-  mirrored->size[0] = times[0] * n[0], mirrored->size[1] = times[1] * n[1];
+  for (int a = 0; a < 3; a++)
+    if (axes[a]) {
+      mirrored->size[a] *= 2;
+      copies *= 2;
+    }
   mirrored->y_mirrored = axes[1];
   mirrored->count = copies * wrapped->count;
   mirrored->bulk_count = (double)copies * wrapped->bulk_count;
@@ -51,7 +55,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
   for (size_t at = 0; at < mirrored->count; at++) {
     const size_t i = at % mirrored->size[0], j = at / mirrored->size[0] % mirrored->size[1];
     const size_t k = at / mirrored->size[0] / mirrored->size[1];
-    const size_t from = (k * n[1] + source(j, n[1])) * n[0] + source(i, n[0]);
+    const size_t from = (source(k, n[2]) * n[1] + source(j, n[1])) * n[0] + source(i, n[0]);
     mirrored->kind[at] = wrapped->kind[from];
     mirrored->wall_distance[at] = distance[from];
     lattice_soil_copy(wrapped, from, mirrored, at);
@@ -77,7 +81,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
   *closed = *wrapped;
   closed->kind = NULL, closed->wall_distance = NULL, closed->region = NULL;
   closed->micro_porosity = closed->micro_permeability = NULL;
-  TRY(distances_inside(wrapped, (const bool[2]){true, true}, &distance));
+  TRY(distances_inside(wrapped, (const bool[3]){true, true, false}, &distance));
   closed->size[0] = n[0] + layers, closed->size[1] = n[1] + layers;
   closed->count = closed->size[0] * closed->size[1] * n[2];
   closed->wall_count += closed->count - wrapped->count;

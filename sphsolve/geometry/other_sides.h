@@ -5,10 +5,10 @@
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
 
-/* A lattice whose x and y wrap round, mirrored at the sides of `axes` (x, y) instead: twice the sites
+/* A lattice that wraps round, mirrored at the sides of `axes` (x, y, z) instead: twice the sites
  * along each. Distances that reach beyond such a side are found anew from what is inside. Free with
  * lattice_free. */
-enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[2],
+enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[3],
                                  struct lattice *mirrored);
 
 /* The same with walls on those sides, as in a tube: `layers` sites of wall after the last along x

@@ -21,6 +21,7 @@ struct error_level {
   double permeability;   /* m^2, along the force */
   double estimate;       /* m^2, from this level and all before it */
   double low, high;      /* relative, of the estimate's resolution: k (1 - low) .. k (1 + high) */
+  double slope_blur;     /* slope_blur below, as this lattice has it; NAN: not tried */
   double sites, seconds; /* lattice sites; processor seconds with set-up */
   long iterations;
 };

@@ -22,7 +22,7 @@
 
 /* Sites along x of the lattice that is mirrored to one of so many sites. */
 static double side_of(double sides, const struct lattice *l) {
-  return (double)l->size[0] * cbrt(sides / 4 / (double)l->count);
+  return (double)l->size[0] * cbrt(sides / cascade_sides_copies(l) / (double)l->count);
 }
 
 double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {

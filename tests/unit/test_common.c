@@ -152,16 +152,19 @@ static void test_uncertainty_parts_add_up(void **state) {
 /* x raises k by a tenth and y takes it back: that is no sample without sides. */
 static void test_sides_do_not_cancel(void **state) {
   (void)state;
-  assert_true(fabs(uncertainty_share_of_sides(1.0, 1.1, 1.0) - hypot(0.1, 1.0 - 1.0 / 1.1)) < 1e-15);
-  assert_true(fabs(uncertainty_share_of_sides(2.0, 1.8, 1.6) - 0.2) < 1e-15); /* both lower it */
-  assert_true(fabs(uncertainty_share_of_sides(2.0, 0.0, 1.6) - 0.2) < 1e-15);
-  assert_true(isnan(uncertainty_share_of_sides(0.0, 1.0, 1.0)));
+  assert_true(fabs(uncertainty_share_of_sides((const double[]){1.0, 1.1, 1.0}, 3) -
+                   hypot(0.1, 1.0 - 1.0 / 1.1)) < 1e-15);
+  assert_true(fabs(uncertainty_share_of_sides((const double[]){2.0, 1.8, 1.6}, 3) - 0.2) <
+              1e-15); /* both lower it */
+  assert_true(fabs(uncertainty_share_of_sides((const double[]){2.0, 0.0, 1.6}, 3) - 0.2) < 1e-15);
+  assert_true(isnan(uncertainty_share_of_sides((const double[]){0.0, 1.0, 1.0}, 3)));
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_uncertainty_parts_add_up),
                                      cmocka_unit_test(test_sides_do_not_cancel),
-                                     cmocka_unit_test(test_error), cmocka_unit_test(test_memory),
+                                     cmocka_unit_test(test_error),
+                                     cmocka_unit_test(test_memory),
                                      cmocka_unit_test(test_kernels),
                                      cmocka_unit_test(test_statistics)};
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -13,7 +13,7 @@
 enum { N = 8 };
 static const size_t size[3] = {N, N, 1};
 static const double unit[3] = {1.0, 1.0, 1.0};
-static const bool both[2] = {true, true};
+static const bool both[3] = {true, true, false};
 static float distance[N * N];
 
 /* To a plane through `at` with a normal at an angle (degrees) to x, grain behind it. */

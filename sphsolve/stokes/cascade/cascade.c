@@ -23,6 +23,7 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
       cascade_is_possible(scene, plan) && plan->context.method->wall(scene) == WALL_SUBVOXEL;
   *c = (struct cascade){.scene = scene, .plan = plan, .base = base, .seconds = INFINITY};
   c->uncertainty = uncertainty_none();
+  c->sides = c->mirrored = NAN;
   c->started = clock_seconds();
   if (cascade_is_possible(scene, plan)) {
     c->noise_scale = cascade_noise_scale(plan, base);
@@ -87,6 +88,7 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
   if (!(k > 0.0)) return STATUS_OK;
   u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
                                                      .permeability = k,
+                                                     .slope_blur = NAN,
                                                      .sites = (double)lattice->count,
                                                      .seconds = seconds,
                                                      .iterations = from->iterations};
@@ -94,11 +96,7 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
     c->model_parts = true;
   }
-  /* On a finer lattice than the parts before, which resolves throats: of an open cascade, which
-   * begins with coarse ones, the fourth. One with a time to keep takes the third as well, as it may
-   * be its last. */
-  if (u->level_count == (c->fixed > 0 ? 2 : 4) || (u->level_count == 3 && isfinite(c->seconds)))
-    TRY(cascade_add_scan_part(c, lattice, k, from));
+  if (cascade_scan_is_due(c)) TRY(cascade_add_scan_part(c, lattice, k, from));
   cascade_estimate(c);
 cleanup:
   return status;
@@ -115,12 +113,15 @@ enum status cascade_finish(struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
   struct lattice last = {0};
   bool own = true;
-  if (c->fixed == 0 && u->level_count == 3 && !isfinite(c->seconds)) {
+  if (c->fixed == 0 && u->level_count == 3 && isnan(u->levels[2].slope_blur)) {
     const struct error_level *level = &u->levels[u->level_count - 1];
     TRY(cascade_lattice(c, level->spacing, &last, &own));
     TRY(cascade_add_scan_part(c, &last, level->permeability, &c->coarse));
   }
-  if (c->uncertainty.level_count > 1 && cascade_sides_wait(c)) TRY(cascade_add_sides(c));
+  if (c->uncertainty.level_count > 1 && cascade_sides_wait(c)) {
+    TRY(cascade_add_sides(c));
+    cascade_estimate(c);
+  }
   if (c->uncertainty.level_count == 2 && clock_seconds() - c->started > c->seconds)
     log_info("a k with its error takes no less: two lattices, and what else moves k");
 cleanup:
@@ -192,8 +193,8 @@ cleanup:
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 14
-#define LEVEL_NUMBERS 5
+#define CASCADE_NUMBERS 15
+#define LEVEL_NUMBERS 6
 
 enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *file) {
   const struct uncertainty *u = &c->uncertainty;
@@ -202,8 +203,8 @@ enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *
   double numbers[CASCADE_NUMBERS + LEVEL_NUMBERS * ERROR_LEVELS_MAX] = {
       c->tried - solved, levels,        c->model_parts, u->slope_void_ratio,
       u->void_ratio,     u->threshold,  u->model,       u->slope_threshold,
-      u->sides,          u->slope_blur, u->scan,        u->sides_closed,
-      u->blur_assumed,   left};
+      c->sides,          u->slope_blur, u->scan,        u->sides_closed,
+      u->blur_assumed,   left,          c->mirrored};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < levels; i++) {
     const struct error_level *l = &u->levels[i];
@@ -212,6 +213,7 @@ enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *
     numbers[count++] = l->sites;
     numbers[count++] = l->seconds;
     numbers[count++] = (double)l->iterations;
+    numbers[count++] = l->slope_blur;
   }
   return h5_write(file, "/state/cascade", H5_F64, 1, &count, numbers, false);
 }
@@ -237,9 +239,9 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   c->resumed = true;
   c->model_parts = numbers[2] != 0.0;
   u->slope_void_ratio = numbers[3], u->void_ratio = numbers[4], u->threshold = numbers[5];
-  u->model = numbers[6], u->slope_threshold = numbers[7], u->sides = numbers[8];
+  u->model = numbers[6], u->slope_threshold = numbers[7], c->sides = numbers[8];
   u->slope_blur = numbers[9], u->scan = numbers[10], u->sides_closed = numbers[11];
-  u->blur_assumed = numbers[12];
+  u->blur_assumed = numbers[12], c->mirrored = numbers[14];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -247,7 +249,8 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
                                                        .permeability = n[1],
                                                        .sites = n[2],
                                                        .seconds = n[3],
-                                                       .iterations = (long)n[4]};
+                                                       .iterations = (long)n[4],
+                                                       .slope_blur = n[5]};
     cascade_estimate(c);
   }
 cleanup:

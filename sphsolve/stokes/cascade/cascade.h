@@ -27,6 +27,8 @@ struct cascade {
   int counted;                 /* levels of the estimate before the last of them */
   const char *ended;           /* why it ends short of what was wanted, in words; NULL */
   bool model_parts;            /* the parts by void ratio and model voxels are found */
+  double sides;                /* their share as one coarse lattice has it; NAN: not found */
+  double mirrored;             /* m^2: k there with all axes mirrored, of cut ends; NAN */
   struct stokes_solver coarse; /* the last solution, stripped; grid.active 0: none */
   struct uncertainty uncertainty;
 };

@@ -110,23 +110,36 @@ enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
   return model->voxel <= 1.01 * model->voxel_scanned ? NEEDS_SCAN : NEEDS_MODEL;
 }
 
+double cascade_sides_copies(const struct lattice *base) {
+  return (base->model.sides_wrapped ? 4.0 : 1.0) * (base->model.ends_cut ? 2.0 : 1.0);
+}
+
 /* Where the effect of the sides is solved: coarse, but narrow throats are to stay open; mirrored it
  * has twice the scene's sites at most. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
-  return fmax(cbrt(2.0) * plan->context.spacing, 0.5 * cascade_first_spacing(plan, base));
+  return fmax(cbrt(0.5 * cascade_sides_copies(base)) * plan->context.spacing,
+              0.5 * cascade_first_spacing(plan, base));
 }
 
 double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
-  if (!cascade_is_possible(scene, plan) || !l->model.sides_wrapped) return 0.0;
-  return 4.0 * (double)l->count *
+  const double copies = cascade_sides_copies(l);
+  if (!cascade_is_possible(scene, plan) || !(copies > 1.0)) return 0.0;
+  return copies * (double)l->count *
          pow(plan->context.spacing / cascade_sides_spacing(plan, l), l->dimensions);
 }
 
 double cascade_sides_times(const struct lattice *base, bool open) {
-  const double part = open && base->micro_porosity == NULL ? 0.5 : 1.0;
-  return 1.0 + part * (2.0 + 4.0) + 1.0;
+  const double y_part = open && base->micro_porosity == NULL ? 0.5 : 1.0;
+  double sites = 1.0, times = 1.0;
+  if (base->model.ends_cut) times += sites *= open ? 1.0 : 2.0;
+  if (base->model.sides_wrapped) {
+    times += sites *= 2.0 * y_part;
+    times += sites *= 2.0;
+    times += 1.0;
+  }
+  return times;
 }
 
 /* Processor seconds of all that the share of the sides takes. */
@@ -134,7 +147,8 @@ static double sides_seconds(const struct plan *plan, const struct stokes_goal *g
   const struct lattice *l = plan->context.lattice;
   const double sides = cascade_sides_sites(plan);
   if (!(sides > 0.0)) return 0.0;
-  const double refined = pow(sides / 4.0 / (double)l->count, 1.0 / l->dimensions);
+  const double refined =
+      pow(sides / cascade_sides_copies(l) / (double)l->count, 1.0 / l->dimensions);
   return cascade_sides_times(l, open) *
          stokes_solver_seconds(&plan->shape, l, refined, goal, WALL_SUBVOXEL);
 }

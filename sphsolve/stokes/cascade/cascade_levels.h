@@ -22,8 +22,11 @@
 #define CASCADE_ENOUGH_MOST 5
 /* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
 #define CASCADE_FIXED 3
-/* The effect of the sides is solved on a lattice as it is, mirrored in y, in x and y, and closed:
- * on so many times its sites. An open cascade solves what is mirrored in y by half. */
+/* The effect of the sides is solved on a lattice as it is, mirrored in z (where its ends are cut),
+ * in y and in x, one after the other, up to so many copies of it; 1: there is none. */
+double cascade_sides_copies(const struct lattice *base);
+/* And closed; all on so many times its sites. An open cascade solves what is mirrored in z or y by
+ * half. */
 double cascade_sides_times(const struct lattice *base, bool open);
 /* Other sides change k by per cents, on four times the sites. */
 extern const struct stokes_goal cascade_sides_goal;

@@ -50,6 +50,13 @@ static void set_resolution(const struct limit_estimate *limit, struct uncertaint
   u->resolution = fmax(u->resolution_low, u->resolution_high);
 }
 
+/* Grains that are cut by the ends meet there in slits, through which a coarse lattice lets too
+ * much; the wider pores of the mirrored sample it has nearly right. So where ends are cut the
+ * change is that to the best k, too. */
+static void set_sides(const struct cascade *c, struct uncertainty *u) {
+  u->sides = fmax(c->sides, fabs(c->mirrored / u->extrapolated - 1.0));
+}
+
 void cascade_estimate(struct cascade *c) {
   struct uncertainty *u = &c->uncertainty;
   double h[ERROR_LEVELS_MAX] = {0}, k[ERROR_LEVELS_MAX] = {0};
@@ -68,6 +75,7 @@ void cascade_estimate(struct cascade *c) {
   u->finest = k[0];
   u->order = limit.order;
   set_resolution(&limit, u);
+  set_sides(c, u);
 }
 
 /* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
@@ -107,10 +115,13 @@ static int steps_to_end(const struct cascade *c) {
   return 0;
 }
 
-/* Processor seconds of a lattice so many steps finer than the last. */
+/* Processor seconds of a lattice so many steps finer than the last; of two, where the scan's share
+ * is to be solved for on it. */
 static double lattice_seconds(const struct cascade *c, int steps) {
   const int n = c->uncertainty.level_count;
-  return n > 0 ? c->uncertainty.levels[n - 1].seconds * pow(cascade_step_ratio(steps), 3.2) : 0.0;
+  return n > 0 ? (cascade_scan_grows(c) ? 2.0 : 1.0) * c->uncertainty.levels[n - 1].seconds *
+                     pow(cascade_step_ratio(steps), 3.2)
+               : 0.0;
 }
 
 double cascade_next_seconds(const struct cascade *c) {

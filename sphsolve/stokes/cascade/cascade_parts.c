@@ -20,7 +20,7 @@ const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
 
 bool cascade_sides_wait(const struct cascade *c) {
   return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
-         c->base->model.sides_wrapped;
+         cascade_sides_copies(c->base) > 1.0;
 }
 
 double cascade_permeability(const struct stokes_solver *s) {
@@ -80,22 +80,35 @@ static void add_calibration(const struct model_facts *model, struct uncertainty 
 enum status cascade_add_sides(struct cascade *c) {
   enum status status = STATUS_OK;
   struct lattice wrapped = {0}, mirrored = {0}, closed = {0};
-  double k, one, other, tube;
+  double k[4], tube;
+  int count = 1;
+  bool axes[3] = {false};
   const struct stokes_solver none = {0};
-  if (!c->base->model.sides_wrapped) return STATUS_OK;
+  const struct model_facts *model = &c->base->model;
+  const bool unlike[3] = {model->sides_wrapped, model->sides_wrapped, model->ends_cut};
+  if (!(cascade_sides_copies(c->base) > 1.0)) return STATUS_OK;
   TRY(lattice_resample(c->base, cascade_sides_spacing(c->plan, c->base), 0.0, &wrapped));
+  TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, k));
+  /* In z and y first: what is mirrored there is solved by half. */
+  for (int a = 2; a >= 0; a--) {
+    if (!unlike[a]) continue;
+    axes[a] = true;
+    TRY(lattice_mirror_sides(&wrapped, axes, &mirrored));
+    TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &k[count++]));
+    lattice_free(&mirrored);
+  }
+  c->sides = uncertainty_share_of_sides(k, count);
+  if (model->ends_cut && k[0] > 0.0 && k[count - 1] > 0.0) {
+    c->mirrored = k[count - 1];
+    log_warning("%s: pores do not meet where the model repeats itself along z, and the share of "
+                "the sides is large for that: build it with --mirror z, unless the image is "
+                "periodic",
+                c->scene->model_path);
+  }
+  if (!model->sides_wrapped) goto cleanup;
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
-  TRY(cascade_solve(c, &wrapped, &none, &cascade_sides_goal, false, &k));
-  /* In y first: what is mirrored there is solved by half. */
-  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){false, true}, &mirrored));
-  TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &one));
-  lattice_free(&mirrored);
-  TRY(lattice_mirror_sides(&wrapped, (const bool[2]){true, true}, &mirrored));
-  TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &other));
-  c->uncertainty.sides = uncertainty_share_of_sides(k, one, other);
-  lattice_free(&mirrored);
   TRY(cascade_solve(c, &closed, &none, &cascade_sides_goal, false, &tube));
-  if (k > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k);
+  if (k[0] > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k[0]);
 cleanup:
   lattice_free(&closed);
   lattice_free(&wrapped);
@@ -127,6 +140,37 @@ cleanup:
   return status;
 }
 
+/* Grown by so much from one lattice to the next, and so large, the share is not settled. */
+#define SCAN_GROWS 1.25
+#define SCAN_LEAST 0.003
+
+static bool scan_grew(const struct uncertainty *u, int lattices) {
+  if (lattices < 2) return false;
+  const double last = fabs(u->levels[lattices - 1].slope_blur);
+  return last > SCAN_LEAST && last > SCAN_GROWS * fabs(u->levels[lattices - 2].slope_blur);
+}
+
+/* On a finer lattice than the parts before, which resolves throats: of an open cascade, which
+ * begins with coarse ones, the fourth. One with a time to keep takes the third as well, as it may
+ * be its last. Slits of a few voxels of labels far finer than that lattice are no slits on it: so
+ * of labels the one before tells whether the share grows, and as long as it does the next is solved
+ * too. */
+static int scan_first(const struct cascade *c) {
+  return c->fixed > 0 ? 2 : 4;
+}
+
+bool cascade_scan_grows(const struct cascade *c) {
+  return c->base->model.scan.labels && c->uncertainty.level_count >= scan_first(c) &&
+         scan_grew(&c->uncertainty, c->uncertainty.level_count);
+}
+
+bool cascade_scan_is_due(const struct cascade *c) {
+  const int n = c->uncertainty.level_count, first = scan_first(c);
+  const bool labels = c->base->model.scan.labels;
+  return n == first || (n == first - 1 && (labels || isfinite(c->seconds))) ||
+         (labels && n > first && scan_grew(&c->uncertainty, n - 1));
+}
+
 enum status cascade_add_scan_part(struct cascade *c, const struct lattice *lattice, double k,
                                   const struct stokes_solver *from) {
   enum status status = STATUS_OK;
@@ -140,6 +184,7 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
   if (other > 0.0) {
     c->uncertainty.blur_assumed = scan->assumed ? scan->blur : NAN;
     c->uncertainty.slope_blur = scale * log(other / k);
+    c->uncertainty.levels[c->uncertainty.level_count - 1].slope_blur = c->uncertainty.slope_blur;
     const double slope = c->uncertainty.slope_void_ratio;
     c->uncertainty.scan = hypot(scan_error(scan, c->uncertainty.slope_blur, width),
                                 isfinite(slope) ? slope * scan->counted : 0.0);

@@ -19,12 +19,17 @@ enum status cascade_solve(struct cascade *cascade, const struct lattice *lattice
                           bool keep, double *k);
 /* Whether the sides are left to the end, as a time was asked for. */
 bool cascade_sides_wait(const struct cascade *cascade);
-/* The change of k when pores that end at a side go on into their own image there, not into whatever
- * lies at the opposite side, and what a tube would do; all on one coarse lattice. */
+/* The change of k when pores that end at a side, or at the first or last layer where those do not
+ * fit, go on into their own image there, not into whatever lies opposite; and what a tube would do.
+ * All on one coarse lattice. */
 enum status cascade_add_sides(struct cascade *cascade);
 /* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
 enum status cascade_add_model_parts(struct cascade *cascade, const struct lattice *lattice,
                                     double spacing, double k, const struct stokes_solver *from);
+/* Whether the share of the scan is solved for on the last lattice; and whether it will be on the
+ * next, as it still grew from one to the next. */
+bool cascade_scan_is_due(const struct cascade *cascade);
+bool cascade_scan_grows(const struct cascade *cascade);
 /* What k owes to the scanner: the surface is blurred once more. */
 enum status cascade_add_scan_part(struct cascade *cascade, const struct lattice *lattice, double k,
                                   const struct stokes_solver *from);
