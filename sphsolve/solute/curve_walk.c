@@ -1,6 +1,7 @@
 /* D* / D over the Peclet numbers of a scene by random walk. */
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "sphsolve/solute/curve.h"
@@ -29,11 +30,12 @@ static enum status walk_once(const struct walk_cells *cells, const struct walk_s
                              double weight, struct solute_state *state,
                              struct walk_record *record) {
   enum status status = STATUS_OK;
-  struct walk walk = {0};
+  static struct walk walk; /* as large as a small stack */
   struct walk_verdict verdict;
   uint64_t next = FIRST_LOOK;
   char note[80];
   bool found;
+  memset(&walk, 0, sizeof walk);
   snprintf(note, sizeof note, "Pe %.3g", peclet);
   TRY(solute_state_take_walk(state, cells, &walk, &found));
   if (!found) TRY(walk_begin(cells, settings, &walk));

@@ -226,7 +226,8 @@ cleanup:
 }
 
 int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
-  struct walk_moments all = walk->moments; /* each group is one rank's; 0 on the others */
+  static struct walk_moments all; /* as large as a small stack */
+  all = walk->moments;            /* each group is one rank's; 0 on the others */
   ranks_sum_all(&all.sums[0][0][0], sizeof all.sums / sizeof(double));
   return walk_moments_lags(&all, walk->settings.direction, walk->cells->dimensions, walk->diffusion,
                            WALK_INTERVAL * walk->dt, lags);

@@ -248,6 +248,7 @@ double stokes_solver_functional(struct stokes_solver *s) {
 }
 
 void stokes_solver_free(struct stokes_solver *s) {
+  stokes_stencil_free(&s->stencil);
   stokes_grid_free(&s->grid);
   stokes_operator_free(&s->operator);
   stokes_preconditioner_free(&s->preconditioner);

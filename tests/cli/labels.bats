@@ -380,3 +380,28 @@ assert abs(change) < k["ends"]["error"]["sides"] < 3 * abs(change), (change, k["
 assert k["ends"]["error"]["dlnk_sides_closed"] is None
 END
 }
+
+@test "the share of the scan is that of fine lattices, where slits of few voxels are wider than a site" {
+  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
+  # Balls whose parts meet in slits where the image is wrapped round.
+  /usr/bin/python3 - <<'END'
+import numpy as np
+z, y, x = np.mgrid[:90, :90, :90] / 6
+d = lambda a, b: np.minimum(abs(a - b), 24 - abs(a - b))**2
+balls = [(3, 20, 1), (15, 4, 22), (9, 12, 11), (20, 14, 4), (1, 8, 17)]
+sum(d(x, p) + d(y, q) + d(z, r) < 50 for p, q, r in balls).clip(0, 1).astype(np.uint8).tofile("fine.raw")
+END
+  ct2model build fine.raw --raw 90x90x90:u8 --voxel-size 1um --segmented 0 --mirror none -q -o fine.hdf 2> said.txt
+  sphsolve run s.cfg --set model.file=fine.hdf -o fine-run --error 3% --json > fine.json
+  # The fourth lattice, whose sites are several voxels wide, has .023, the finest .043.
+  /usr/bin/python3 -c 'import json; e = json.load(open("fine.json"))["error"]["dlnk_blurred_again"]; assert 0.03 < e < 0.06, e'
+}
+
+@test "a stack of 192 kB is enough for a run, its parts of the error and a tensor" {
+  [ -z "$SANITIZE" ] || skip "sanitizers take more of it"
+  ct2model build sphere.raw $CUBE --segmented 0 -q -o small.hdf
+  ulimit -S -s 192
+  sphsolve run s.cfg --set model.file=small.hdf -o small-run --error 20% -q
+  sphsolve run s.cfg --set model.file=small.hdf -o small-tensor --tensor -q
+  analyze report small-run.hdf -o small.html -q
+}

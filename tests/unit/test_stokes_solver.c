@@ -398,6 +398,7 @@ static void check_row_loops(double support) {
           assert_true(fabs(sum - (double)out[i]) < 1e-5);
         }
       }
+  stokes_stencil_free(&stencil);
 }
 
 /* With neighbours one and two sites off, each of which has loops of its own. */

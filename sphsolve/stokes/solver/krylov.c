@@ -15,11 +15,13 @@ enum status stokes_krylov_build(size_t length, int basis_max, struct stokes_kryl
   k->length = length;
   k->basis_max = basis_max < BASIS_MAX ? basis_max : BASIS_MAX;
   k->alone = false;
-  k->basis = NULL, k->work = NULL, k->partial = NULL;
+  k->basis = NULL, k->work = NULL, k->partial = NULL, k->columns = NULL;
   TRY(memory_allocate(&k->basis, (size_t)(k->basis_max + 1) * length, sizeof *k->basis,
                       "Krylov basis"));
   TRY(memory_allocate(&k->work, length, sizeof *k->work, "Krylov vector"));
   TRY(memory_allocate(&k->partial, stokes_sum_blocks(length), sizeof *k->partial, "partial sums"));
+  TRY(memory_allocate(&k->columns, (BASIS_MAX + 1) * BASIS_MAX, sizeof *k->columns,
+                      "Krylov basis"));
   return STATUS_OK;
 cleanup:
   stokes_krylov_free(k);
@@ -30,6 +32,7 @@ void stokes_krylov_free(struct stokes_krylov *k) {
   memory_free(&k->basis);
   memory_free(&k->work);
   memory_free(&k->partial);
+  memory_free(&k->columns);
 }
 
 static double dot(struct stokes_krylov *k, const float *x, const float *y) {
@@ -55,7 +58,8 @@ static void scale(struct stokes_krylov *k, double factor, float *x) {
 }
 
 int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, double *reached) {
-  double h[BASIS_MAX + 1][BASIS_MAX], cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
+  double(*h)[BASIS_MAX] = (double(*)[BASIS_MAX])k->columns;
+  double cosine[BASIS_MAX], sine[BASIS_MAX], g[BASIS_MAX + 1];
   const double start = stokes_krylov_norm(k, k->basis);
   *reached = start > 0.0 ? 1.0 : 0.0;
   if (!(start > 0.0)) return 0;

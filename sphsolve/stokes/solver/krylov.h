@@ -15,6 +15,7 @@ struct stokes_krylov {
   float *basis;    /* [basis_max + 1][length]; the first is the residual between corrections */
   float *work;     /* [length] */
   double *partial; /* of the sums */
+  double *columns; /* of Hessenberg's matrix */
   void *system;
   void (*apply)(void *system, const float *x, float *y);                     /* y = K x */
   void (*precondition)(void *system, const float *x, float *work, float *y); /* y = M^-1 x */

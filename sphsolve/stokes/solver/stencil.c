@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/memory.h"
 #include "sphsolve/stokes/effects/pressure.h"
 #include "sphsolve/stokes/effects/viscosity.h"
 
@@ -84,6 +85,7 @@ static void build_convolution(const struct stokes_stencil *s, int axis,
 
 enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
                                  double support, struct stokes_stencil *s) {
+  enum status status = STATUS_OK;
   memset(s, 0, sizeof *s);
   s->axis_count = dimensions;
   s->axes[0] = 0, s->axes[1] = dimensions == 2 ? 2 : 1, s->axes[2] = 2;
@@ -100,6 +102,7 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], enum k
                   support, support / spacing[x], "xyz"[x], STOKES_REACH);
     reach[x] = (int)(support / spacing[x]);
   }
+  TRY(memory_allocate(&s->offsets, STOKES_OFFSET_MAX, sizeof *s->offsets, "a stencil"));
   const double radius = support / s->unit, h = radius / kernel_support_ratio(kernel);
   s->smoothing_length = h;
   for (int k = -reach[2]; k <= reach[2]; k++)
@@ -119,7 +122,12 @@ enum status stokes_stencil_build(int dimensions, const double spacing[3], enum k
   scale_moments(s);
   build_convolution(s, -1, &s->laplace);
   for (int a = 0; a < dimensions; a++) build_convolution(s, s->axes[a], &s->gradient[s->axes[a]]);
-  return STATUS_OK;
+cleanup:
+  return status;
+}
+
+void stokes_stencil_free(struct stokes_stencil *s) {
+  memory_free(&s->offsets);
 }
 
 double stokes_stencil_moment(const struct stokes_stencil *s) {

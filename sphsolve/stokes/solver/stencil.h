@@ -24,7 +24,7 @@ struct stokes_stencil {
   double spacing[3];       /* in units */
   double smoothing_length; /* in units */
   int offset_count;
-  struct stokes_offset offsets[STOKES_OFFSET_MAX];
+  struct stokes_offset *offsets; /* [STOKES_OFFSET_MAX] */
   struct stokes_convolution laplace;     /* sum_b c_ab u_b */
   struct stokes_convolution gradient[3]; /* sum_b g_ab u_b, by axis */
 };
@@ -36,8 +36,9 @@ double stokes_support(const struct scene *scene, double spacing);
 double stokes_stencil_moment(const struct stokes_stencil *stencil);
 
 /* Builds the stencil of a kernel with that support (m) at sites `spacing` (m) apart. A support of
- * more than STOKES_REACH sites along an axis is an input error. */
+ * more than STOKES_REACH sites along an axis is an input error. Free with stokes_stencil_free. */
 enum status stokes_stencil_build(int dimensions, const double spacing[3], enum kernel kernel,
                                  double support, struct stokes_stencil *stencil);
+void stokes_stencil_free(struct stokes_stencil *stencil);
 
 #endif
