@@ -298,7 +298,7 @@ int config_line(const config_node *node) {
   return (int)config_setting_source_line(node);
 }
 
-/* "regions.[1].porosity" for a setting. */
+/* "regions[1].porosity" for a setting. */
 static void format_path(const config_node *node, char *text, size_t size) {
   const config_node *parent = config_setting_parent(node);
   if (parent == NULL) {
@@ -311,7 +311,7 @@ static void format_path(const config_node *node, char *text, size_t size) {
   if (name != NULL)
     snprintf(text + used, size - used, "%s%s", used ? "." : "", name);
   else
-    snprintf(text + used, size - used, "%s[%d]", used ? "." : "", config_setting_index(node));
+    snprintf(text + used, size - used, "[%d]", config_setting_index(node));
 }
 
 enum status config_error(const struct config *config, const config_node *node, const char *format,

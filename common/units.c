@@ -90,10 +90,18 @@ const char *dimension_example(struct dimension dimension) {
     struct dimension dimension;
     const char *example;
   } examples[] = {
-      {{1, 0, 0}, "5.83um"},      {{0, 0, 1}, "0.3 s"},        {{1, 0, -1}, "1.5 m/s"},
-      {{1, 0, -2}, "9.8 m/s^2"},  {{-3, 1, 0}, "1000 kg/m^3"}, {{-1, 1, -1}, "1e-3 Pa s"},
-      {{-1, 1, -2}, "2 kPa"},     {{-2, 1, -2}, "9807 Pa/m"},  {{0, 0, 0}, "0.725"},
-      {{2, 0, -1}, "1e-6 m^2/s"}, {{-1, 0, 0}, "3.35 1/m"},
+      /* of voxels, and of heads and domains; quotes are put around it */
+      {{1, 0, 0}, "5.83um\" or \"0.3 m"},
+      {{0, 0, 1}, "0.3 s"},
+      {{1, 0, -1}, "1.5 m/s"},
+      {{1, 0, -2}, "9.8 m/s^2"},
+      {{-3, 1, 0}, "1000 kg/m^3"},
+      {{-1, 1, -1}, "1e-3 Pa s"},
+      {{-1, 1, -2}, "2 kPa"},
+      {{-2, 1, -2}, "9807 Pa/m"},
+      {{0, 0, 0}, "0.725"},
+      {{2, 0, -1}, "1e-6 m^2/s"},
+      {{-1, 0, 0}, "3.35 1/m"},
   };
   for (size_t i = 0; i < sizeof examples / sizeof *examples; i++)
     if (dimension_equal(dimension, examples[i].dimension)) return examples[i].example;

@@ -25,6 +25,12 @@ static enum status check_polarity(const struct pipeline *pipeline, double porosi
   double e = void_ratio_of(porosity);
   const char *mine = request->dark_grains ? "dark" : "bright";
   const char *other = request->dark_grains ? "bright" : "dark";
+  /* Grains attenuate more than water and air do; resin with a heavy tracer may more than they. */
+  if (request->dark_grains && fabs(log(e)) < log(1.5))
+    log_warning("--grain dark: a void ratio of %.3g fits %.3g with bright grains as well, and in "
+                "X-ray scans grains are the bright ones as a rule: look at a slice; k of the pores "
+                "is not that of the grains",
+                e, 1.0 / e);
   if (isnan(request->void_ratio)) {
     if (e > 20.0 || e < 0.05)
       log_warning("void ratio %.3g with bright grains, %.3g with dark ones: is --grain %s meant?",

@@ -201,7 +201,7 @@ static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
     json_put_number(entry, "factor_of_safety", factor);
     json_array_append_new(list, entry);
     fprintf(summary,
-            "heave      beside the wall regions.[%zu], %s x: mean gradient %.3g in a prism %.3g m "
+            "heave      beside the wall regions[%zu], %s x: mean gradient %.3g in a prism %.3g m "
             "deep, %.3g m wide; critical %.3g: factor %.3g, %s\n",
             p->wall, p->side < 0 ? "lower" : "higher", p->gradient, p->depth, p->width, p->critical,
             factor, seepage_judge(factor));
@@ -220,7 +220,7 @@ static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
     json_put_number(entry, "uplift_N_per_m", l->uplift);
     json_put_number(entry, "uplift_pressure_Pa", l->pressure);
     json_array_append_new(list, entry);
-    fprintf(summary, "water      on the wall regions.[%zu]: %.4g N/m along x, %.4g N/m along z",
+    fprintf(summary, "water      on the wall regions[%zu]: %.4g N/m along x, %.4g N/m along z",
             l->wall, l->force[0], l->force[1]);
     if (l->length > 0)
       fprintf(summary, "; under it %.4g Pa, %.4g N/m upwards", l->pressure, l->uplift);

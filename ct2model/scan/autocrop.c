@@ -96,6 +96,23 @@ static void largest_rectangle(const bool *inside, size_t n, size_t best[4]) {
   }
 }
 
+/* A slice of the whole stack. What is no number, as tools write around a specimen, becomes a grey
+ * that none of the slice has: smooth, and unlike the middle. */
+static enum status read_slice(const struct region *region, size_t z, float *slice) {
+  const size_t count = region->size[0] * region->size[1];
+  const float scale = (float)region->scale;
+  float low = INFINITY, high = -INFINITY;
+  const enum status status = stack_read(region->stack, region->origin[2] + z, slice);
+  for (size_t i = 0; i < count && status == STATUS_OK; i++) {
+    slice[i] *= scale;
+    if (!isfinite(slice[i])) continue;
+    low = fminf(low, slice[i]), high = fmaxf(high, slice[i]);
+  }
+  for (size_t i = 0; i < count && status == STATUS_OK; i++)
+    if (!isfinite(slice[i])) slice[i] = low - (high - low);
+  return status;
+}
+
 enum status autocrop(struct region *region) {
   enum status status = STATUS_OK;
   size_t nz = region->size[2] < SLICES ? region->size[2] : SLICES, found = 0, best[4] = {0};
@@ -110,7 +127,7 @@ enum status autocrop(struct region *region) {
   for (size_t i = 0; i < nz && blocks->n >= LEAST_BLOCK; i++) {
     size_t z = nz > 1 ? i * (region->size[2] - 1) / (nz - 1) : 0;
     double middle;
-    TRY(region_read(region, &z, 1, slice));
+    TRY(read_slice(region, z, slice));
     measure_blocks(region, slice, blocks);
     double outside = surrounding_grey(blocks, &middle);
     if (isnan(outside)) continue;

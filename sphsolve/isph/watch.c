@@ -141,7 +141,7 @@ cleanup:
   return status;
 }
 
-/* "in the soil regions.[1]", "in free water beside the soil regions.[1]", "in free water". */
+/* "in the soil regions[1]", "in free water beside the soil regions[1]", "in free water". */
 static void name_place(const struct isph *s, const double x[3], char *text, size_t size) {
   double nearest = s->scene->isph.support_ratio * s->spacing;
   size_t beside = s->scene->region_count;
@@ -160,7 +160,7 @@ static void name_place(const struct isph *s, const double x[3], char *text, size
   if (beside == s->scene->region_count)
     snprintf(text, size, "in free water");
   else
-    snprintf(text, size, "in %s regions.[%zu]",
+    snprintf(text, size, "in %s regions[%zu]",
              nearest > 0 ? "free water beside the soil" : "the soil", beside);
 }
 
@@ -207,7 +207,7 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
   char saved[4200] = "", place[96] = "", pushed[192] = "";
   if (piston != NULL)
     snprintf(pushed, sizeof pushed,
-             "regions.[%zu], a wall that moves at %.3g m/s, may leave water no room: let it go "
+             "regions[%zu], a wall that moves at %.3g m/s, may leave water no room: let it go "
              "slower, or end the run before; else ",
              piston->number, isph_region_speed(s->scene, piston));
   if (trip->bound != WATCH_RESIDUAL) name_place(s, trip->position, place, sizeof place);

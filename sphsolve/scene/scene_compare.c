@@ -18,7 +18,7 @@ static void put_number(FILE *stream, const char *name, double value) {
 }
 
 static void put_region(FILE *stream, const struct region *r) {
-  fprintf(stream, "regions.[%zu] = type %d,", r->number, (int)r->type);
+  fprintf(stream, "regions[%zu] = type %d,", r->number, (int)r->type);
   const double values[] = {r->porosity,
                            r->grain_size,
                            r->alpha,
@@ -79,10 +79,10 @@ static void put_all(FILE *stream, const struct scene *s) {
   put(stream, "force.pressure_gradient (Pa/m)", s->pressure_gradient, 3);
   put_number(stream, "force.hydraulic_gradient", s->hydraulic_gradient);
   for (size_t i = 0; i < s->gauge_count; i++)
-    fprintf(stream, "gauges.[%zu] = %s %.12g %.12g %.12g\n", i, s->gauges[i].name,
+    fprintf(stream, "gauges[%zu] = %s %.12g %.12g %.12g\n", i, s->gauges[i].name,
             s->gauges[i].at[0], s->gauges[i].at[1], s->gauges[i].at[2]);
   for (size_t i = 0; i < s->plane_count; i++)
-    fprintf(stream, "planes.[%zu] = %s %c %.12g\n", i, s->planes[i].name, 'x' + s->planes[i].axis,
+    fprintf(stream, "planes[%zu] = %s %c %.12g\n", i, s->planes[i].name, 'x' + s->planes[i].axis,
             s->planes[i].position);
   put_number(stream, "wcsph.sound_speed (m/s)", s->wcsph.sound_speed);
   put_number(stream, "wcsph.support (m)", s->wcsph.support);

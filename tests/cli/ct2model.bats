@@ -331,6 +331,16 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
     for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 80; y = $2 + int(i / 2) * $5 - 80; ok = ok && x^2 + y^2 < 71^2 }
     exit !ok }'
   near "$(echo "$output" | value void_ratio)" 0.6667 0.02
+  # Tools write NaN around a specimen: the same box, whose greys are those of the disc.
+  python3 -c 'import array
+a = array.array("f", list(open("disc.raw", "rb").read()))
+for i, v in enumerate(a):
+    if v == 3: a[i] = float("nan")
+a.tofile(open("nan.raw", "wb"))'
+  run --separate-stderr "$CT" build nan.raw --raw 160x160x4:f32le --voxel-size 1um --void-ratio 0.6667 --crop auto \
+    --json -o nan.hdf
+  [ "$status" -eq 0 ]
+  [ "$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')" = "$crop" ]
   run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
   [ "$status" -eq 0 ]
   [[ "$stderr" == *"whole stack"* ]]
@@ -427,6 +437,11 @@ END
   # Read as bright the same image has 1/e: refused, with both readings.
   run_ct build dark.raw $RAW --void-ratio 3.959 -o no.hdf
   [ "$status" -eq 3 ]; [[ "$stderr" == *"--grain dark"* ]]
+  # Near 1 both readings fit, and nothing but a look tells which is meant; far from it nothing is said.
+  run --separate-stderr "$CT" build "$BATS_TEST_DIRNAME/../../data-samples/small" --voxel-size 8.745um --void-ratio 0.9 --grain dark -o near.hdf
+  [ "$status" -eq 0 ]; [[ "$stderr" == *"--grain dark: a void ratio of 0.9 fits 1.11 with bright grains as well"* ]]
+  run --separate-stderr "$CT" build dark.raw --raw 48x48x48:u8 --voxel-size 10um --void-ratio 3.959 --grain dark -o far.hdf
+  [ "$status" -eq 0 ]; [[ "$stderr" != *"with bright grains as well"* ]]
 }
 
 @test "dark grains are advised only where they meet the measured void ratio" {

@@ -234,7 +234,7 @@ static void test_compared(void **state) {
     free(now);
   }
   assert_non_null(
-      strstr(error_message(), "gauges.[0] was a 0.01 0.01 0.12 and is a 0.01 0.01 0.13"));
+      strstr(error_message(), "gauges[0] was a 0.01 0.01 0.12 and is a 0.01 0.01 0.13"));
   error_clear();
 }
 

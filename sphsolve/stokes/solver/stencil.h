@@ -24,7 +24,7 @@ struct stokes_stencil {
   double spacing[3];       /* in units */
   double smoothing_length; /* in units */
   int offset_count;
-  struct stokes_offset *offsets; /* [STOKES_OFFSET_MAX] */
+  struct stokes_offset *offsets;         /* [STOKES_OFFSET_MAX] */
   struct stokes_convolution laplace;     /* sum_b c_ab u_b */
   struct stokes_convolution gradient[3]; /* sum_b g_ab u_b, by axis */
 };
