@@ -174,14 +174,18 @@ cleanup:
   return status;
 }
 
-bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain) {
-  static const double LEAST = 0.02, MORE = 1.1;
+double survey_contrast_by_mean(const struct survey *survey, double pore, double grain) {
+  static const double LEAST = 0.02;
   const double n = survey->porosity;
-  if (!(n > LEAST && n < 1.0 - LEAST)) return false; /* unknown, or too little to tell */
-  const double contrast =
-      n < 0.5 ? (*grain - survey->mean) / n : (survey->mean - *pore) / (1.0 - n);
+  if (!(n > LEAST && n < 1.0 - LEAST)) return NAN;
+  return n < 0.5 ? (grain - survey->mean) / n : (survey->mean - pore) / (1.0 - n);
+}
+
+bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain) {
+  static const double MORE = 1.1;
+  const double contrast = survey_contrast_by_mean(survey, *pore, *grain);
   if (!(contrast > MORE * (*grain - *pore))) return false;
-  if (n < 0.5)
+  if (survey->porosity < 0.5)
     *pore = *grain - contrast;
   else
     *grain = *pore + contrast;

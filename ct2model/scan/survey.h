@@ -31,8 +31,11 @@ enum status survey_take(const struct region *region, double porosity, bool all,
                         struct survey *survey);
 /* Pores or grains narrower than the blur show no grey of their own: their peak lies nearer the
  * other than their grey does. No blur changes the mean, n pore + (1 - n) grain: where the porosity
- * n is measured, the grey of the lesser phase follows from that of the greater. Sets it, and is
- * true, where the contrast is larger so by a tenth. */
+ * n is measured, the contrast follows from the grey of the greater phase. NAN where n is not known,
+ * or a phase too little. */
+double survey_contrast_by_mean(const struct survey *survey, double pore, double grain);
+/* Sets the grey of the lesser phase to it, and is true, where the contrast is larger so by a tenth.
+ */
 bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain);
 /* Share of the greys looked at that lie in the middle half between those of pore and grain. */
 double survey_between(const struct survey *survey, double pore, double grain);

@@ -27,12 +27,22 @@ static const double CONTRAST_MOST = 50.0;
 static const double UNCERTAIN = 0.25;
 
 struct look {
+  bool levels;                 /* pore and contrast are 0 and 1: the window's greys are known */
+  double fringe;               /* as it is taken out */
   double blur, pore, contrast; /* blur in voxels, greys of the window */
   double noise, length;        /* standard deviation, and length in voxels */
 };
 
-/* Least squares of pore + contrast its[] to grey[]; the mean square left. */
+/* Least squares of pore + contrast its[] to grey[], where they are not known; the mean square left.
+ */
 static double fit_levels(const float *its, const float *grey, size_t n, struct look *look) {
+  if (look->levels) {
+    double square = 0.0;
+    for (size_t i = 0; i < n; i++) square += pow((double)grey[i] - (double)its[i], 2.0);
+    look->contrast = 1.0;
+    look->pore = 0.0;
+    return square / (double)n;
+  }
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (size_t i = 0; i < n; i++) {
     const double a = (double)its[i], b = (double)grey[i];
@@ -79,7 +89,7 @@ static enum status look_at(struct windows *all, const struct deblur_scanner *wor
   TRY(deblur_run(deblur));
   TRY(edge_distances(deblur->share, piece->size, all->stretch, FAR, piece->distance));
   for (int t = 0; t < TRIALS; t++) {
-    TRY(windows_make_up(all, LEAST * pow(STEP, t), 0.0, 0.0, 1.0, &made));
+    TRY(windows_make_up(all, LEAST * pow(STEP, t), look->fringe, 0.0, 1.0, &made));
     left[t] = fit_levels(made.window[0].grey, piece->grey, n, look);
     if (left[t] < left[least]) least = t;
     windows_end(&made);
@@ -88,7 +98,7 @@ static enum status look_at(struct windows *all, const struct deblur_scanner *wor
   if (!*found) goto cleanup;
   const double up = left[least + 1] - left[least], down = left[least - 1] - left[least];
   look->blur = LEAST * pow(STEP, least + 0.5 * (down - up) / (down + up));
-  TRY(windows_make_up(all, look->blur, 0.0, 0.0, 1.0, &made));
+  TRY(windows_make_up(all, look->blur, look->fringe, 0.0, 1.0, &made));
   fit_levels(made.window[0].grey, piece->grey, n, look);
   find_noise(made.window[0].grey, piece, all->stretch, look);
 cleanup:
@@ -103,10 +113,11 @@ static enum status correct_look(const struct windows *scan, const struct deblur_
   enum status status = STATUS_OK;
   const size_t *size = scan->window[0].size, n = size[0] * size[1] * size[2];
   struct windows made = {0};
-  struct look its;
+  struct look its = {.levels = seen->levels, .fringe = seen->fringe};
   *look = *seen;
   for (int again = 0; *found && again < CORRECTIONS; again++) {
-    TRY(windows_make_up(scan, look->blur, 0.0, look->noise / look->contrast, look->length, &made));
+    TRY(windows_make_up(scan, look->blur, look->fringe, look->noise / look->contrast, look->length,
+                        &made));
     float *grey = made.window[0].grey;
     for (size_t i = 0; i < n; i++) grey[i] = (float)(look->pore + look->contrast * (double)grey[i]);
     TRY(look_at(&made, work, deblur, &its, found));
@@ -128,6 +139,7 @@ static void take_look(const struct look *look, const struct windows *scan,
   scanner->pore += contrast * look->pore;
   scanner->grain = scanner->pore + contrast * look->contrast;
   scanner->blur = look->blur * scan->unit;
+  if (look->levels) return; /* and noise was seen far from walls */
   scanner->noise = contrast * look->noise;
   scanner->contrast_to_noise = look->contrast / look->noise;
   scanner->noise_correlation = look->length * scan->unit;
@@ -139,7 +151,8 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   struct deblur deblur = {0};
   struct deblur_scanner work;
   struct windows scan = {0};
-  struct look seen, look;
+  const double fringe = scanner->levels ? scanner->fringe : 0.0;
+  struct look seen = {.levels = scanner->levels, .fringe = fringe}, look;
   bool found = true;
   for (int turn = 0; found && turn < TURNS; turn++) {
     const struct grey_phases phases = {.pore_peak = its.pore, .grain_peak = its.grain};

@@ -18,6 +18,8 @@ static const double FAINT = 0.1; /* a fringe that the fit cannot tell from none 
  * each surface has another one near, and the blur is known to a quarter (1 sigma). */
 static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
 static const double ENOUGH = 500.0; /* voxels, for a mean grey */
+/* Neighbours that are near look like a fringe up to so much, before it is corrected. */
+static const double CLEAR = 0.3;
 /* For the noise, of which some tens of voxels are alike where it is correlated over one. */
 static const double PAIRS = 5000.0;
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
@@ -172,6 +174,23 @@ static double sign_of_lesser(const struct survey *survey) {
   return survey->porosity < 0.5 ? 1.0 : -1.0;
 }
 
+/* Where each surface has another one near, and the greater phase is deep and the void ratio known:
+ * that phase's grey, the other one's by the mean, and a fringe where it shows in spite of
+ * neighbours. */
+static void take_levels(const struct windows *all, const struct survey *survey, double seen_fringe,
+                        struct edge_fit *fit, struct scanner *scanner) {
+  const double sign = sign_of_lesser(survey);
+  const double depth = fmin(fmax(3.0 * fit->deviation, DEPTH_SEEN), EDGE_REACH);
+  const struct phase_greys greater = greys_within(all, survey, -sign, depth);
+  const double contrast = survey_contrast_by_mean(survey, greater.mean, greater.mean);
+  scanner->levels = greater.common > ENOUGH && contrast > 0.0;
+  if (!scanner->levels) return;
+  if (seen_fringe < CLEAR) scanner->fringe = fit->fringe = 0.0;
+  scanner->pore = sign > 0.0 ? greater.mean - contrast : greater.mean;
+  scanner->grain = scanner->pore + contrast;
+  scanner->contrast_to_noise = contrast / scanner->noise;
+}
+
 /* Greys of the region. A phase too narrow to show its own has that which the mean says, and the
  * blur is the less certain. False where the response showed less than half of that contrast: it is
  * not that of a surface. */
@@ -261,10 +280,12 @@ enum status scanner_measure(const struct region *region, const struct survey *su
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
   const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
+  const double seen_fringe = fit.fringe;
   TRY(correct_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
   scanner->noise /= left;
   scanner->contrast_to_noise *= left;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
+  if (scanner->narrow) take_levels(&all, survey, seen_fringe, &fit, scanner);
   scanner->known = true;
   scanner->unit = all.unit;
   scanner->resolution = resolution_of(&fit) * all.unit;

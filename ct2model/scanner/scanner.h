@@ -16,6 +16,7 @@ struct scanner {
   bool known;              /* false: segmented, or no surface stands alone; all else is then NAN */
   bool assumed;            /* then as much of it as taking a blur out needs, the blur assumed */
   bool narrow;             /* a phase is nowhere deep: each surface has another one near */
+  bool levels;             /* then pore, grain and fringe are known all the same */
   double blur, blur_error; /* m: standard deviation, without the voxel's own width; 1 sigma */
   double fringe;           /* strength of the Laplacian, per blur^2 */
   double pore, grain;      /* greys of the region, far from surfaces */
