@@ -174,16 +174,17 @@ cleanup:
   return status;
 }
 
-double survey_contrast_by_mean(const struct survey *survey, double pore, double grain) {
+double survey_contrast_by_mean(const struct survey *survey, double mean, double pore,
+                               double grain) {
   static const double LEAST = 0.02;
   const double n = survey->porosity;
   if (!(n > LEAST && n < 1.0 - LEAST)) return NAN;
-  return n < 0.5 ? (grain - survey->mean) / n : (survey->mean - pore) / (1.0 - n);
+  return n < 0.5 ? (grain - mean) / n : (mean - pore) / (1.0 - n);
 }
 
 bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain) {
   static const double MORE = 1.1;
-  const double contrast = survey_contrast_by_mean(survey, *pore, *grain);
+  const double contrast = survey_contrast_by_mean(survey, survey->mean, *pore, *grain);
   if (!(contrast > MORE * (*grain - *pore))) return false;
   if (survey->porosity < 0.5)
     *pore = *grain - contrast;

@@ -33,7 +33,8 @@ enum status survey_take(const struct region *region, double porosity, bool all,
  * other than their grey does. No blur changes the mean, n pore + (1 - n) grain: where the porosity
  * n is measured, the contrast follows from the grey of the greater phase. NAN where n is not known,
  * or a phase too little. */
-double survey_contrast_by_mean(const struct survey *survey, double pore, double grain);
+double survey_contrast_by_mean(const struct survey *survey, double mean, double pore,
+                               double grain);
 /* Sets the grey of the lesser phase to it, and is true, where the contrast is larger so by a tenth.
  */
 bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain);

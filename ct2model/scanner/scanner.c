@@ -174,18 +174,31 @@ static double sign_of_lesser(const struct survey *survey) {
   return survey->porosity < 0.5 ? 1.0 : -1.0;
 }
 
-/* Where each surface has another one near, and the greater phase is deep and the void ratio known:
- * that phase's grey, the other one's by the mean, and a fringe where it shows in spite of
- * neighbours. */
-static void take_levels(const struct windows *all, const struct survey *survey, double seen_fringe,
-                        struct edge_fit *fit, struct scanner *scanner) {
+/* Of the region: over the windows, or over the slices that the survey has looked at where these are
+ * more; few slices of a small scan may all lie where grains are few. */
+static double mean_grey(const struct windows *all, const struct survey *survey) {
+  double sum = 0.0, n = 0.0;
+  for (size_t i = 0; i < all->count; i++) {
+    const struct window *w = &all->window[i];
+    const size_t voxels = w->size[0] * w->size[1] * w->size[2];
+    for (size_t v = 0; v < voxels; v++) sum += (double)w->grey[v];
+    n += (double)voxels;
+  }
+  if (n < (double)survey->pixels) return survey->mean;
+  return all->pore + (all->grain - all->pore) * sum / n;
+}
+
+/* Where each surface has another one near, but edges show a fringe all the same, the greater phase
+ * is deep and the void ratio known: that phase's grey, and the other one's by the mean. */
+static void take_levels(const struct windows *all, const struct survey *survey,
+                        const struct edge_fit *fit, struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
   const double depth = fmin(fmax(3.0 * fit->deviation, DEPTH_SEEN), EDGE_REACH);
   const struct phase_greys greater = greys_within(all, survey, -sign, depth);
-  const double contrast = survey_contrast_by_mean(survey, greater.mean, greater.mean);
+  const double contrast =
+      survey_contrast_by_mean(survey, mean_grey(all, survey), greater.mean, greater.mean);
   scanner->levels = greater.common > ENOUGH && contrast > 0.0;
   if (!scanner->levels) return;
-  if (seen_fringe < CLEAR) scanner->fringe = fit->fringe = 0.0;
   scanner->pore = sign > 0.0 ? greater.mean - contrast : greater.mean;
   scanner->grain = scanner->pore + contrast;
   scanner->contrast_to_noise = contrast / scanner->noise;
@@ -285,7 +298,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
   scanner->noise /= left;
   scanner->contrast_to_noise *= left;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
-  if (scanner->narrow) take_levels(&all, survey, seen_fringe, &fit, scanner);
+  if (scanner->narrow && seen_fringe > CLEAR) take_levels(&all, survey, &fit, scanner);
   scanner->known = true;
   scanner->unit = all.unit;
   scanner->resolution = resolution_of(&fit) * all.unit;
