@@ -44,4 +44,15 @@ struct isph_column {
   double speed;       /* of the water there, inward: of the pores */
 };
 
+/* Of a periodic or a closed side: x' = turn x + shift. */
+struct isph_image {
+  double turn[3], shift[3]; /* turn: -1 along the normals of the sides that reflect, else 1 */
+  bool reflected;
+};
+
+#define BEHIND_STEPS 16
+#define BEHIND (8 * BEHIND_STEPS)
+
+#define WALL_NEAREST 0.25 /* of a spacing: bounds the viscous pull of a particle that touches */
+
 #endif

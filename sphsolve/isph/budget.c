@@ -36,6 +36,7 @@
 
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
 
@@ -80,7 +81,7 @@ static void sum_stored(const struct isph *s, double momentum[3], double *energy)
 }
 
 void isph_budget_begin(struct isph *s) {
-  const bool walls = s->boundary_count > 0;
+  const bool walls = s->boundary_count > 0 || s->reflects[0] || s->reflects[1] || s->reflects[2];
   uint32_t on = s->on.budget | 1u << BUDGET_TIME_STEP;
   memset(&s->budget, 0, sizeof s->budget);
   if (dot(s->force, s->force) > 0) on |= 1u << BUDGET_FORCE;
@@ -100,6 +101,17 @@ static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, s
   const double *x = s->position[i];
   double f[3] = {0};
   for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
+  static const double still[3] = {0};
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    if (!isph_is_reflected(s, entry)) continue;
+    double r[3];
+    isph_separation(s, x, s->position, entry, r);
+    const double pressure = s->pressure[i] + s->pressure[j] +
+                            s->density * (isph_fall_between(s, f, x, entry, r) - dot(f, r));
+    add_force(sums, BUDGET_WALL_PRESSURE, scale * s->volume[j] * (double)chunk->slope[p] * pressure,
+              r, still);
+  }
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     double r[3] = {0}, weight = scale * isph_wall_volume(s, j) * (double)chunk->wall_slope[p];

@@ -7,6 +7,7 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 
 #define CANDIDATES 8192 /* of a particle, with room for a second search */
 
@@ -112,19 +113,20 @@ static size_t collect(const struct isph *s, const struct isph_cells *cells, cons
   const int x0 = cells->axis[0], b = cells->axis[1], c = cells->axis[2];
   int from[3], to[3];
   for (int a = 0; a < 3; a++) {
-    from[a] = s->periodic[a] && xi[a] - reach < s->low[a] ? -1 : 0;
-    to[a] = s->periodic[a] && xi[a] + reach > s->high[a] ? 1 : 0;
+    const bool images = s->periodic[a] || s->reflects[a];
+    from[a] = images && xi[a] - reach < s->low[a] ? -1 : 0;
+    to[a] = images && xi[a] + reach > s->high[a] ? 1 : 0;
   }
   for (int sz = from[2]; sz <= to[2]; sz++)
     for (int sy = from[1]; sy <= to[1]; sy++)
       for (int sx = from[0]; sx <= to[0]; sx++) {
         uint32_t code = (uint32_t)((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1));
-        const double *image = s->shift[code];
+        const struct isph_image *image = &s->image[code];
         double at[3];
         int low[3], high[3];
         bool empty = false;
         for (int a = 0; a < 3; a++) {
-          at[a] = xi[a] - image[a];
+          at[a] = image->turn[a] * (xi[a] - image->shift[a]);
           double first = (at[a] - reach - cells->origin[a]) / cells->size[a];
           double last = (at[a] + reach - cells->origin[a]) / cells->size[a];
           empty = empty || last < 0 || first >= cells->count[a];
@@ -191,11 +193,20 @@ static inline void add_sums(double volume, double w, double slope, const double 
   moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
 }
 
+/* Whether the wall particle of an entry has moved out through a side that reflects. */
+static bool is_beyond(const struct isph *s, uint32_t entry) {
+  const double *x = s->boundary_position[entry & PAIR_MASK];
+  for (int a = 0; a < 3; a++)
+    if (s->reflects[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
+  return false;
+}
+
 static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   uint32_t candidates[CANDIDATES];
   const enum kernel kernel = s->scene->isph.kernel;
   const int dimensions = s->dimensions;
   chunk->pair_count = chunk->wall_count = 0;
+  chunk->reflected = false;
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     const double *xi = s->position[i], hi = s->support[i];
     double gradient_sum[3] = {0}, moment[6] = {0}, wall_moment[6] = {0}, w, slope;
@@ -222,7 +233,10 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       if (r2 >= he * he) continue;
       isph_kernel(kernel, dimensions, sqrt(r2), he, &w, &slope);
       w *= s->kernel_w, slope *= s->kernel_slope;
-      add_sums(s->volume[j], w, slope, r, &kernel_sum, gradient_sum, moment);
+      const bool reflected = isph_is_reflected(s, entry);
+      add_sums(s->volume[j], w, slope, r, &kernel_sum, gradient_sum,
+               reflected ? wall_moment : moment);
+      chunk->reflected = chunk->reflected || reflected;
       chunk->pair[count] = entry;
       chunk->slope[count] = (float)slope;
       count++;
@@ -244,19 +258,21 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     if (n_wall > 0) {
       status = grow(chunk, &s->on, chunk->pair_count, chunk->wall_count + n_wall);
       if (status != STATUS_OK) return status;
+      size_t walls = 0;
       for (size_t k = 0; k < n_wall; k++) {
         double r[3];
+        if (isph_is_reflected(s, candidates[k]) && is_beyond(s, candidates[k])) continue;
         isph_separation(s, xi, s->boundary_position, candidates[k], r);
         isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
                     &slope);
         w *= s->kernel_w, slope *= s->kernel_slope;
         add_sums(isph_wall_volume(s, candidates[k] & PAIR_MASK), w, slope, r, &kernel_sum,
                  gradient_sum, wall_moment);
-        chunk->wall[chunk->wall_count + k] = candidates[k];
-        chunk->wall_slope[chunk->wall_count + k] = (float)slope;
+        chunk->wall[chunk->wall_count + walls] = candidates[k];
+        chunk->wall_slope[chunk->wall_count + walls++] = (float)slope;
       }
-      s->wall_number[i] = (uint16_t)n_wall;
-      chunk->wall_count += n_wall;
+      s->wall_number[i] = (uint16_t)walls;
+      chunk->wall_count += walls;
     }
 
     s->kernel_sum[i] = kernel_sum;
@@ -344,6 +360,7 @@ enum status isph_find_neighbours(struct isph *s) {
   if (s->on.surface) TRY(isph_find_enclosed(s));
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
+  if (s->on.surface) isph_reflection_part(s);
   if (s->near != NULL) isph_find_near_surface(s, s->near);
   if (s->on.soil) isph_moment_correct(s);
   s->pairs_now = 0;

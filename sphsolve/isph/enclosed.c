@@ -129,15 +129,25 @@ void isph_enclosed_source(struct isph *s, double *source) {
   }
 }
 
+/* The pressure half a particle under a level surface, or as far as particle i stands under the lid.
+ */
+static double top_pressure(const struct isph *s, size_t i) {
+  double depth = 0;
+  for (int a = 0; a < 3; a++) {
+    const double *x = s->position[i], half = 0.5 * s->spacing;
+    const double under = s->force[a] > 0 ? x[a] - s->low[a] : s->high[a] - x[a];
+    depth += fabs(s->force[a]) * (s->reflects[a] ? fmin(half, under) : half);
+  }
+  return s->density * depth;
+}
+
 void isph_enclosed_level(struct isph *s) {
-  const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  const double top = 0.5 * s->spacing * s->density * force;
   for (size_t k = 0; k < s->enclosed_count; k++) {
     double least = INFINITY;
     for (size_t i = s->local.begin; i < s->local.end; i++)
-      if (in_body(s, i, s->enclosed[k])) least = fmin(least, s->pressure[i]);
+      if (in_body(s, i, s->enclosed[k])) least = fmin(least, s->pressure[i] - top_pressure(s, i));
     least = -ranks_max(-least);
     for (size_t i = s->local.begin; i < s->local.end; i++)
-      if (in_body(s, i, s->enclosed[k])) s->pressure[i] += top - least;
+      if (in_body(s, i, s->enclosed[k])) s->pressure[i] -= least;
   }
 }

@@ -6,6 +6,7 @@
 #include "sphsolve/isph/effects/shifting.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/state.h"
 
 static void wrap(const struct isph *s, double x[3]) {
@@ -26,7 +27,9 @@ static double surface_near(const struct isph *s, const struct isph_chunk *chunk,
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     near = fmax(near, s->surface[j]);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * s->gradient_sum[j][a];
+    double out[3];
+    isph_turn(s, chunk->pair[p], s->gradient_sum[j], out);
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
   }
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
   for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
@@ -46,6 +49,11 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
     gap = fmax(gap, surface_gap(s, i, r, mirror));
     trace += isph_wall_volume(s, chunk->wall[p] & PAIR_MASK) * (double)chunk->wall_slope[p] *
              (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
+  }
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    if (!isph_is_reflected(s, chunk->pair[p])) continue;
+    isph_separation(s, xi, s->position, chunk->pair[p], r);
+    gap = fmax(gap, isph_reflection_gap(s, i, chunk->pair[p], r));
   }
   if (gap == 0) return 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {

@@ -12,6 +12,7 @@
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/well.h"
 
 /* Change of grad C at a particle over its displacement along axis `along`, on the lattice in units
@@ -197,11 +198,6 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   }
   s->spacing = s->dimensions == 3 ? cbrt(product) : sqrt(product);
   s->thickness = s->dimensions == 3 ? 1 : lattice->spacing[1];
-  for (int code = 0; code < 27; code++) {
-    int step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
-    for (int a = 0; a < 3; a++)
-      if (s->periodic[a]) s->shift[code][a] = step[a] * (s->high[a] - s->low[a]);
-  }
   normalise_kernel(s);
   s->soil_porosity_least = isph_soil_minimum(scene);
   s->support_max =
@@ -215,6 +211,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
                scene->path, length, "xyz"[a], support);
     if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
   }
+  isph_images_create(s);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   if (s->on.anisotropy) TRY(isph_anisotropy_create(s));
   TRY(isph_choose_mass(s, lattice));

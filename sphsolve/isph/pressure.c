@@ -8,6 +8,7 @@
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
 
@@ -55,12 +56,13 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
         double r[3], slope = chunk->slope[p];
         isph_separation(s, xi, s->position, entry, r);
-        const double *vj = v[j];
+        double vj[3];
+        isph_turn(s, entry, v[j], vj);
         float a =
             (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
         chunk->matrix[p] = a;
         diagonal += (double)a;
-        source += (double)a * rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        source += (double)a * rho * isph_fall_between(s, f, xi, entry, r);
         divergence += s->volume[j] * slope *
                       ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
       }
@@ -82,18 +84,23 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         }
         const double *vw = isph_wall_velocity(s, j);
         walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
-        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio, across[3];
+        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio, across[3],
+               back[3];
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
         double image = 2 * isph_wall_volume(s, j) * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
-        symmetric_times(mirror, r, across);
-        for (int a = 0; a < 3; a++) divergence += image * (vi[a] - vw[a]) * across[a];
+        isph_turn(s, entry, r, back); /* a wall's image behind a side: both turn the velocity */
+        symmetric_times(mirror, back, across);
+        for (int a = 0; a < 3; a++)
+          divergence +=
+              image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
       }
       if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
       source -= vol * divergence;
       if (s->on.surface) {
         double coefficient, load;
-        surface_row(s, i, diagonal + walled, &coefficient, &load);
+        const double backed = s->surface[i] > 0 ? isph_reflection_backs(s, i) : 0;
+        surface_row(s, i, diagonal + walled, backed, &coefficient, &load);
         diagonal += coefficient, tied += coefficient;
         source += load;
       }

@@ -29,7 +29,7 @@
 #define SUMS 36      /* at most at once */
 #define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
-#define IMAGE_NONE 13 /* code of "no periodic image" */
+#define IMAGE_NONE 13 /* code of "no image" */
 
 #define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
 
@@ -85,6 +85,7 @@ struct isph_chunk {
   size_t begin, end;
   struct budget_sums budget; /* of the step */
   bool outer;                /* reads particles of other ranks */
+  bool reflected;            /* has reflected pairs */
   size_t pair_count, pair_capacity;
   uint32_t *pair;  /* neighbour | image << PAIR_BITS */
   float *slope;    /* -W'(r)/r of the pair, normalised */
@@ -125,7 +126,9 @@ struct isph {
   double spacing, thickness; /* thickness: of a 2-D scene, 1 for 3-D */
   double low[3], high[3];    /* the domain */
   bool periodic[3];
-  double shift[27][3];           /* of the periodic images */
+  bool reflects[3];            /* whether the sides across an axis do: isph/reflection.h */
+  double behind[BEHIND];       /* of isph_reflection_backs, at steps of 1/BEHIND_STEPS of a size */
+  struct isph_image image[27]; /* by their code, along x + 3 along y + 9 along z, each 0 .. 2 */
   double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
   double shift_stiffness;        /* of grad C on the lattice, in spacings; see shifting.h */
@@ -477,8 +480,16 @@ static inline const double *isph_wall_velocity(const struct isph *s, size_t j) {
 /* r = x_i - x_j for a pair entry. */
 static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],
                                    uint32_t entry, double r[3]) {
-  const double *xj = x[entry & PAIR_MASK], *image = s->shift[entry >> PAIR_BITS];
-  for (int a = 0; a < 3; a++) r[a] = xi[a] - (xj[a] + image[a]);
+  const double *xj = x[entry & PAIR_MASK];
+  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
+  for (int a = 0; a < 3; a++) r[a] = xi[a] - (image->turn[a] * xj[a] + image->shift[a]);
+}
+
+/* A vector of the neighbour as its image has it. */
+static inline void isph_turn(const struct isph *s, uint32_t entry, const double of[3],
+                             double image[3]) {
+  const double *turn = s->image[entry >> PAIR_BITS].turn;
+  for (int a = 0; a < 3; a++) image[a] = turn[a] * of[a];
 }
 
 #endif

@@ -14,6 +14,7 @@
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
 
@@ -68,6 +69,7 @@ static void find_velocity_gradient(struct isph *s) {
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         double r[3], weight = s->volume[j] * (double)chunk->slope[p];
+        if (isph_is_reflected(s, chunk->pair[p])) continue;
         isph_separation(s, xi, s->position, chunk->pair[p], r);
         for (int a = 0; a < 3; a++) {
           double d = weight * (vi[a] - s->velocity[j][a]);
@@ -104,11 +106,11 @@ static void find_viscosity(struct isph *s) {
 }
 
 /* The viscosity of the friction between particle i and wall particle j, half a spacing away. */
-static double wall_friction_viscosity(const struct isph *s, size_t i, size_t j) {
+static double wall_friction_viscosity(const struct isph *s, size_t i, const double wall[3]) {
   double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
   double square = 0, nu = s->kinematic_viscosity;
   if (s->on.turbulence && soil < 1) {
-    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - isph_wall_velocity(s, j)[a], 2);
+    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - wall[a], 2);
     nu += (1 - soil) * (wall_viscosity(nu, sqrt(square), 0.5 * s->spacing) - nu);
   }
   return nu / eps;
@@ -119,13 +121,25 @@ static double wall_friction_viscosity(const struct isph *s, size_t i, size_t j) 
 static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
                     double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
+  const bool held = s->on.no_slip && !s->wall_boxes[0].slip;
+  double tank = -1; /* the viscosity of the friction at sides that reflect, once it is known */
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double both = nu + s->eddy[j];
+    double both = nu + s->eddy[j], vj[3];
+    if (held && isph_is_reflected(s, chunk->pair[p])) {
+      double r[3];
+      isph_separation(s, xi, s->position, chunk->pair[p], r);
+      if (tank < 0) tank = wall_friction_viscosity(s, i, s->wall_boxes[0].velocity);
+      double weight = 2 * s->volume[j] * tank * (double)chunk->slope[p] *
+                      (1 + isph_reflection_ratio(s, xi, chunk->pair[p], r));
+      for (int a = 0; a < 3; a++) friction[a] -= weight * vi[a];
+      continue;
+    }
+    isph_turn(s, chunk->pair[p], s->velocity[j], vj);
     if (s->on.links)
       both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->way[p];
     double weight = s->volume[j] * both * (double)chunk->slope[p];
-    for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - s->velocity[j][a]);
+    for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
   }
   if (!s->on.no_slip) return;
   int last = -1; /* box */
@@ -134,7 +148,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
     if (s->boundary_box[j] != last)
-      last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, j);
+      last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, isph_wall_velocity(s, j));
     double r[3], mirror[6], ratio,
         weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
@@ -197,13 +211,6 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* A neighbour's share of the gradients of q and of P. */
-static inline void add_drop(const double f[3], double rho, double weight, double drop,
-                            const double r[3], double reduced[3], double own[3]) {
-  double fall = drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-  for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
-}
-
 /* The corrector (the mean of v^n and v^{n+1} goes into v*):
  *   v^{n+1} = v* - k grad q,   q = P - rho f.x the pressure without its hydrostatic part,
  *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s;
@@ -234,10 +241,13 @@ static void correct(struct isph *s) {
         double r[3];
         isph_separation(s, xi, s->position, chunk->pair[p], r);
         double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
-        add_drop(f, rho, weight, drop, r, reduced, own);
+        const double fall = drop - rho * isph_fall_between(s, f, xi, chunk->pair[p], r);
+        if (isph_is_reflected(s, chunk->pair[p]))
+          drop = fall + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+        for (int a = 0; a < 3; a++)
+          reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
         if (edges)
-          isph_edge_add(&edge, isph_mobility_between(s, chunk, p, i, j) / k, weight,
-                        drop - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]), r);
+          isph_edge_add(&edge, isph_mobility_between(s, chunk, p, i, j) / k, weight, fall, r);
       }
       if (edges) isph_edge_close(&edge, s->on.interfaces ? s->interface[i].normal : NULL, reduced);
       if (tensor) isph_anisotropy_edge(s, chunk, i, f, reduced);

@@ -8,8 +8,9 @@
 
 /* Walls are boxes, known exactly. Each is filled with wall particles that start half a spacing
  * behind its faces, whether or not the faces lie on the lattice of the water; the tank is filled
- * outside the domain. A wall particle holds no unknown: it is the mirror image of whichever water
- * particle looks at it, about the face between them. */
+ * outside the domain, but behind sides that reflect (isph/reflection.h). A wall particle holds no
+ * unknown: it is the mirror image of whichever water particle looks at it, about the face between
+ * them. */
 
 int isph_wall_layers(const struct isph *s) {
   return (int)ceil(s->support_max / s->spacing - 1e-9);
@@ -44,7 +45,7 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
   for (int a = 0; a < 3; a++) {
     n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
     pitch[a] = (s->high[a] - s->low[a]) / n[a];
-    bool closed = !s->periodic[a] && isph_uses_axis(s, a);
+    bool closed = !s->periodic[a] && isph_uses_axis(s, a) && !s->reflects[a];
     from[a] = closed ? -isph_wall_layers(s) : 0;
     to[a] = closed ? n[a] + isph_wall_layers(s) : n[a];
   }
@@ -236,8 +237,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   }
   for (int a = 0, k = 0; a < 3 && !box->tank && near > 0; a++)
     for (int b = a; b < 3; b++, k++) mirror[k] = out[a] * out[b] / near;
-  double least = 0.25 * s->spacing; /* bounds the viscous pull of a particle that touches */
-  *ratio = sqrt(far) / fmax(sqrt(near), least);
+  *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
 }
 
 /* Distance a particle keeps from a wall; closer than this it may not come nearer. */

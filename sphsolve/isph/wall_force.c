@@ -24,7 +24,12 @@ void isph_wall_force(const struct isph *s, size_t b, double force[3]) {
         if (s->boundary_kind[j] != BOUNDARY_WALL || box == 0) continue;
         if (s->wall_boxes[box].region->first != s->wall_boxes[b].region->first) continue;
         isph_separation(s, s->position[i], s->boundary_position, entry, r);
-        const double along = f[0] * r[0] + f[1] * r[1] + f[2] * r[2];
+        double along = 0;
+        for (int a = 0; a < 3; a++) { /* what the image of a wall gets across the side cancels */
+          const bool turned = s->image[entry >> PAIR_BITS].turn[a] < 0;
+          along += f[a] * (turned ? s->position[i][a] - s->boundary_position[j][a] : r[a]);
+          if (turned) r[a] = 0;
+        }
         const double weight = s->volume[i] * isph_wall_volume(s, j) * (double)chunk->wall_slope[p] *
                               (2 * s->pressure[i] - s->density * along);
         for (int a = 0; a < 3; a++) sum[a] -= weight * r[a];

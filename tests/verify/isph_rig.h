@@ -37,6 +37,43 @@ static inline double pressure_at(const struct isph *s, const double point[3]) {
   return number[0];
 }
 
+static inline double rms_velocity(const struct isph *s) {
+  double sum = 0;
+  for (size_t i = 0; i < s->count; i++)
+    for (int a = 0; a < 3; a++) sum += s->velocity[i][a] * s->velocity[i][a];
+  return sqrt(sum / (double)s->count);
+}
+
+/* The rms velocity, m/s, that is in none of the first sloshing modes of a tank of the given width
+ * and depth: the modes' amplitudes by least squares. */
+static inline double rms_beside_modes(const struct isph *s, double width, double depth) {
+  enum { MODES = 6 };
+  double m[MODES][MODES + 1] = {{0}}, amplitude[MODES], sum = 0;
+  for (int pass = 0; pass < 2; pass++) {
+    for (size_t i = 0; i < s->count; i++) {
+      const double *x = s->position[i];
+      double u[MODES], w[MODES], left[2] = {s->velocity[i][0], s->velocity[i][2]};
+      for (int n = 0; n < MODES; n++) {
+        const double k = (n + 1) * M_PI / width;
+        u[n] = -cosh(k * x[2]) / sinh(k * depth) * sin(k * x[0]);
+        w[n] = sinh(k * x[2]) / sinh(k * depth) * cos(k * x[0]);
+      }
+      for (int n = 0; n < MODES && pass == 0; n++) {
+        for (int q = 0; q < MODES; q++) m[n][q] += u[n] * u[q] + w[n] * w[q];
+        m[n][MODES] += u[n] * left[0] + w[n] * left[1];
+      }
+      for (int n = 0; n < MODES && pass == 1; n++)
+        left[0] -= amplitude[n] * u[n], left[1] -= amplitude[n] * w[n];
+      if (pass == 1) sum += left[0] * left[0] + left[1] * left[1];
+    }
+    for (int p = 0; p < MODES && pass == 0; p++)
+      for (int q = 0; q < MODES; q++)
+        for (int c = MODES; q != p && c >= p; c--) m[q][c] -= m[p][c] * m[q][p] / m[p][p];
+    for (int n = 0; n < MODES; n++) amplitude[n] = m[n][MODES] / m[n][n];
+  }
+  return sqrt(sum / (double)s->count);
+}
+
 static void give_up(void) {
   fprintf(stderr, "verification: %s\n", error_message());
   exit(1);

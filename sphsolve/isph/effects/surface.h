@@ -91,9 +91,11 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
 }
 
 /* What the surface adds to the diagonal and to the right-hand side of row i; `pairs` is the sum of
- * the a_ij of its neighbours. */
-static inline void surface_row(const struct isph *s, size_t i, double pairs, double *coefficient,
-                               double *load) {
+ * the a_ij of its neighbours. A drop or a sheet that a side with its image backs (`backed`, 0 .. 1)
+ * lies on it, with few neighbours but all behind: its ghost is the level surface's, and carries it.
+ */
+static inline void surface_row(const struct isph *s, size_t i, double pairs, double backed,
+                               double *coefficient, double *load) {
   double w = s->surface[i];
   *coefficient = *load = 0;
   if (w <= 0) return;
@@ -102,7 +104,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   const double *m = s->gradient_sum[i], *f = s->force;
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
-  *coefficient = w * fmax(moment / (0.5 * size), missing);
+  *coefficient = w * fmax(moment / (0.5 * size), (1 - backed) * missing);
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
 }

@@ -56,8 +56,9 @@ static inline void surface_tension_normal(const struct isph *s, const struct isp
   for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->gradient_sum[i][a];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const double w = surface_tension_weight(s, chunk, p, size);
-    for (int a = 0; a < 3 && w > 0; a++)
-      normal[a] += w * s->gradient_sum[chunk->pair[p] & PAIR_MASK][a];
+    double other[3];
+    isph_turn(s, chunk->pair[p], s->gradient_sum[chunk->pair[p] & PAIR_MASK], other);
+    for (int a = 0; a < 3 && w > 0; a++) normal[a] += w * other[a];
   }
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
   for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
@@ -70,16 +71,17 @@ static inline double surface_tension_curvature(const struct isph *s, const struc
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
     const double w = surface_tension_weight(s, chunk, p, size);
-    double r[3], across[3], square = 0, out = 0;
+    double r[3], other[3], across[3], square = 0, out = 0;
     if (!(w > 0)) continue;
     isph_separation(s, s->position[i], s->position, chunk->pair[p], r);
+    isph_turn(s, chunk->pair[p], normal[j], other);
     for (int a = 0; a < 3; a++) {
-      across[a] = normal[i][a] + normal[j][a];
+      across[a] = normal[i][a] + other[a];
       square += across[a] * across[a], out += across[a] * r[a];
     }
     for (int a = 0; a < 3; a++) {
       const double t = r[a] - out / fmax(square, 1e-30) * across[a];
-      turn += w * (normal[i][a] - normal[j][a]) * t;
+      turn += w * (normal[i][a] - other[a]) * t;
       span += w * t * t;
     }
   }

@@ -1,0 +1,105 @@
+/* Closed sides of method isph reflect (sphsolve/isph/reflection.h). */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+
+#include "sphsolve/isph/budget.h"
+#include "tests/unit/isph_scene.h"
+
+#define WATER                                                                                      \
+  "domain = { size = [\"%g m\", \"0.3 m\"]; spacing = \"1 cm\"; periodic = [%s, false]; };\n"      \
+  "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%g m\", \"0.2 m\"]; } );\n"              \
+  "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"                                          \
+  "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n"                                             \
+  "isph = { tolerance = 1e-12; wall = { slip = true; }; };\n"
+
+/* Half a wave between sides at 0 and .2 m, or with `whole` the wave of .4 m round a periodic axis.
+ */
+static void wave(struct run *run, bool whole) {
+  char text[1024];
+  const double width = whole ? 0.4 : 0.2, k = M_PI / 0.2;
+  snprintf(text, sizeof text, WATER, width, whole ? "true" : "false", width);
+  start(run, text);
+  for (size_t i = 0; i < run->s.count; i++) {
+    const double *x = run->s.position[i];
+    run->s.velocity[i][0] = -0.3 * cosh(k * x[2]) / cosh(k * 0.2) * sin(k * x[0]);
+    run->s.velocity[i][2] = 0.3 * sinh(k * x[2]) / cosh(k * 0.2) * cos(k * x[0]);
+  }
+}
+
+static size_t nearest(const struct isph *s, const double x[3]) {
+  size_t best = 0;
+  double least = INFINITY;
+  for (size_t j = 0; j < s->count; j++) {
+    const double *y = s->position[j], away = hypot(x[0] - y[0], x[2] - y[2]);
+    if (away < least) least = away, best = j;
+  }
+  return best;
+}
+
+/* To what single precision of the matrix leaves; the wave moves particles by 4 mm. */
+static void a_side_is_a_plane_of_symmetry(void **state) {
+  struct run half, whole;
+  (void)state;
+  wave(&half, false);
+  wave(&whole, true);
+  for (int step = 0; step < 40; step++) {
+    assert_int_equal(isph_advance(&half.s, 2e-3), STATUS_OK);
+    assert_int_equal(isph_advance(&whole.s, 2e-3), STATUS_OK);
+  }
+  assert_int_equal(2 * half.s.count, whole.s.count);
+  double off[4] = {0};
+  for (size_t i = 0; i < half.s.count; i++) {
+    const size_t j = nearest(&whole.s, half.s.position[i]);
+    for (int a = 0; a < 3; a += 2) {
+      off[0] = fmax(off[0], fabs(half.s.position[i][a] - whole.s.position[j][a]));
+      off[1] = fmax(off[1], fabs(half.s.velocity[i][a] - whole.s.velocity[j][a]));
+    }
+    off[2] = fmax(off[2], fabs(half.s.kernel_sum[i] - whole.s.kernel_sum[j]));
+    off[3] = fmax(off[3], fabs(half.s.pressure[i] - whole.s.pressure[j]));
+  }
+  print_message("off by %.2g m, %.2g m/s, %.2g, %.2g Pa\n", off[0], off[1], off[2], off[3]);
+  assert_true(off[0] < 1e-5 && off[1] < 1e-3 && off[2] < 2e-4 && off[3] < 2);
+  finish(&half);
+  finish(&whole);
+}
+
+/* The walls' part of the budget is the force on the floor: the weight of the water. */
+static void a_side_carries_the_weight(void **state) {
+  struct run run;
+  (void)state;
+  wave(&run, false);
+  memset(run.s.velocity, 0, run.s.count * sizeof *run.s.velocity);
+  assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+  isph_budget_begin(&run.s);
+  assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+  const double *wall = run.s.budget.sums.impulse[BUDGET_WALL_PRESSURE];
+  const double *force = run.s.budget.sums.impulse[BUDGET_FORCE];
+  assert_true(fabs(wall[2] + force[2]) < 0.02 * fabs(force[2]));
+  assert_true(fabs(wall[0]) < 1e-3 * fabs(force[2]));
+  finish(&run);
+}
+
+/* Sides too close for one image, and sides beside windows, have walls of particles. */
+static void narrow_domains_do_not_reflect(void **state) {
+  struct run run;
+  (void)state;
+  char text[1024];
+  snprintf(text, sizeof text, WATER, 0.02, "false", 0.02);
+  start(&run, text);
+  assert_false(run.s.reflects[0]);
+  assert_true(run.s.reflects[2]);
+  assert_true(run.s.boundary_count > 0);
+  finish(&run);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(a_side_is_a_plane_of_symmetry),
+      cmocka_unit_test(a_side_carries_the_weight),
+      cmocka_unit_test(narrow_domains_do_not_reflect),
+  };
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
