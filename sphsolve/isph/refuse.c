@@ -180,13 +180,13 @@ static enum status check_end(const struct effect_context *context) {
 static enum status check_suction(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
-    const bool curve = region->van_genuchten.given;
-    if (curve || region->boundary == BOUNDARY_PRESSURE)
+    const struct retention_curve *curve = &region->retention;
+    if (curve->given || region->boundary == BOUNDARY_PRESSURE)
       return FAIL(STATUS_INPUT,
                   "%s:%d: %s is of soil that is not full of water, and method isph fills it or "
                   "leaves it dry; write method = \"richards\"%s, or leave it out",
-                  scene->path, region->line, curve ? "van_genuchten" : "pressure_head",
-                  curve ? "" : " and give the soil its van_genuchten");
+                  scene->path, region->line, curve->given ? retention_name(curve) : "pressure_head",
+                  curve->given ? "" : " and give the soil its van_genuchten or haverkamp");
   }
   return STATUS_OK;
 }

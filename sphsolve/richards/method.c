@@ -134,9 +134,9 @@ cleanup:
 
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   for (size_t r = 0; r < context->scene->region_count; r++)
-    if (context->scene->regions[r].van_genuchten.given) {
+    if (context->scene->regions[r].retention.given) {
       snprintf(why, EFFECT_WHY, "soil has %s: it need not be full of water",
-               context->scene->regions[r].van_genuchten.k_n > 0 ? "haverkamp" : "van_genuchten");
+               retention_name(&context->scene->regions[r].retention));
       return true;
     }
   return false;

@@ -7,10 +7,11 @@
 
 static enum status check_soil(const struct scene *scene, const struct region *region) {
   const double *v = region->soil_velocity;
-  if (!region->van_genuchten.given)
+  if (!region->retention.given)
     return FAIL(STATUS_INPUT,
-                "%s:%d: this soil has no van_genuchten, and others have: all of a scene has it, or "
-                "none; give its curve, or take the others' away for soil that is full or dry "
+                "%s:%d: this soil has no van_genuchten or haverkamp, and others have: all of a "
+                "scene has one, or none; give its curve, or take the others' away for soil that is "
+                "full or dry "
                 "(method isph)",
                 scene->path, region->line);
   if (v[0] != 0 || v[1] != 0 || v[2] != 0)
@@ -27,7 +28,7 @@ static enum status check_soil(const struct scene *scene, const struct region *re
                 "%s:%d: saturated: how wet this soil starts is said by head, pressure_head or "
                 "water_content; leave it out",
                 scene->path, region->line);
-  if (region->van_genuchten.starts_by == START_HEAD && scene->driving[2] == 0)
+  if (region->retention.starts_by == START_HEAD && scene->driving[2] == 0)
     return FAIL(STATUS_INPUT,
                 "%s:%d: head: without gravity no level says how wet soil is; give pressure_head or "
                 "water_content",
@@ -40,10 +41,11 @@ static enum status check_region(const struct scene *scene, const struct region *
   case REGION_POROUS:
     return check_soil(scene, region);
   case REGION_WATER:
-    return FAIL(STATUS_INPUT,
-                "%s:%d: free water beside soil with van_genuchten is not in it: give its level as "
-                "the head of an inflow region on a side, or leave van_genuchten out (method isph)",
-                scene->path, region->line);
+    return FAIL(
+        STATUS_INPUT,
+        "%s:%d: free water beside soil that is not full is not in it: give its level as the "
+        "head of an inflow region on a side, or leave the soil's curve out (method isph)",
+        scene->path, region->line);
   case REGION_WELL:
   case REGION_DRAIN:
     return STATUS_OK; /* check_well */

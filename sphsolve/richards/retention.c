@@ -46,7 +46,7 @@ enum status retention_make(const struct region *region, struct retention *soil) 
   static const double weight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
                                    0.3478548451374538};
   enum status status = STATUS_OK;
-  const struct van_genuchten *given = &region->van_genuchten;
+  const struct retention_curve *given = &region->retention;
   *soil = (struct retention){.alpha = given->alpha,
                              .n = given->n,
                              .m = given->k_n > 0 ? 1 : 1 - 1 / given->n,

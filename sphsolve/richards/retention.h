@@ -39,7 +39,7 @@ struct retention_state {
   double potential, missing; /* F; F(0) - F, below 0 under pressure */
 };
 
-/* Of a region of soil with van_genuchten. Free with retention_free. */
+/* Of a region of soil with a retention curve. Free with retention_free. */
 enum status retention_make(const struct region *region, struct retention *soil);
 void retention_free(struct retention *soil);
 /* F of i less that of j: of wet soil by what is missing, so that no digits are lost. */

@@ -211,7 +211,7 @@ cleanup:
 /* Water at rest under a level, one pressure head, or one water content. */
 static double head_at_start(const struct richards *s, size_t i) {
   const struct region *region = region_of(s, s->site[i]);
-  const struct van_genuchten *given = &region->van_genuchten;
+  const struct retention_curve *given = &region->retention;
   const struct retention *soil = &s->soils[s->soil[i]];
   double x[3], h = given->start;
   richards_place(s, i, x);

@@ -88,14 +88,20 @@ struct polygon {
 
 struct stl;
 
-/* Soil that need not be full of water (richards/retention.h); porosity is theta_s then. */
-struct van_genuchten {
+/* The curve of soil that need not be full of water, van Genuchten's or Haverkamp's
+ * (richards/retention.h); porosity is theta_s then. */
+struct retention_curve {
   bool given;
   double alpha, n, theta_r, l; /* 1/m, -, -, - */
-  double k_alpha, k_n; /* 1/m, -: of Haverkamp's curves, by which k is its own; else 0 */
+  double k_alpha, k_n;         /* 1/m, -: of Haverkamp's curves, by which k is its own; else 0 */
   enum soil_start starts_by;   /* what `start` is: a level, m; a pressure head, m; theta */
   double start;
 };
+
+/* As a scene calls it. */
+static inline const char *retention_name(const struct retention_curve *curve) {
+  return curve->k_n > 0 ? "haverkamp" : "van_genuchten";
+}
 
 struct region {
   enum region_type type;
@@ -115,7 +121,7 @@ struct region {
   double anisotropy[6];    /* then its permeability (xx xy xz yy yz zz) over that of the drag, the
                               geometric mean; yy = 1 in 2-D */
   double permeability;     /* m/s, as the scene gives it (of beds the mean); 0: by the grain size */
-  struct van_genuchten van_genuchten;
+  struct retention_curve retention;
   double soil_velocity[3]; /* moving soil, m/s */
   bool saturated;          /* full of water at the start also where no water region covers it */
   bool dry;                /* dry there, even where soil would start full by itself */

@@ -35,7 +35,7 @@ static void put_region(FILE *stream, const struct region *r) {
   for (int i = 0; i < 6; i++) fprintf(stream, " %.12g", r->box[i]);
   for (size_t i = 0; i < sizeof values / sizeof *values; i++) fprintf(stream, " %.12g", values[i]);
   for (int i = 0; i < 6 && r->anisotropic; i++) fprintf(stream, " %.12g", r->anisotropy[i]);
-  const struct van_genuchten *v = &r->van_genuchten;
+  const struct retention_curve *v = &r->retention;
   if (v->given)
     fprintf(stream, " %.12g %.12g %.12g %.12g %.12g %d %.12g", r->permeability, v->alpha, v->n,
             v->theta_r, v->l, (int)v->starts_by, v->start);

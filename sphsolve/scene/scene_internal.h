@@ -28,7 +28,7 @@ bool scene_in_wall(const struct scene *scene, const double point[3]);
 enum status scene_read_permeability(struct config *config, config_node *group,
                                     const struct scene *scene, struct region *region);
 
-/* scene_retention.c: van_genuchten of a region of soil, and how wet it starts. */
+/* scene_retention.c: the retention curve of a region of soil, and how wet it starts. */
 enum status scene_read_retention(struct config *config, config_node *group, struct region *region);
 
 /* scene_shapes.c: regions that are no boxes. Whether a group gives one; reads it, its extent into

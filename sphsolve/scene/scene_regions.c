@@ -173,8 +173,8 @@ static enum status read_inflow(struct config *config, config_node *group, const 
   double *value = flux_given ? &region->flux : &region->head;
   if (flux_given + pressure_given + head_given != 1)
     TRY(config_error(config, group,
-                     "either head (a length) or flux (a velocity) is wanted; before soil with "
-                     "van_genuchten also pressure_head (a length)"));
+                     "either head (a length) or flux (a velocity) is wanted; before soil that "
+                     "is not full also pressure_head (a length)"));
   if (config_child(config, group, "times") != NULL) {
     TRY(read_table(config, group, key, of, scene, 1, &region->table));
     *value = time_table_extreme(&region->table, 0);

@@ -11,7 +11,7 @@
 
 static enum status check_residual(struct config *config, config_node *group,
                                   const struct region *region) {
-  const double theta_r = region->van_genuchten.theta_r;
+  const double theta_r = region->retention.theta_r;
   if (theta_r >= 0 && theta_r < region->porosity) return STATUS_OK;
   return config_error(config, config_child(config, group, "theta_r"),
                       "from 0 to below the porosity, %g, is possible: the porosity is the water "
@@ -23,7 +23,7 @@ static enum status check_residual(struct config *config, config_node *group,
 static enum status read_haverkamp(struct config *config, config_node *group,
                                   struct region *region) {
   enum status status = STATUS_OK;
-  struct van_genuchten *soil = &region->van_genuchten;
+  struct retention_curve *soil = &region->retention;
   static const char *const keys[] = {"h_theta", "beta", "h_k", "gamma"};
   double value[4] = {0};
   for (int i = 0; i < 4; i++) {
@@ -51,7 +51,7 @@ cleanup:
 
 static enum status read_curve(struct config *config, config_node *group, struct region *region) {
   enum status status = STATUS_OK;
-  struct van_genuchten *soil = &region->van_genuchten;
+  struct retention_curve *soil = &region->retention;
   bool alpha_given, n_given;
   soil->l = 0.5;
   TRY(config_quantity(config, group, "alpha", (struct dimension){-1, 0, 0}, &soil->alpha,
@@ -85,14 +85,14 @@ enum status scene_read_retention(struct config *config, config_node *group, stru
   config_node *genuchten = config_child(config, group, "van_genuchten"),
               *haverkamp = config_child(config, group, "haverkamp"),
               *curve = genuchten != NULL ? genuchten : haverkamp;
-  struct van_genuchten *soil = &region->van_genuchten;
+  struct retention_curve *soil = &region->retention;
   int given = 0;
   for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
     config_node *node = config_child(config, group, starts[i].key);
     if (node == NULL) continue;
     if (curve == NULL)
       TRY(config_error(config, node,
-                       "is of soil with van_genuchten = { alpha = ...; n = ...; }, "
+                       "is of soil with van_genuchten = { alpha = ...; n = ...; } or haverkamp, "
                        "which this is not"));
     given++;
     soil->starts_by = starts[i].by;

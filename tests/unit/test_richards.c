@@ -12,7 +12,7 @@
 static const struct region sand = {
     .porosity = .4,
     .permeability = 1e-4,
-    .van_genuchten = {.given = true, .alpha = 5, .n = 3, .theta_r = .05, .l = .5}};
+    .retention = {.given = true, .alpha = 5, .n = 3, .theta_r = .05, .l = .5}};
 
 /* Against the formulas as they are printed, and integrals by the midpoint rule. */
 static void curves(void **state) {
@@ -23,7 +23,7 @@ static void curves(void **state) {
     struct retention soil;
     struct retention_state at, last = {0};
     double sum = 0, from = -1e-3 / 5;
-    region.van_genuchten.n = n[k];
+    region.retention.n = n[k];
     assert_int_equal(retention_make(&region, &soil), STATUS_OK);
     for (size_t i = sizeof heads / sizeof *heads; i-- > 0;) {
       const double m = 1 - 1 / n[k], s = pow(1 + pow(5 * -heads[i], n[k]), -m);
@@ -73,7 +73,7 @@ static void haverkamp(void **state) {
   struct region region = sand;
   struct retention soil;
   struct retention_state at, low, high;
-  region.van_genuchten = (struct van_genuchten){
+  region.retention = (struct retention_curve){
       .given = true, .alpha = 1 / .37, .n = 3.96, .k_alpha = 1 / .19, .k_n = 4.74, .theta_r = .05};
   assert_int_equal(retention_make(&region, &soil), STATUS_OK);
   retention_at(&soil, -.37, &at);
@@ -137,7 +137,7 @@ static void fluxes(void **state) {
   /* By the head of sand as dry as dust: as little as k is there, and no rounding of the rest. */
   struct region coarse = sand;
   struct retention_state wet, dry;
-  coarse.van_genuchten.alpha = 14, coarse.van_genuchten.n = 9.9;
+  coarse.retention.alpha = 14, coarse.retention.n = 9.9;
   assert_int_equal(retention_make(&coarse, &soil), STATUS_OK);
   retention_at(&soil, 0, &wet);
   retention_at(&soil, -9445, &dry);

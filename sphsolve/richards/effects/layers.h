@@ -16,7 +16,7 @@ static inline bool richards_layers_wanted(const struct effect_context *context,
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
     if (first == NULL) first = region;
-    const struct van_genuchten *a = &first->van_genuchten, *b = &region->van_genuchten;
+    const struct retention_curve *a = &first->retention, *b = &region->retention;
     differ = differ || region->porosity != first->porosity ||
              region->permeability != first->permeability || a->alpha != b->alpha || a->n != b->n ||
              a->theta_r != b->theta_r || a->l != b->l;
