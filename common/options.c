@@ -8,14 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/output_guard.h"
 #include "common/provenance.h"
+#include "common/threads.h"
 
 #define ENTRY_MAX 64
 #define VALUE_MAX 512
@@ -38,7 +35,8 @@ struct options {
 };
 
 static const struct option_entry common_entries[] = {
-    {"threads", 't', "N", OPTION_ALL, "threads to use (default: all cores)"},
+    {"threads", 't', "N", OPTION_ALL,
+     "threads to use (default: as many cores as the work keeps busy)"},
     {"max-memory", 0, "SIZE", OPTION_ALL, "refuse to use more, e.g. 8GB"},
     {"force", 0, NULL, OPTION_ALL, "replace a file that is no product of Tosui's (an input never)"},
     {"json", 0, NULL, OPTION_ALL, "one JSON object on stdout, nothing else there"},
@@ -221,9 +219,7 @@ static enum status apply_common(const struct options *options) {
       !(threads >= 1 && threads <= 4096 && threads == floor(threads)))
     TRY_FAIL(STATUS_USAGE, "--threads %s: a whole number from 1 to 4096 is wanted",
              options_text(options, "threads"));
-#ifdef _OPENMP
-  if (threads >= 1) omp_set_num_threads((int)threads);
-#endif
+  if (threads >= 1) threads_use((int)threads);
   const char *size = options_text(options, "max-memory");
   if (size != NULL) {
     char *unit;

@@ -1,5 +1,8 @@
 #include "common/threads.h"
 
+#include <math.h>
+#include <omp.h>
+#include <stdbool.h>
 #include <stdlib.h>
 #include <unistd.h>
 
@@ -9,4 +12,15 @@ void threads_wait_asleep(char **argv) {
   if (setenv("GOMP_SPINCOUNT", "1000", 1) != 0) return;
   execv("/proc/self/exe", argv);
   /* Where that is not possible the program runs on as it is. */
+}
+
+static bool named;
+
+int threads_for(double work, double each, int most) {
+  return named ? most : (int)fmin(most, 1 + work / each);
+}
+
+void threads_use(int count) {
+  named = count > 0;
+  if (named) omp_set_num_threads(count);
 }

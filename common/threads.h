@@ -1,4 +1,4 @@
-/* How threads wait for each other. */
+/* How many threads work, and how they wait for each other. */
 #ifndef TOSUI_COMMON_THREADS_H
 #define TOSUI_COMMON_THREADS_H
 
@@ -11,5 +11,12 @@
  * cores the same run took 3.5 s instead of 5.4, beside two other processes 6.8 instead of 6.3. Call
  * first in main. */
 void threads_wait_asleep(char **argv);
+
+/* How many of `most` threads `work` keeps busy, at `each` of its units a thread: more of them wait
+ * for each other longer than they help. All of them once the user named a number. */
+int threads_for(double work, double each, int most);
+
+/* The user names a number of threads; 0: none any more. */
+void threads_use(int count);
 
 #endif

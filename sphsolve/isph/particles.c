@@ -1,6 +1,7 @@
 #include "sphsolve/isph/state.h"
 
 #include <math.h>
+#include <omp.h>
 #include <string.h>
 
 #include "common/memory.h"
@@ -177,6 +178,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   enum status status = STATUS_OK;
   memset(s, 0, sizeof *s);
   s->scene = scene;
+  s->threads_most = omp_get_max_threads();
   s->on = *switches;
   s->on.interfaces = isph_soils_differ(scene);
   s->on.links = isph_links_wanted(scene, switches->surface) && s->on.soil;
@@ -227,6 +229,7 @@ cleanup:
 }
 
 void isph_free(struct isph *s) {
+  if (s->threads_most > 0) omp_set_num_threads(s->threads_most);
   multigrid_free(s);
   isph_petsc_free(s);
   ghosts_free(&s->local);

@@ -154,8 +154,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   double n = (double)context->lattice->fluid_count;
   enum status status = isph_refuse(context);
   if (status != STATUS_OK) return status;
-  double neighbours = context->lattice->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
-                                                        : 3.14 * pow(scene->isph.support_ratio, 2);
+  double neighbours = isph_neighbours(scene);
   /* In that time what starts at rest falls half a spacing. */
   double fall = sqrt(context->spacing / context->driving);
   if (!isnan(scene->isph.dt) && scene->isph.dt > fall)
@@ -185,8 +184,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (status != STATUS_OK) return status;
   plan->steps = isnan(plan->dt) ? steps_at(plan, &speeds) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
-  plan->seconds =
-      plan->steps * n * SECONDS_PER_STEP[context->lattice->dimensions - 2] / fmin(threads, 8);
+  plan->seconds = plan->steps * n * SECONDS_PER_STEP[context->lattice->dimensions - 2] /
+                  isph_threads(scene, n, threads < 8 ? threads : 8);
   expect_isph(plan);
   return STATUS_OK;
 }

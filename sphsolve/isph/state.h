@@ -240,6 +240,7 @@ struct isph {
   double kernel_sum_peak; /* the largest kernel sum once a warning of it was given; 0 before */
   int64_t stable_from;    /* step of the watchdog's last trip or return to a longer step */
   struct monitor_settling settling;
+  int threads_most; /* there are; a step uses as many as its pairs keep busy */
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
   double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
 };
@@ -252,6 +253,9 @@ void isph_free(struct isph *s);
 /* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
  * leave a fresh state; to be called after positions were changed otherwise. */
 enum status isph_refresh(struct isph *s);
+/* Pairs a particle, where they are evenly spread; threads that so many particles keep busy. */
+double isph_neighbours(const struct scene *scene);
+int isph_threads(const struct scene *scene, double particles, int most);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
 /* A wall that has left the domain drives nothing any more. */

@@ -6,6 +6,7 @@
 
 #include "common/interrupt.h"
 #include "common/memory.h"
+#include "common/threads.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
 /* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
@@ -37,13 +38,7 @@ double stokes_solver_bytes(double sites, double active, bool soil) {
          (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active, soil))) * active;
 }
 
-/* Threads that so many sites keep busy; waiting for more costs longer than they help. */
 #define SITES_A_THREAD 4000
-
-static int threads_for(size_t active) {
-  const size_t most = (size_t)omp_get_max_threads(), wanted = 1 + active / SITES_A_THREAD;
-  return (int)(wanted < most ? wanted : most);
-}
 
 /* Momentum and continuity of a residual as they are weighed against each other. */
 static void scale_rows(const struct stokes_operator *op, float *y) {
@@ -192,7 +187,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   TRY(stokes_grid_distribute(&s->grid, reach));
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  omp_set_num_threads(threads_for(s->grid.active));
+  omp_set_num_threads(threads_for((double)s->grid.active, SITES_A_THREAD, threads));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
                             s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));

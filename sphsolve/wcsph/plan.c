@@ -217,6 +217,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   const struct lattice *lattice = context->lattice;
   double stable = INFINITY, accurate = INFINITY, own = INFINITY;
   const char *accurate_by = NULL;
+  threads = engine_threads(lattice, context->support, threads);
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
     const struct effect *effect = planned->effect;

@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "common/threads.h"
 #include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/method.h"
 
@@ -80,7 +81,7 @@ static inline void same_on_threads_and_back(void (*begin)(struct run *), double 
   for (int k = 0; k < 3; k++) {
     struct run run;
     struct isph_copy copy = {0};
-    omp_set_num_threads(k == 1 ? 2 : 1);
+    threads_use(k == 1 ? 2 : 1);
     begin(&run);
     if (k == 2) {
       assert_int_equal(isph_keep(&run.s, &copy), STATUS_OK);
@@ -95,6 +96,7 @@ static inline void same_on_threads_and_back(void (*begin)(struct run *), double 
       found[k][3] += run.s.position[i][0] * run.s.pressure[i];
     finish(&run);
   }
+  threads_use(0);
   omp_set_num_threads(threads);
   assert_memory_equal(found[0], found[1], sizeof found[0]);
   assert_memory_equal(found[0], found[2], sizeof found[0]);

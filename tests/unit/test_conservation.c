@@ -148,13 +148,14 @@ static void threads_keep_one_budget(void **state) {
   struct run run[2];
   int before = omp_get_max_threads();
   for (int k = 0; k < 2; k++) {
-    omp_set_num_threads(1 + 2 * k);
+    threads_use(1 + 2 * k);
     start(&run[k],
           TANK "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.1 m\", \"0.2 m\"]; "
                "} );");
     advance(&run[k], 0.1);
     isph_budget_end(&run[k].s);
   }
+  threads_use(0);
   omp_set_num_threads(before);
   assert_memory_equal(&run[0].s.budget, &run[1].s.budget, sizeof run[0].s.budget);
   for (int k = 0; k < 2; k++) finish(&run[k]);
@@ -268,7 +269,7 @@ static void samples_change_nothing(void **state) {
     struct wcsph_budget budget[3] = {0};
     struct engine engine[3];
     for (int k = 0; k < 3; k++) {
-      omp_set_num_threads(1 + 2 * (k > 1));
+      threads_use(1 + 2 * (k > 1));
       assert_int_equal(engine_make(&lattice, &settings, &engine[k]), STATUS_OK);
       if (k > 0) wcsph_budget_begin(&engine[k], terms_of(&settings), &budget[k]);
       for (int n = 0; n < 6; n++) {
@@ -278,6 +279,7 @@ static void samples_change_nothing(void **state) {
         assert_int_equal(engine_step(&engine[k]), STATUS_OK);
       }
     }
+    threads_use(0);
     omp_set_num_threads(before);
     const size_t bytes = particles_slots(&engine[0].particles) * sizeof(float);
     for (int k = 1; k < 3; k++) {

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "common/kernel.h"
+#include "common/threads.h"
 #include "sphsolve/wcsph/kernels/quintic.h"
 /* The second kernel's forms have the same names. */
 #undef KERNEL_NAME
@@ -174,7 +175,7 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
   settings.pressure_diffusion = WCSPH_STABILISATION * 46e-6 * 46e-6 / 1e-6 * 2.25;
   settings.force[2] = -2000;
   if (isa != NULL) setenv("TOSUI_ISA", isa, 1);
-  omp_set_num_threads(threads);
+  threads_use(threads);
   assert_int_equal(engine_make(&lattice, &settings, &engine), STATUS_OK);
   unsetenv("TOSUI_ISA");
   for (int s = 0; s < steps; s++) {
@@ -194,6 +195,7 @@ static void march(enum pass_wall wall, int threads, const char *isa, int steps, 
   }
   engine_free(&engine);
   test_lattice_free(&lattice);
+  threads_use(0);
   omp_set_num_threads(1);
 }
 

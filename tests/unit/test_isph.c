@@ -196,12 +196,13 @@ static void threads_agree(void **state) {
 #ifdef _OPENMP
   int before = omp_get_max_threads();
   struct run one, three;
-  omp_set_num_threads(1);
+  threads_use(1);
   start(&one, tank);
   for (int k = 0; k < 20; k++) assert_int_equal(isph_advance(&one.s, 1e-3), STATUS_OK);
-  omp_set_num_threads(3);
+  threads_use(3);
   start(&three, tank);
   for (int k = 0; k < 20; k++) assert_int_equal(isph_advance(&three.s, 1e-3), STATUS_OK);
+  threads_use(0);
   omp_set_num_threads(before);
   assert_int_equal(one.s.count, three.s.count);
   assert_memory_equal(one.s.position, three.s.position, one.s.count * sizeof *one.s.position);

@@ -7,6 +7,7 @@
 
 #include "common/kernel.h"
 #include "common/memory.h"
+#include "common/threads.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
@@ -42,10 +43,21 @@ static size_t local_capacity(const struct lattice *lattice, double support) {
   return ((size_t)(0.5 * sites) + 2048) / SIMD_LANES * SIMD_LANES;
 }
 
+/* Pairs a thread at which two took as long as one, at two and three dimensions alike. */
+#define PAIRS_A_THREAD 150e3
+
+int engine_threads(const struct lattice *lattice, double support, int most) {
+  double neighbours = lattice->dimensions == 3 ? 4.19 : 3.14;
+  for (int a = 0; a < 3; a++)
+    if (lattice->dimensions == 3 || a != 1) neighbours *= support / lattice->spacing[a];
+  return threads_for(neighbours * (double)lattice->fluid_count, PAIRS_A_THREAD, most);
+}
+
 static enum status make_locals(struct engine *engine) {
   enum status status = STATUS_OK;
   size_t capacity = local_capacity(engine->lattice, engine->settings.support);
-  engine->threads = omp_get_max_threads();
+  engine->threads =
+      engine_threads(engine->lattice, engine->settings.support, omp_get_max_threads());
   TRY(memory_allocate(&engine->locals, (size_t)engine->threads, sizeof *engine->locals, "threads"));
   for (int t = 0; t < engine->threads; t++) {
     struct local *local = &engine->locals[t];

@@ -161,6 +161,8 @@ enum status engine_kick(struct engine *engine, bool sums);
 double engine_bytes_fluid(const struct engine_settings *settings);
 double engine_bytes_wall(const struct engine_settings *settings);
 /* Per thread; `support` in m. */
+/* Threads that the pairs of a lattice keep busy. */
+int engine_threads(const struct lattice *lattice, double support, int most);
 double engine_bytes_thread(const struct lattice *lattice, double support);
 
 #endif
