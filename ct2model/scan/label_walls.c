@@ -8,7 +8,11 @@
  * order, where a Gaussian moves them with the curvature ("twicing": Tukey 1977; the same idea as
  * smoothing without shrinking of Taubin 1995). Corners, contacts and pores of a few voxels it rounds
  * or opens; there it leaves voxels on the wrong side, or other volume than the labels have around,
- * and the narrow one stands. */
+ * and the narrow one stands.
+ *
+ * Where grain or pore ends in an edge, as the walls of a foam do at its windows, both cut it off.
+ * What the labels have there and the surface has not is given back by moving the surface about it
+ * (docs/notes/2026-11-26-twentieth-hour.md). */
 #include "ct2model/scan/label_walls.h"
 
 #include <math.h>
@@ -46,6 +50,7 @@ struct drawing {
   struct kernel narrow_kernel, wide_once, wide_twice, about, passage;
   uint8_t *walls; /* narrow, then the result */
   uint8_t *wide;
+  const uint8_t *judged; /* the one that is held against the labels */
   uint8_t *narrow_share; /* 0 to 255 */
 };
 
@@ -96,13 +101,13 @@ typedef float quantity(const struct drawing *d, size_t voxel);
 static float is_grain(const struct drawing *d, size_t voxel) {
   return (float)d->grain[voxel];
 }
-/* What the wide surface gives to the grains more than the labels do. */
+/* What the surface gives to the grains more than the labels do. */
 static float excess(const struct drawing *d, size_t voxel) {
-  return part_of(d->wide[voxel]) - (float)d->grain[voxel];
+  return part_of(d->judged[voxel]) - (float)d->grain[voxel];
 }
 /* Whose sum across the surface is one voxel: the integral of 6 t (1 - t) over 0 < t < 1. */
 static float surface(const struct drawing *d, size_t voxel) {
-  const float part = part_of(d->wide[voxel]);
+  const float part = part_of(d->judged[voxel]);
   return 6.0f * part * (1.0f - part);
 }
 static float wrong_side(const struct drawing *d, size_t voxel) {
@@ -196,6 +201,17 @@ static void join(const struct drawing *d, size_t z, float *work, float *a, float
     walls[p] = (uint8_t)lroundf((float)wide[p] + a[p] * ((float)walls[p] - (float)wide[p]));
 }
 
+/* Into `wide`, which is done with. */
+static void give_back(const struct drawing *d, size_t z, float *work, float *a, float *b) {
+  const size_t plane = d->size[0] * d->size[1];
+  const uint8_t *walls = d->walls + z * plane;
+  uint8_t *moved = d->wide + z * plane;
+  filter(d, excess, &d->about, z, work, a);
+  filter(d, surface, &d->about, z, work, b);
+  for (size_t p = 0; p < plane; p++)
+    moved[p] = grey_of(distance_of(walls[p]) - a[p] / (b[p] + NO_SURFACE));
+}
+
 static enum status each_slice(const struct drawing *d, stage *next) {
   enum status status = STATUS_OK;
   const size_t plane = d->size[0] * d->size[1], room = 2 * plane + d->size[0] + 2 * REACH;
@@ -229,10 +245,14 @@ enum status label_walls(const uint8_t *grain, const size_t size[3], const bool r
                       .passage = gaussian(PASSAGE),
                       .walls = walls};
   TRY(memory_allocate(&d.wide, count, 1, "the smoothed labels"));
+  d.judged = d.wide;
   TRY(memory_allocate(&d.narrow_share, count, 1, "the smoothed labels"));
   TRY(each_slice(&d, draw));
   TRY(each_slice(&d, judge));
   TRY(each_slice(&d, join));
+  d.judged = walls;
+  TRY(each_slice(&d, give_back));
+  memcpy(walls, d.wide, count);
 cleanup:
   memory_free(&d.wide);
   memory_free(&d.narrow_share);
