@@ -164,6 +164,7 @@ static enum status read_snapshots(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
   size_t count = 0;
   if (!h5_exists(file, "/run/snapshots/name")) return STATUS_OK;
+  run->flow_hash = flow_hash_read(file, "/run");
   TRY(h5_read_texts(file, "/run/snapshots/name", &run->snapshot_count, &run->snapshot_names));
   TRY(h5_read(file, "/run/snapshots/time", H5_F64, 1, &count, &run->snapshot_times));
   if (count != run->snapshot_count)
@@ -406,6 +407,7 @@ enum status run_last_snapshot(const struct run *run, struct particles *particles
     TRY_FAIL(STATUS_INPUT, "%s: %s; the files of a run stay together: copy it there", path,
              strerror(errno));
   TRY(snapshot_open(path, &snapshot));
+  TRY(flow_hash_check(run->path, run->flow_hash, path, snapshot.file));
   if (snapshot.count == 0) TRY_FAIL(STATUS_INPUT, "%s: the snapshot holds no particles", path);
   TRY(snapshot_read(&snapshot, "velocity", 3, &particles->velocity));
   if (h5_exists(snapshot.file, "/VTKHDF/PointData/density"))

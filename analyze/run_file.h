@@ -55,6 +55,7 @@ struct run {
   struct run_levels levels; /* the lattices that the run solved; count 0: one */
   size_t column_count;
   struct history_column *columns;
+  uint64_t flow_hash; /* of the last snapshot; 0: not known */
   size_t snapshot_count;
   char **snapshot_names;
   double *snapshot_times;

@@ -61,7 +61,31 @@ cleanup:
   return status;
 }
 
-enum status snapshot_write(const char *path, double time, int64_t step, size_t count,
+enum status flow_hash_write(struct h5_file *file, const char *group, uint64_t hash) {
+  return hash == 0 ? STATUS_OK : h5_write_attribute(file, group, "flow_hash", H5_U64, 1, &hash);
+}
+
+uint64_t flow_hash_read(struct h5_file *file, const char *group) {
+  uint64_t hash = 0;
+  if (h5_attribute_exists(file, group, "flow_hash") &&
+      h5_read_attribute(file, group, "flow_hash", H5_U64, 1, &hash) != STATUS_OK) {
+    error_clear();
+    hash = 0;
+  }
+  return hash;
+}
+
+enum status flow_hash_check(const char *record_path, uint64_t record, const char *path,
+                            struct h5_file *file) {
+  const uint64_t own = flow_hash_read(file, "/");
+  if (record == 0 || own == 0 || record == own) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s: is of another run than %s, one of which could not be written to its end: run "
+              "the flow again",
+              path, record_path);
+}
+
+enum status snapshot_write(const char *path, double time, int64_t step, uint64_t flow, size_t count,
                            const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields) {
   enum status status = STATUS_OK;
@@ -70,6 +94,7 @@ enum status snapshot_write(const char *path, double time, int64_t step, size_t c
   TRY(h5_create(path, &file));
   TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
   TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
+  TRY(flow_hash_write(file, "/", flow));
   TRY(h5_make_group(file, "/VTKHDF"));
   TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
   TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "UnstructuredGrid"));

@@ -20,8 +20,16 @@ struct snapshot_field {
   const void *context;
 };
 
+/* Which run a file of its flow belongs to: the hash of the velocities that its record has as well
+ * (`flow_hash` of /run); 0 and no attribute where a run knows none. */
+enum status flow_hash_write(struct h5_file *file, const char *group, uint64_t hash);
+uint64_t flow_hash_read(struct h5_file *file, const char *group);
+/* STATUS_INPUT where both files know theirs and they are unlike. */
+enum status flow_hash_check(const char *record_path, uint64_t record, const char *path,
+                            struct h5_file *file);
+
 /* `points`: f64, 3 components, m. Root attribute `time` (s), `step`. Atomic. */
-enum status snapshot_write(const char *path, double time, int64_t step, size_t count,
+enum status snapshot_write(const char *path, double time, int64_t step, uint64_t flow, size_t count,
                            const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields);
 

@@ -5,6 +5,7 @@
 #include "common/image_file.h"
 #include "common/memory.h"
 #include "common/output_guard.h"
+#include "common/snapshot_file.h"
 #include "sphsolve/geometry/soil.h"
 
 struct field {
@@ -51,8 +52,8 @@ cleanup:
 }
 
 enum status image_write(const char *prefix, const struct lattice *lattice, double viscosity,
-                        double time, int64_t step, size_t count, const uint64_t *site,
-                        const float *velocity, const float *pressure) {
+                        double time, int64_t step, uint64_t flow, size_t count,
+                        const uint64_t *site, const float *velocity, const float *pressure) {
   enum status status = STATUS_OK;
   static const struct field fields[] = {
       {"velocity", "m/s", "velocity; walls are at rest", 3},
@@ -67,6 +68,7 @@ enum status image_write(const char *prefix, const struct lattice *lattice, doubl
   TRY(h5_create(path, &file));
   TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
   TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
+  TRY(flow_hash_write(file, "/", flow));
   TRY(image_file_begin(file, lattice->size, lattice->spacing, lattice->origin));
   for (size_t f = 0; f < 2; f++) {
     const size_t n = fields[f].components;

@@ -11,7 +11,7 @@
 /* `count` fluid sites with velocity (m/s, 3 each) and pressure (Pa); walls are at rest. The
  * distance to the wall (m) is the lattice's. In one process. */
 enum status image_write(const char *prefix, const struct lattice *lattice, double viscosity,
-                        double time, int64_t step, size_t count, const uint64_t *site,
-                        const float *velocity, const float *pressure);
+                        double time, int64_t step, uint64_t flow, size_t count,
+                        const uint64_t *site, const float *velocity, const float *pressure);
 
 #endif

@@ -255,6 +255,12 @@ cleanup:
   return status;
 }
 
+/* 0 where they are not all at hand: made as they are written, or parted between ranks. */
+static uint64_t flow_hash(const float *velocity, size_t count) {
+  return velocity == NULL || ranks_count() > 1 ? 0
+                                               : hash_bytes(velocity, 3 * count * sizeof *velocity);
+}
+
 enum status recorder_snapshot(struct recorder *recorder, double time, int64_t step, size_t count,
                               const struct snapshot_field *points, size_t field_count,
                               const struct snapshot_field *fields) {
@@ -262,11 +268,14 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
   char path[4096];
   struct snapshot_field wanted[32];
   size_t n = 0;
-  for (size_t i = 0; i < field_count && n < 32; i++)
+  for (size_t i = 0; i < field_count && n < 32; i++) {
     if (field_wanted(recorder->scene, fields[i].name)) wanted[n++] = fields[i];
+    if (!strcmp(fields[i].name, "velocity") && fields[i].type == H5_F32)
+      recorder->flow_hash = flow_hash(fields[i].data, count);
+  }
   snprintf(path, sizeof path, "%s-%04zu.hdf", recorder->prefix, recorder->snapshot_count);
   TRY(ranks_agree(output_allow(path)));
-  TRY(snapshot_write(path, time, step, count, points, n, wanted));
+  TRY(snapshot_write(path, time, step, recorder->flow_hash, count, points, n, wanted));
   const char *slash = strrchr(path, '/');
   TRY(note_snapshot(recorder, slash != NULL ? slash + 1 : path, time));
   snprintf(path, sizeof path, "%s.hdf.series", recorder->prefix);
@@ -283,8 +292,8 @@ enum status recorder_image(struct recorder *recorder, const struct lattice *latt
                            int64_t step, size_t count, const uint64_t *site, const float *velocity,
                            const float *pressure) {
   if (ranks_count() > 1 || recorder->scene->no_image) return STATUS_OK;
-  return image_write(recorder->prefix, lattice, recorder->scene->fluid.viscosity, time, step, count,
-                     site, velocity, pressure);
+  return image_write(recorder->prefix, lattice, recorder->scene->fluid.viscosity, time, step,
+                     flow_hash(velocity, count), count, site, velocity, pressure);
 }
 
 enum status recorder_go_back(struct recorder *recorder, double time) {

@@ -12,6 +12,7 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
+#include "common/snapshot_file.h"
 #include "common/units.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/tensor.h"
@@ -188,6 +189,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute_text(file, "/run", "kernel", kernel_names[context->kernel]));
   TRY(h5_write_attribute_text(file, "/run", "model_path", scene->model_path));
   TRY(h5_write_attribute_text(file, "/run", "model_hash", hash));
+  TRY(flow_hash_write(file, "/run", recorder->flow_hash));
   double low, high;
   uncertainty_total(&result->error, &low, &high);
   TRY(write_number(file, "k", result->k));

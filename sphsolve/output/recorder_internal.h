@@ -39,6 +39,7 @@ struct recorder {
   char **snapshot_names;
   double *snapshot_times;
   double next_snapshot;
+  uint64_t flow_hash; /* of the last one's velocities, and of the image's; 0: unknown */
 
   size_t timing_count, fact_count, measured_count;
   struct named_value timings[NAMED_MAX], facts[NAMED_MAX], measured[NAMED_MAX];

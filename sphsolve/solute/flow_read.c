@@ -4,12 +4,13 @@
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "common/snapshot_file.h"
 #include "sphsolve/solute/flow_internal.h"
 
 #define IMAGE "/VTKHDF/PointData/"
 
 /* What the record of the run says of it. */
-static enum status read_record(const char *path, struct solute_flow *f) {
+static enum status read_record(const char *path, struct solute_flow *f, uint64_t *flow) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   char *method = NULL;
@@ -25,6 +26,7 @@ static enum status read_record(const char *path, struct solute_flow *f) {
              path, method);
   f->viscosity = h5_attribute_or_nan(file, "/run", "viscosity");
   f->density = h5_attribute_or_nan(file, "/run", "density");
+  *flow = flow_hash_read(file, "/run");
 cleanup:
   memory_free(&method);
   h5_close(file);
@@ -39,8 +41,9 @@ static enum status read_flow(const char *run_file, bool whole, struct solute_flo
   const size_t length = strlen(run_file);
   const bool ending = length > 4 && !strcmp(run_file + length - 4, ".hdf");
   struct solute_flow record = {0};
+  uint64_t flow = 0;
   *f = (struct solute_flow){0};
-  TRY(read_record(run_file, &record));
+  TRY(read_record(run_file, &record, &flow));
   if ((size_t)snprintf(path, sizeof path, "%.*s-image.hdf", (int)(ending ? length - 4 : length),
                        run_file) >= sizeof path)
     TRY_FAIL(STATUS_INPUT, "%s: the path is too long", run_file);
@@ -48,6 +51,7 @@ static enum status read_flow(const char *run_file, bool whole, struct solute_flo
   if (status != STATUS_OK)
     TRY(error_context(status, "the flow on its lattice, which a run of method stokes leaves beside "
                               "its record unless output.image = false"));
+  TRY(flow_hash_check(run_file, flow, path, file));
   size_t size[3], shape[4];
   double spacing[3], origin[3];
   int n[3];

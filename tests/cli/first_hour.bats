@@ -349,6 +349,21 @@ END
   [ -e dam-0000.hdf ] && [ -e dam-0001.hdf ] && [ -e dam.hdf.series ] || { echo "$stderr"; ls dam*; false; }
 }
 
+@test "a flow of another run beside an older record is told by the page and by a solute" {
+  sphsolve run a.cfg -o mixed --quiet
+  cp mixed.hdf older.hdf
+  sphsolve run a.cfg -o mixed --quiet --force --set lattice.spacing='"20 um"'
+  cp older.hdf mixed.hdf # what a disk that fills at the end may leave
+  run --separate-stderr analyze report mixed.hdf -o mixed.html
+  [ "$status" -eq 3 ] && [[ "$stderr" == "analyze: "*"mixed-0000.hdf: is of another run than mixed.hdf"* ]] || { echo "$stderr"; false; }
+  [ ! -e mixed.html ]
+  printf 'scene = { name = "s"; };\nflow = { file = "mixed.hdf"; };\nsolute = { peclet = [1.0]; };\n' > solute.cfg
+  run --separate-stderr sphsolve run solute.cfg -o solute --quiet
+  [ "$status" -eq 3 ] && [[ "$stderr" == "sphsolve: "*"mixed-image.hdf: is of another run than "*"mixed.hdf"* ]] || { echo "$stderr"; false; }
+  sphsolve run a.cfg -o mixed --quiet --force # and whole again
+  sphsolve run solute.cfg -o solute --quiet
+}
+
 @test "a region beside the stack is told with the stack's size" {
   run --separate-stderr ct2model build $SCAN --roi cylinder:500,500,20 -o beside.hdf
   [ "$status" -eq 3 ] && [[ "$stderr" == *"no voxel of the stack is inside; it has 128x128x56, and --roi is in pixels" ]] || { echo "$stderr"; false; }

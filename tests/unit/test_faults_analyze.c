@@ -45,7 +45,7 @@ static void write_snapshot(const char *path) {
                                        .type = H5_F64,
                                        .components = 3,
                                        .data = velocity};
-  assert_int_equal(snapshot_write(path, 1, 10, COUNT, &place, 1, &field), STATUS_OK);
+  assert_int_equal(snapshot_write(path, 1, 10, 0, COUNT, &place, 1, &field), STATUS_OK);
 }
 
 /* A body of 60 um, n sites a side. */

@@ -224,7 +224,7 @@ static void test_snapshot(void **state) {
                                  NULL,       NULL},
                         at = {.type = H5_F64, .components = 3, .data = points};
   struct snapshot snapshot;
-  assert_int_equal(snapshot_write(path, 0.5, 7, 2, &at, 1, &field), STATUS_OK);
+  assert_int_equal(snapshot_write(path, 0.5, 7, 0, 2, &at, 1, &field), STATUS_OK);
   assert_int_equal(snapshot_open(path, &snapshot), STATUS_OK);
   assert_true(snapshot.time == 0.5 && snapshot.count == 2);
   assert_memory_equal(snapshot.points, points, sizeof points);
