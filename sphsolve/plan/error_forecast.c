@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/geometry/soil.h"
 #include "sphsolve/plan/method.h"
 
 /* Edges per face times the mean width of the pores: a bar across them has 1 and more, a duct none.
@@ -63,7 +64,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   double before = 0.0, behind = 0.0, edges = 0.0;
   int axes = 0;
   bool across = false;
-  *shape = (struct pore_shape){.width = INFINITY, .grain = INFINITY};
+  *shape = (struct pore_shape){.width = INFINITY, .open = INFINITY, .grain = INFINITY};
   if (l->wall_count == 0) return;
   for (int a = 0; a < 3; a++) {
     const double counted = sums.count;
@@ -94,7 +95,12 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   }
   shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGED;
   if (shape->straight) shrinks = log(before / behind);
-  shape->width = 4.0 * fluid / surface;
+  shape->width = shape->open = 4.0 * fluid / surface;
+  if (l->micro_porosity != NULL) {
+    double soil = 0.0;
+    for (size_t site = 0; site < l->count; site++) soil += lattice_is_soil(l, site);
+    shape->open = 4.0 * (fluid - soil) / surface;
+  }
   if (!boxes) shape->grain = 2.0 * (l->bulk_count - fluid) / surface;
   shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
   shape->outer = sums.outer / surface;
@@ -118,7 +124,8 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
                                         enum wall_scheme wall, double refined) {
   struct error_forecast e = {NAN, NAN, "no walls"};
-  const double q = shape->slope / refined, width = shape->width * refined;
+  const double width = shape->open * refined;
+  const double q = shape->slope / refined * (shape->width / shape->open);
   const char *how = "walls from the wall distance";
   double more = 0.0, less = 0.0, both;
   if (!(q > 0.0)) return e;

@@ -11,6 +11,7 @@
 /* Lengths in spacings; infinite, and slope 0, without walls. */
 struct pore_shape {
   double width;  /* mean pore, 4 V / S of the pores */
+  double open;   /* of what soil below the voxel leaves of the pores, within the walls' surface */
   double grain;  /* mean thickness, 2 V / S of the grains; infinite between boxes */
   double slope;  /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
   double outer;  /* the wall sites next to fluid lie so far behind the surface, on the average */

@@ -114,7 +114,8 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
     const struct scan_quality *scan = &lattice->model.scan;
-    const double width = plan->shape.width * context->spacing;
+    /* Soil narrows the pores, but its own surface is none that the blur moves: between both. */
+    const double width = sqrt(plan->shape.width * plan->shape.open) * context->spacing;
     const double n = (double)lattice->fluid_count / lattice->bulk_count;
     if (isfinite(width) && scan->known) /* d ln k / d e by Kozeny and Carman */
       plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
