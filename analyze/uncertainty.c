@@ -43,6 +43,7 @@ void uncertainty_json(const struct uncertainty *u, json_t *object) {
     json_put_number(parts, uncertainty_part_names[i], u->parts.value[i]);
   json_put_number(parts, "total", uncertainty_total(u));
   json_object_set_new(parts, "scan_unknown", json_boolean(u->scanned && isnan(u->scan)));
+  json_object_set_new(parts, "sides_unknown", json_boolean(u->sides_unknown > 0));
   json_put_number(parts, "blur_assumed_m", u->blur_assumed);
   json_put_number(parts, "dlnk_sides_closed", u->sides_closed);
   json_object_set_new(parts, "resolution_from",
@@ -74,6 +75,7 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   write_part(stream, isfinite(u->blur_assumed) ? ", scan (blur assumed) " : ", scan ", u->scan);
   if (u->scanned && isnan(u->scan)) fputs(", scan unknown, not counted", stream);
   write_part(stream, ", sides ", u->sides);
+  if (u->sides_unknown > 0) fputs(", sides unknown, not counted", stream);
   write_part(stream, ", averaging ", u->averaging);
   write_part(stream, ", steadiness ", u->steadiness);
   write_part(stream, ", void ratio ", u->void_ratio);

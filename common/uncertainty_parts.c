@@ -15,7 +15,8 @@ const char *const uncertainty_part_names[UNCERTAINTY_PARTS] = {"resolution",
                                                                "dlnk_dthreshold",
                                                                "dlnk_dlnk_micro",
                                                                "dlnk_sides_closed",
-                                                               "blur_assumed"};
+                                                               "blur_assumed",
+                                                               "sides_unknown"};
 
 struct uncertainty_parts uncertainty_parts_none(void) {
   struct uncertainty_parts parts;

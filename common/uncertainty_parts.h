@@ -20,12 +20,13 @@
  * slope_micro       d ln k / d ln of the permeability of soil below the voxel
  * sides_closed      ln k with walls at the sample's sides, less ln k
  * and
- * blur_assumed      m: where the scan told no blur, the one that `scan` is found with */
+ * blur_assumed      m: where the scan told no blur, the one that `scan` is found with
+ * sides_unknown     1 where `sides` was looked for on a lattice through which no pore leads */
 #define UNCERTAINTY_PARTS_MEMBERS                                                                  \
   double resolution, scan, sides, void_ratio, threshold, micro, averaging, steadiness;             \
-  double slope_void_ratio, slope_threshold, slope_micro, sides_closed, blur_assumed;
+  double slope_void_ratio, slope_threshold, slope_micro, sides_closed, blur_assumed, sides_unknown;
 
-enum { UNCERTAINTY_SHARES = 8, UNCERTAINTY_PARTS = 13 };
+enum { UNCERTAINTY_SHARES = 8, UNCERTAINTY_PARTS = 14 };
 struct uncertainty_parts {
   union {
     struct {

@@ -84,6 +84,10 @@ static void write_budget(const json_t *result, FILE *out) {
         "<p class=\"note\">What the scan left in <var>k</var>, its blur, noise and labels, is not "
         "known and not counted.</p>\n",
         out);
+  if (json_is_true(json_object_get(budget, "sides_unknown")))
+    fputs("<p class=\"note\">What the sample&rsquo;s sides do to <var>k</var> is not known and not "
+          "counted: no pore leads through the lattice on which it is looked for.</p>\n",
+          out);
   const double assumed = json_number_or_nan(budget, "blur_assumed_m");
   if (isfinite(assumed))
     fprintf(

@@ -102,6 +102,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   if (isfinite(u->blur_assumed)) printf(" (blur assumed)");
   if (scanned && isnan(u->scan)) printf(", scan not counted (unknown)");
   print_part(", sides", u->sides);
+  if (u->sides_unknown > 0) printf(", sides not counted (unknown)");
   print_part(", averaging", u->averaging > 0 ? u->averaging : NAN);
   print_part(", steadiness", u->steadiness > 1e-5 ? u->steadiness : NAN);
   print_part(", void ratio", u->void_ratio > 1e-5 ? u->void_ratio : NAN);
@@ -167,8 +168,8 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
     if (parts[i].share > parts[most].share || isnan(parts[most].share)) most = i;
   if (!(parts[most].share > 0) || !(total > ERROR_NONE)) return;
   print_part("verdict    known to", total);
-  printf("%s; most of it is %s: %s\n", isfinite(u->resolution) ? "" : ", resolution not counted",
-         parts[most].what, parts[most].remedy);
+  printf("%s%s; most of it is %s: %s\n", isfinite(u->resolution) ? "" : ", resolution not counted",
+         u->sides_unknown > 0 ? ", sides not counted" : "", parts[most].what, parts[most].remedy);
   /* What the lattice can do all the same. */
   struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
@@ -186,7 +187,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
   uncertainty_total(&result->error, &low, &high);
   const double largest = fmax(low, high);
   const char *from = result->error.level_count > 1        ? ""
-                     : isfinite(result->error.resolution) ? " (resolution as expected beforehand)"
+                     : isfinite(result->error.resolution) ? " (of one lattice alone)"
                                                           : " (resolution not counted)";
   if (isfinite(result->k) && largest > ERROR_NONE)
     snprintf(error, sizeof error, " +- %s %% (%.4g to %.4g)%s", percent_format(largest, text),

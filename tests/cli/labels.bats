@@ -397,6 +397,24 @@ END
   /usr/bin/python3 -c 'import json; e = json.load(open("fine.json"))["error"]["dlnk_blurred_again"]; assert 0.03 < e < 0.06, e'
 }
 
+@test "throats of one or two voxels: no small error, and the share of the sides is said to be unknown" {
+  # A bubble between throats of 1 x 2 and of 2 x 2 voxels: the first is closed on any coarser lattice, both by a blur.
+  python3 - <<'END'
+for wide in 1, 2:
+    pore = lambda x, y, z: (x - 11.5) ** 2 + (y - 11.5) ** 2 + (z - 11.5) ** 2 < 49 or 12 - wide < x < 13 and y in (11, 12)
+    open(f"throat{wide}.raw", "wb").write(bytes(not pore(i % 24, i // 24 % 24, i // 576) for i in range(24**3)))
+END
+  for wide in 1 2; do
+    ct2model build throat$wide.raw --raw 24x24x24:u8 --voxel-size 5um --segmented 0 --mirror none -q -o throat$wide.hdf
+    sphsolve run s.cfg --set model.file=throat$wide.hdf -o throat$wide-run > throat$wide.txt
+    sphsolve run s.cfg --set model.file=throat$wide.hdf -o throat$wide-run --force --json > throat$wide.json
+  done
+  grep -q "^error .*resolution 100 %, scan 100 %, sides not counted (unknown)" throat1.txt || { cat throat1.txt; false; }
+  analyze darcy throat1-run.hdf | grep -q "sides unknown, not counted"
+  analyze report throat1-run.hdf -o throat.html && grep -q "sides do to <var>k</var> is not known" throat.html
+  python3 -c 'import json; e = json.load(open("throat2.json"))["error"]; assert e["scan"] >= 1 and e["resolution"] < 0.5, e'
+}
+
 @test "a stack of 192 kB is enough for a run, its parts of the error and a tensor" {
   [ -z "$SANITIZE" ] || skip "sanitizers take more of it"
   ct2model build sphere.raw $CUBE --segmented 0 -q -o small.hdf

@@ -187,13 +187,18 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     u->resolution_high = fmax(u->resolution_high, plan->expected.error);
     u->resolution = fmax(u->resolution_low, u->resolution_high);
   }
+  /* Through none that is coarser a pore leads: throats have a site or two. */
+  if (c.uncertainty.level_count == 1 && c.tried > 1) {
+    u->resolution = u->resolution_low = u->resolution_high = fmax(u->resolution, 1.0);
+    if (cascade_sides_copies(base) > 1.0) u->sides_unknown = 1.0;
+  }
 cleanup:
   cascade_end(&c);
   return status;
 }
 
 /* /state/cascade: what a cascade knows beside the solve that goes on. */
-#define CASCADE_NUMBERS 15
+#define CASCADE_NUMBERS 16
 #define LEVEL_NUMBERS 6
 
 enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *file) {
@@ -204,7 +209,7 @@ enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *
       c->tried - solved, levels,        c->model_parts, u->slope_void_ratio,
       u->void_ratio,     u->threshold,  u->model,       u->slope_threshold,
       c->sides,          u->slope_blur, u->scan,        u->sides_closed,
-      u->blur_assumed,   left,          c->mirrored};
+      u->blur_assumed,   left,          c->mirrored,    u->sides_unknown};
   size_t count = CASCADE_NUMBERS;
   for (int i = 0; i < levels; i++) {
     const struct error_level *l = &u->levels[i];
@@ -241,7 +246,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
   u->slope_void_ratio = numbers[3], u->void_ratio = numbers[4], u->threshold = numbers[5];
   u->model = numbers[6], u->slope_threshold = numbers[7], c->sides = numbers[8];
   u->slope_blur = numbers[9], u->scan = numbers[10], u->sides_closed = numbers[11];
-  u->blur_assumed = numbers[12], c->mirrored = numbers[14];
+  u->blur_assumed = numbers[12], c->mirrored = numbers[14], u->sides_unknown = numbers[15];
   for (int i = 0; i < (int)levels; i++) {
     const double *n = numbers + CASCADE_NUMBERS + LEVEL_NUMBERS * i;
     if (!(n[0] > 0.0 && n[1] > 0.0)) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));

@@ -43,13 +43,14 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
                           bool keep, double *k) {
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
-  *k = 0.0;
+  *k = NAN;
   if (ranks_count() > 1 && lattice->fluid_count > 0 && !have_room(lattice)) {
     log_warning("a part of the error of k is not known: memory is short for a solve of its own");
     return STATUS_OK;
   }
   if (lattice->fluid_count > 0) status = cascade_build(c, lattice, WALL_SUBVOXEL, &s);
   if (status != STATUS_OK && ranks_count() > 1) return status;
+  if (status == STATUS_OK && s.grid.active_all == 0) *k = 0.0;
   if (status == STATUS_OK && s.grid.active_all > 0) {
     if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
       error_clear();
@@ -98,6 +99,12 @@ enum status cascade_add_sides(struct cascade *c) {
     lattice_free(&mirrored);
   }
   c->sides = uncertainty_share_of_sides(k, count);
+  if (k[0] == 0.0 || k[count - 1] == 0.0) {
+    c->uncertainty.sides_unknown = 1.0;
+    log_warning("%s: what the sample's sides do to k is not known, and not in its error: no pore "
+                "leads through the lattice on which it is looked for; smaller voxels would tell",
+                c->scene->model_path);
+  }
   if (model->ends_cut && k[0] > 0.0 && k[count - 1] > 0.0) {
     c->mirrored = k[count - 1];
     log_warning("%s: pores do not meet where the model repeats itself along z, and the share of "
@@ -159,6 +166,11 @@ static int scan_first(const struct cascade *c) {
   return c->fixed > 0 ? 2 : 4;
 }
 
+/* The blur closed the pores of a lattice, as it may not those of a finer one. */
+static bool scan_closed(const struct uncertainty *u, int lattices) {
+  return u->scan >= 1.0 && isnan(u->levels[lattices - 1].slope_blur);
+}
+
 bool cascade_scan_grows(const struct cascade *c) {
   return c->base->model.scan.labels && c->uncertainty.level_count >= scan_first(c) &&
          scan_grew(&c->uncertainty, c->uncertainty.level_count);
@@ -168,7 +180,8 @@ bool cascade_scan_is_due(const struct cascade *c) {
   const int n = c->uncertainty.level_count, first = scan_first(c);
   const bool labels = c->base->model.scan.labels;
   return n == first || (n == first - 1 && (labels || isfinite(c->seconds))) ||
-         (labels && n > first && scan_grew(&c->uncertainty, n - 1));
+         (n > first &&
+          (scan_closed(&c->uncertainty, n - 1) || (labels && scan_grew(&c->uncertainty, n - 1))));
 }
 
 enum status cascade_add_scan_part(struct cascade *c, const struct lattice *lattice, double k,
@@ -181,8 +194,9 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
   TRY(lattice_blur(c->base, scan_deviation(scan), lattice, &scale, &blurred));
   TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
   const double width = c->plan->shape.width * c->plan->context.spacing;
+  c->uncertainty.blur_assumed = scan->assumed ? scan->blur : NAN;
+  if (other == 0.0) c->uncertainty.scan = 1.0; /* the blur closes the pores: k may be nothing */
   if (other > 0.0) {
-    c->uncertainty.blur_assumed = scan->assumed ? scan->blur : NAN;
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.levels[c->uncertainty.level_count - 1].slope_blur = c->uncertainty.slope_blur;
     const double slope = c->uncertainty.slope_void_ratio;

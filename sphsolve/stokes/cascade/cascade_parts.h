@@ -10,10 +10,11 @@ extern const struct stokes_goal cascade_part_goal;
 
 /* Intrinsic permeability along the force, m^2. */
 double cascade_permeability(const struct stokes_solver *solver);
-/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows or the solver fails:
- * a part of the error is then unknown, with a warning, and the run goes on, but after a signal. Of several processes,
- * one that fails in the middle of a solve cannot, as the others wait for it; so they ask first
- * whether memory is there. `from`: where it starts; with `keep` the cascade keeps the solution. */
+/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows, NAN where the
+ * solver fails: a part of the error is then unknown, with a warning, and the run goes on, but after
+ * a signal. Of several processes, one that fails in the middle of a solve cannot, as the others
+ * wait for it; so they ask first whether memory is there. `from`: where it starts; with `keep` the
+ * cascade keeps the solution. */
 enum status cascade_solve(struct cascade *cascade, const struct lattice *lattice,
                           const struct stokes_solver *from, const struct stokes_goal *goal,
                           bool keep, double *k);
