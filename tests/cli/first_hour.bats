@@ -350,17 +350,17 @@ END
 }
 
 @test "a flow of another run beside an older record is told by the page and by a solute" {
-  sphsolve run a.cfg -o mixed --quiet
-  cp mixed.hdf older.hdf
-  sphsolve run a.cfg -o mixed --quiet --force --set lattice.spacing='"20 um"'
-  cp older.hdf mixed.hdf # what a disk that fills at the end may leave
-  run --separate-stderr analyze report mixed.hdf -o mixed.html
-  [ "$status" -eq 3 ] && [[ "$stderr" == "analyze: "*"mixed-0000.hdf: is of another run than mixed.hdf"* ]] || { echo "$stderr"; false; }
-  [ ! -e mixed.html ]
-  printf 'scene = { name = "s"; };\nflow = { file = "mixed.hdf"; };\nsolute = { peclet = [1.0]; };\n' > solute.cfg
+  sphsolve run a.cfg -o unlike --quiet
+  cp unlike.hdf older.hdf
+  sphsolve run a.cfg -o unlike --quiet --force --set lattice.spacing='"20 um"'
+  cp older.hdf unlike.hdf # what a disk that fills at the end may leave
+  run --separate-stderr analyze report unlike.hdf -o unlike.html
+  [ "$status" -eq 3 ] && [[ "$stderr" == "analyze: "*"unlike-0000.hdf: is of another run than unlike.hdf"* ]] || { echo "$stderr"; false; }
+  [ ! -e unlike.html ]
+  printf 'scene = { name = "s"; };\nflow = { file = "unlike.hdf"; };\nsolute = { peclet = [1.0]; };\n' > solute.cfg
   run --separate-stderr sphsolve run solute.cfg -o solute --quiet
-  [ "$status" -eq 3 ] && [[ "$stderr" == "sphsolve: "*"mixed-image.hdf: is of another run than "*"mixed.hdf"* ]] || { echo "$stderr"; false; }
-  sphsolve run a.cfg -o mixed --quiet --force # and whole again
+  [ "$status" -eq 3 ] && [[ "$stderr" == "sphsolve: "*"unlike-image.hdf: is of another run than "*"unlike.hdf"* ]] || { echo "$stderr"; false; }
+  sphsolve run a.cfg -o unlike --quiet --force # and whole again
   sphsolve run solute.cfg -o solute --quiet
 }
 
