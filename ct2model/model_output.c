@@ -152,6 +152,8 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "isolated_pores", (double)quality->isolated_pores));
   TRY(write_number(file, "/model", "isolated_pore_voxels", (double)quality->isolated_voxels));
   TRY(write_number(file, "/model", "specific_surface", quality->surface_original));
+  if (isfinite(quality->surface_error))
+    TRY(write_number(file, "/model", "specific_surface_error", quality->surface_error));
   TRY(write_number(file, "/model", "specific_surface_model", quality->surface_model));
   TRY(write_number(file, "/model", "floating_grains", (double)quality->floating_grains));
   TRY(write_number(file, "/model", "floating_grain_voxels", (double)quality->floating_voxels));

@@ -18,6 +18,7 @@
 #include "ct2model/model/sides.h"
 #include "ct2model/scan.h"
 #include "ct2model/scanner/narrow_scanner.h"
+#include "ct2model/scanner/porod.h"
 #include "ct2model/scanner/smooth_walls.h"
 #include "ct2model/segment.h"
 #include "ct2model/surface/wall_distance.h"
@@ -263,9 +264,11 @@ static enum status measure_surface(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct wall_request request =
       wall_request_of(pipeline, pipeline->threshold_original, pipeline_contrast(pipeline));
-  if (pipeline->sample.count > 0)
+  if (pipeline->sample.count > 0) {
     TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
                                &pipeline->quality.surface_error));
+    pipeline->quality.surface_error *= 2.0; /* standard errors */
+  }
 cleanup:
   surface_sample_end(&pipeline->sample);
   return status;
@@ -286,6 +289,9 @@ static enum status measure_walls(struct pipeline *pipeline, struct wall_result *
   if (!walls->averaged) {
     quality->surface_original = result->surface_area / volume;
     quality->surface_error = NAN;
+    if (pipeline->restored.scan.levels != NULL)
+      TRY(porod_surface(&pipeline->restored, &pipeline->scanner, walls->region.voxel,
+                        &quality->surface_original, &quality->surface_error));
   }
 cleanup:
   coarse_end(&pipeline->coarse);

@@ -26,7 +26,8 @@ struct quality {
   double porosity, connected_porosity; /* connected: on a path along z */
   size_t isolated_pores, isolated_voxels, floating_grains, floating_voxels;
   double surface_original, surface_model; /* 1/m: grain surface per bulk volume */
-  double surface_error; /* standard error of surface_original where windows stand for the whole */
+  double surface_error; /* of surface_original, 95 %: of windows that stand for the whole, or of a
+                           restored scan; else NAN */
 };
 
 /* What the walls are measured on. */

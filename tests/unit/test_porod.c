@@ -1,0 +1,118 @@
+/* The specific surface by Porod's law of balls that overlap at random, which is known (Chiu,
+ * Stoyan, Kendall, Mecke 2013, Stochastic Geometry: S = 3 -ln(n) n / R at porosity n), after a blur
+ * has taken the wedges between them. */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+#include <cmocka.h>
+#include <omp.h>
+
+#include "common/memory.h"
+#include "ct2model/scanner/gaussian.h"
+#include "ct2model/scanner/porod.h"
+
+enum { SIDE = 112, BALLS = 300 };
+#define RADIUS 9.0
+#define BLUR 2.0
+#define METRE 5e-6 /* of a voxel's shortest edge */
+
+static double uniform(uint64_t *state) {
+  *state = *state * 6364136223846793005U + 1442695040888963407U;
+  return (double)(*state >> 11) * 0x1p-53;
+}
+
+/* Shares of grain, blurred, with voxels so many times as long along z; balls' centres lie outside
+ * too. The threshold leaves the porosity as it was, which is returned. */
+static double draw(size_t longer, struct restored *restored) {
+  const size_t size[3] = {SIDE, SIDE, SIDE / longer}, n = size[0] * size[1] * size[2];
+  const double left = 0.5 * BLUR; /* after the restoration */
+  const double sigma[3] = {left, left, left / (double)longer}, box = SIDE + 2.0 * RADIUS;
+  float *share = NULL, *work = NULL;
+  uint64_t random = 5;
+  size_t pores = 0;
+  *restored = (struct restored){.scan = {.step = 1, .size = {size[0], size[1], size[2]}}};
+  assert_int_equal(memory_allocate(&share, n, sizeof *share, "test"), STATUS_OK);
+  assert_int_equal(memory_allocate(&work, n, sizeof *work, "test"), STATUS_OK);
+  assert_int_equal(memory_allocate(&restored->scan.levels, n, 1, "test"), STATUS_OK);
+  memset(share, 0, n * sizeof *share);
+  for (int ball = 0; ball < BALLS; ball++) {
+    double at[3];
+    for (int d = 0; d < 3; d++) at[d] = box * uniform(&random) - RADIUS;
+    for (size_t i = 0; i < n; i++) {
+      const double dx = (double)(i % SIDE) + 0.5 - at[0];
+      const double dy = (double)(i / SIDE % SIDE) + 0.5 - at[1];
+      const double dz = ((double)(i / SIDE / SIDE) + 0.5) * (double)longer - at[2];
+      if (dx * dx + dy * dy + dz * dz < RADIUS * RADIUS) share[i] = 1.0F;
+    }
+  }
+  for (size_t i = 0; i < n; i++) pores += share[i] < 0.5F;
+  gaussian_filter(share, size, sigma, work, share);
+  size_t counts[256] = {0}, below = 0;
+  for (size_t i = 0; i < n; i++) {
+    restored->scan.levels[i] = (uint8_t)lrintf(255.0F * share[i]);
+    counts[restored->scan.levels[i]]++;
+  }
+  int level = 0;
+  while (below + counts[level] / 2 < pores) below += counts[level++];
+  restored->threshold = level - 0.5;
+  const double porosity = (double)pores / (double)n;
+  restored->void_ratio = porosity / (1.0 - porosity);
+  memory_free(&share);
+  memory_free(&work);
+  return porosity;
+}
+
+static struct scanner scanner_of(double smooth_walls) {
+  return (struct scanner){.known = true, .blur = BLUR * METRE, .smooth_walls = smooth_walls};
+}
+
+static void test_overlapping(void **state) {
+  (void)state;
+  for (size_t longer = 1; longer <= 2; longer++) {
+    const struct scanner scanner = scanner_of(0.0);
+    const double voxel[3] = {METRE, METRE, METRE * (double)longer};
+    struct restored restored;
+    const double n = draw(longer, &restored), exact = -3.0 * log(n) * n / (RADIUS * METRE);
+    double surface[2] = {0.9 * exact, 0.9 * exact}, error = NAN;
+    for (int threads = 0; threads < 2; threads++) {
+      omp_set_num_threads(1 + 3 * threads);
+      assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface[threads], &error),
+                       STATUS_OK);
+    }
+    print_message("porosity %.3f: %+.2f %%\n", n, 100.0 * (surface[0] / exact - 1.0));
+    assert_true(surface[0] == surface[1]);
+    assert_true(fabs(surface[0] / exact - 1.0) < 0.04);
+    assert_true(fabs(surface[0] - exact) < error && error < 0.1 * exact);
+    restored_end(&restored);
+  }
+}
+
+/* What the law does not know of stays. */
+static void test_left_alone(void **state) {
+  (void)state;
+  const double voxel[3] = {METRE, METRE, METRE}, given = 2e4;
+  struct scanner scanner = scanner_of(1.0);
+  struct restored restored;
+  double surface = given, error = 0.0;
+  (void)draw(1, &restored);
+  assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
+  assert_true(surface == given && fabs(error / given - 0.09) < 1e-9); /* smooth walls */
+  scanner.smooth_walls = 0.0;
+  scanner.narrow = true;
+  assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
+  assert_true(surface == given && fabs(error / given - 0.2) < 1e-9);
+  scanner.narrow = false;
+  restored.scan.size[2] = 6; /* hardly any pair along z */
+  assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
+  assert_true(surface == given && fabs(error / given - 0.2) < 1e-9);
+  restored_end(&restored);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_overlapping),
+                                     cmocka_unit_test(test_left_alone)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
