@@ -24,6 +24,10 @@
  * two blurs on: S and B are fitted from there to twice that. */
 static const double BEND = 1.0 / 64.0;
 static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2.0;
+/* S over that of the restored surface: of sands it is 1.17 at most. Where the law asks for more, as
+ * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
+ * up to that distance, and falls steeply from there. */
+static const double MOST = 1.19;
 /* 95 % half widths, of S: that of the law, which grows by so much (blur / a)^2, as small grains are
  * lost; of smooth walls' own surface; and of what the law does not see. */
 static const double LAW = 0.045, LOST = 0.25, SMOOTH = 0.09, UNSEEN = 0.2;
@@ -150,7 +154,9 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   if (!alone || !(smooth < 1.0)) return STATUS_OK;
   if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
   TRY(count_all(restored, vectors));
-  *surface += (1.0 - smooth) * (follow_back(vectors, n, *surface) - *surface);
+  const double found = follow_back(vectors, n, *surface);
+  if (!(found < MOST * *surface)) return STATUS_OK;
+  *surface += (1.0 - smooth) * (found - *surface);
   const double law = hypot(LAW, LOST * pow(scanner->blur / a, 2.0));
   *error = (law + smooth * (SMOOTH - law)) * *surface;
 cleanup:
