@@ -116,6 +116,22 @@ static void test_plane_walls(void **state) {
   restored_end(&restored);
 }
 
+/* One slit in a box: its walls face one direction, and 256 directions do not tell their mean. */
+static void test_one_direction(void **state) {
+  (void)state;
+  const struct scanner scanner = scanner_of(0.0);
+  const double voxel[3] = {METRE, METRE, METRE}, given = 2.0 / (SIDE * METRE);
+  struct restored restored = {
+      .scan = {.step = 1, .size = {SIDE, SIDE, SIDE}}, .threshold = 127.5, .void_ratio = 0.5};
+  const size_t n = (size_t)SIDE * SIDE * SIDE;
+  double surface = given, error = 0.0;
+  assert_int_equal(memory_allocate(&restored.scan.levels, n, 1, "test"), STATUS_OK);
+  for (size_t i = 0; i < n; i++) restored.scan.levels[i] = i % SIDE / (SIDE / 3) == 1 ? 0 : 255;
+  assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
+  assert_true(surface == given && fabs(error / given - 0.2) < 1e-9);
+  restored_end(&restored);
+}
+
 /* What the law does not know of stays. */
 static void test_left_alone(void **state) {
   (void)state;
@@ -138,8 +154,8 @@ static void test_left_alone(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_overlapping),
-                                     cmocka_unit_test(test_plane_walls),
-                                     cmocka_unit_test(test_left_alone)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_overlapping), cmocka_unit_test(test_plane_walls),
+      cmocka_unit_test(test_one_direction), cmocka_unit_test(test_left_alone)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
