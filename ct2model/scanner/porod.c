@@ -31,7 +31,7 @@ static const double MOST = 1.19;
 /* 95 % half widths, of S: that of the law, which grows by so much (blur / a)^2, as small grains are
  * lost; of smooth walls' own surface; and of what the law does not see. Where directions differ so
  * much that their number leaves more than LAW, as a slit's do, it is not asked: of sands they leave
- * 1 %, of a felt 7. */
+ * 2 % at most, of a felt 7. */
 static const double LAW = 0.045, LOST = 0.25, SMOOTH = 0.09, UNSEEN = 0.2;
 
 enum { VECTORS = 256, CHUNK = 64 };
