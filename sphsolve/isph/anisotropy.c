@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/effects/drag_linear.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/shape.h"

@@ -35,6 +35,7 @@
 #include <string.h>
 
 #include "sphsolve/isph/effects/relaxation.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
@@ -95,23 +96,30 @@ void isph_budget_begin(struct isph *s) {
   sum_stored(s, s->budget.momentum[0], &s->budget.energy[0]);
 }
 
+/* Sides that reflect on particle i; `scale` as below. */
+static void budget_reflected(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                             const double f[3], double scale, struct budget_sums *sums) {
+  static const double still[3] = {0};
+  const double *x = s->position[i];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    if (!isph_is_reflected(IMAGES_REFLECTED, s, entry)) continue;
+    double r[3];
+    isph_separation(s, x, s->position, entry, r);
+    const double fall = isph_fall_between(IMAGES_REFLECTED, s, f, x, entry, r);
+    const double pressure = s->pressure[i] + s->pressure[j] + s->density * (fall - dot(f, r));
+    add_force(sums, BUDGET_WALL_PRESSURE, scale * s->volume[j] * (double)chunk->slope[p] * pressure,
+              r, still);
+  }
+}
+
 /* Walls and open sides on particle i; and the work of those that move. `scale`: m dt / rho. */
 static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                          double scale, const double u[3], struct budget_sums *sums) {
   const double *x = s->position[i];
   double f[3] = {0};
   for (int a = 0; a < 3; a++) f[a] = s->periodic[a] ? 0 : s->force[a];
-  static const double still[3] = {0};
-  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
-    if (!isph_is_reflected(s, entry)) continue;
-    double r[3];
-    isph_separation(s, x, s->position, entry, r);
-    const double pressure = s->pressure[i] + s->pressure[j] +
-                            s->density * (isph_fall_between(s, f, x, entry, r) - dot(f, r));
-    add_force(sums, BUDGET_WALL_PRESSURE, scale * s->volume[j] * (double)chunk->slope[p] * pressure,
-              r, still);
-  }
+  if (s->images[i] == IMAGES_REFLECTED) budget_reflected(s, chunk, i, f, scale, sums);
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
     double r[3] = {0}, weight = scale * isph_wall_volume(s, j) * (double)chunk->wall_slope[p];

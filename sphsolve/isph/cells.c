@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/effects/surface.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
@@ -183,14 +184,53 @@ cleanup:
   return status;
 }
 
+/* Of the neighbourhood of a particle; wall_moment: of walls and reflected water. */
+struct neighbourhood {
+  double kernel_sum, gradient_sum[3], moment[6], wall_moment[6];
+};
+
 /* Adds a neighbour at distance vector r with volume and slope to the sums of a particle. */
 static inline void add_sums(double volume, double w, double slope, const double r[3],
-                            double *kernel_sum, double gradient_sum[3], double moment[6]) {
+                            struct neighbourhood *sums, double moment[6]) {
   double f = volume * slope;
-  *kernel_sum += volume * w;
-  for (int a = 0; a < 3; a++) gradient_sum[a] += f * r[a];
+  sums->kernel_sum += volume * w;
+  for (int a = 0; a < 3; a++) sums->gradient_sum[a] += f * r[a];
   moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
   moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
+}
+
+/* Which images particles within `reach` of x may be. */
+static enum isph_images images_near(const struct isph *s, const double x[3], double reach) {
+  enum isph_images images = IMAGES_NONE;
+  for (int a = 0; a < 3; a++) {
+    if (x[a] - reach >= s->low[a] && x[a] + reach <= s->high[a]) continue;
+    if (s->reflects[a]) return IMAGES_REFLECTED;
+    if (s->periodic[a]) images = IMAGES_PERIODIC;
+  }
+  return images;
+}
+
+/* The pairs of particle i, of the candidates. */
+ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                    size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
+  const double *xi = s->position[i], hi = s->support[i];
+  size_t count = chunk->pair_count;
+  for (size_t k = 0; k < n; k++) {
+    uint32_t entry = candidates[k], j = entry & PAIR_MASK;
+    if (entry == ((uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS)) continue;
+    double r[3], w, slope;
+    isph_separation_at(images, s, xi, s->position, entry, r);
+    double r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], he = 0.5 * (hi + s->support[j]);
+    if (r2 >= he * he) continue;
+    isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), he, &w, &slope);
+    w *= s->kernel_w, slope *= s->kernel_slope;
+    add_sums(s->volume[j], w, slope, r, sums,
+             isph_is_reflected(images, s, entry) ? sums->wall_moment : sums->moment);
+    chunk->pair[count] = entry;
+    chunk->slope[count] = (float)slope;
+    count++;
+  }
+  chunk->pair_count = count;
 }
 
 /* Whether the wall particle of an entry has moved out through a side that reflects. */
@@ -201,16 +241,33 @@ static bool is_beyond(const struct isph *s, uint32_t entry) {
   return false;
 }
 
+/* As find_pairs of its pairs with walls. */
+ROW void find_walls(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                    size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
+  const double *xi = s->position[i], hi = s->support[i];
+  for (size_t k = 0; k < n; k++) {
+    double r[3], w, slope;
+    if (isph_is_reflected(images, s, candidates[k]) && is_beyond(s, candidates[k])) continue;
+    isph_separation_at(images, s, xi, s->boundary_position, candidates[k], r);
+    isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
+                hi, &w, &slope);
+    w *= s->kernel_w, slope *= s->kernel_slope;
+    add_sums(isph_wall_volume(s, candidates[k] & PAIR_MASK), w, slope, r, sums, sums->wall_moment);
+    chunk->wall[chunk->wall_count] = candidates[k];
+    chunk->wall_slope[chunk->wall_count++] = (float)slope;
+  }
+}
+
 static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   uint32_t candidates[CANDIDATES];
   const enum kernel kernel = s->scene->isph.kernel;
   const int dimensions = s->dimensions;
   chunk->pair_count = chunk->wall_count = 0;
-  chunk->reflected = false;
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     const double *xi = s->position[i], hi = s->support[i];
-    double gradient_sum[3] = {0}, moment[6] = {0}, wall_moment[6] = {0}, w, slope;
-    double reach = 0.5 * (hi + s->support_now);
+    struct neighbourhood sums = {0};
+    double w, slope, reach = 0.5 * (hi + s->support_now);
+    s->images[i] = (uint8_t)images_near(s, xi, fmax(reach, hi));
     size_t n = collect(s, &s->cells, NULL, s->position, xi, reach, candidates);
     size_t n_wall = 0;
     if (n > CANDIDATES)
@@ -221,30 +278,12 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     enum status status = grow(chunk, &s->on, chunk->pair_count + n, chunk->wall_count);
     if (status != STATUS_OK) return status;
     isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
-    double kernel_sum = s->volume[i] * w * s->kernel_w;
-    size_t count = chunk->pair_count;
-    s->pair_first[i] = (uint32_t)count;
-    for (size_t k = 0; k < n; k++) {
-      uint32_t entry = candidates[k], j = entry & PAIR_MASK;
-      if (entry == ((uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS)) continue;
-      double r[3];
-      isph_separation(s, xi, s->position, entry, r);
-      double r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], he = 0.5 * (hi + s->support[j]);
-      if (r2 >= he * he) continue;
-      isph_kernel(kernel, dimensions, sqrt(r2), he, &w, &slope);
-      w *= s->kernel_w, slope *= s->kernel_slope;
-      const bool reflected = isph_is_reflected(s, entry);
-      add_sums(s->volume[j], w, slope, r, &kernel_sum, gradient_sum,
-               reflected ? wall_moment : moment);
-      chunk->reflected = chunk->reflected || reflected;
-      chunk->pair[count] = entry;
-      chunk->slope[count] = (float)slope;
-      count++;
-    }
-    s->pair_number[i] = (uint16_t)(count - chunk->pair_count);
-    chunk->pair_count = count;
+    sums.kernel_sum = s->volume[i] * w * s->kernel_w;
+    s->pair_first[i] = (uint32_t)chunk->pair_count;
+    ISPH_ROW(s, i, find_pairs, s, chunk, i, candidates, n, &sums);
+    s->pair_number[i] = (uint16_t)(chunk->pair_count - s->pair_first[i]);
 
-    double water = kernel_sum;
+    double water = sums.kernel_sum;
     s->wall_first[i] = (uint32_t)chunk->wall_count;
     s->wall_number[i] = 0;
     if (s->boundary_count > 0)
@@ -258,34 +297,21 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     if (n_wall > 0) {
       status = grow(chunk, &s->on, chunk->pair_count, chunk->wall_count + n_wall);
       if (status != STATUS_OK) return status;
-      size_t walls = 0;
-      for (size_t k = 0; k < n_wall; k++) {
-        double r[3];
-        if (isph_is_reflected(s, candidates[k]) && is_beyond(s, candidates[k])) continue;
-        isph_separation(s, xi, s->boundary_position, candidates[k], r);
-        isph_kernel(kernel, dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]), hi, &w,
-                    &slope);
-        w *= s->kernel_w, slope *= s->kernel_slope;
-        add_sums(isph_wall_volume(s, candidates[k] & PAIR_MASK), w, slope, r, &kernel_sum,
-                 gradient_sum, wall_moment);
-        chunk->wall[chunk->wall_count + walls] = candidates[k];
-        chunk->wall_slope[chunk->wall_count + walls++] = (float)slope;
-      }
-      s->wall_number[i] = (uint16_t)walls;
-      chunk->wall_count += walls;
+      ISPH_ROW(s, i, find_walls, s, chunk, i, candidates, n_wall, &sums);
+      s->wall_number[i] = (uint16_t)(chunk->wall_count - s->wall_first[i]);
     }
 
-    s->kernel_sum[i] = kernel_sum;
+    s->kernel_sum[i] = sums.kernel_sum;
     if (s->on.surface)
-      s->surface[i] =
-          surface_weight(s, hi, kernel_sum, kernel_sum - water, gradient_sum, moment, wall_moment);
-    memcpy(s->gradient_sum[i], gradient_sum, sizeof gradient_sum);
+      s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - water,
+                                     sums.gradient_sum, sums.moment, sums.wall_moment);
+    memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    isph_moment_inverse(dimensions, moment, inverse);
+    isph_moment_inverse(dimensions, sums.moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
-    if (s->on.soil) isph_moment_defect(s, i, moment, wall_moment);
+    if (s->on.soil) isph_moment_defect(s, i, sums.moment, sums.wall_moment);
   }
   return STATUS_OK;
 }

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/symmetric.h"
 
 bool isph_links_wanted(const struct scene *scene, bool has_surface) {

@@ -1,3 +1,4 @@
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 
 #include <math.h>
@@ -58,6 +59,27 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? sum / square : 0;
 }
 
+/* Corrects the slopes of particle i's pairs, and finds the moment they then have. */
+ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                        size_t i, double moment[6]) {
+  const double *xi = s->position[i];
+  double own[6], mean[6], r[3];
+  for (int k = 0; k < 6; k++) own[k] = (double)s->moment_defect[i][k];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_defect[j][k]);
+    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
+    chunk->slope[p] *= (float)(1 + along(mean, r));
+    double f = s->volume[j] * (double)chunk->slope[p];
+    moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
+    moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
+  }
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    isph_separation_at(images, s, xi, s->boundary_position, chunk->wall[p], r);
+    chunk->wall_slope[p] *= (float)(1 + along(own, r));
+  }
+}
+
 /* No correction next to a surface. */
 static void spare_surface(struct isph *s) {
   double *near = s->work[0];
@@ -73,22 +95,8 @@ void isph_moment_correct(struct isph *s) {
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i];
-      double moment[6] = {0}, own[6], mean[6], r[3], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-      for (int k = 0; k < 6; k++) own[k] = (double)s->moment_defect[i][k];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        uint32_t j = chunk->pair[p] & PAIR_MASK;
-        for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_defect[j][k]);
-        isph_separation(s, xi, s->position, chunk->pair[p], r);
-        chunk->slope[p] *= (float)(1 + along(mean, r));
-        double f = s->volume[j] * (double)chunk->slope[p];
-        moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
-        moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
-      }
-      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-        isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
-        chunk->wall_slope[p] *= (float)(1 + along(own, r));
-      }
+      double moment[6] = {0}, inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+      ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment);
       isph_moment_inverse(s->dimensions, moment, inverse);
       for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];
     }

@@ -6,6 +6,7 @@
 #include "sphsolve/isph/effects/shifting.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/state.h"
 
@@ -18,19 +19,25 @@ static void wrap(const struct isph *s, double x[3]) {
   }
 }
 
+/* Of the neighbours, what surface_near adds. */
+ROW void surface_around(enum isph_images images, const struct isph *s,
+                        const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    *near = fmax(*near, s->surface[j]);
+    double out[3];
+    isph_turn(images, s, chunk->pair[p], s->gradient_sum[j], out);
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
+  }
+}
+
 /* How close particle i is to the surface, 1: on it or with a neighbour on it, and the normal of the
  * surface there, outward. */
 static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                            double normal[3]) {
   double near = s->surface[i], square = 0;
   for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
-  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    near = fmax(near, s->surface[j]);
-    double out[3];
-    isph_turn(s, chunk->pair[p], s->gradient_sum[j], out);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
-  }
+  ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
   for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
   return near;
@@ -51,7 +58,7 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
              (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
   }
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    if (!isph_is_reflected(s, chunk->pair[p])) continue;
+    if (!isph_is_reflected((enum isph_images)s->images[i], s, chunk->pair[p])) continue;
     isph_separation(s, xi, s->position, chunk->pair[p], r);
     gap = fmax(gap, isph_reflection_gap(s, i, chunk->pair[p], r));
   }

@@ -138,6 +138,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->wall_first, n, sizeof *s->wall_first, what));
   TRY(memory_resize(&s->pair_number, n, sizeof *s->pair_number, what));
   TRY(memory_resize(&s->wall_number, n, sizeof *s->wall_number, what));
+  TRY(memory_resize(&s->images, n, sizeof *s->images, what));
   TRY(memory_resize(&s->order, n, sizeof *s->order, what));
   TRY(memory_resize(&s->cell_of, n, sizeof *s->cell_of, what));
   TRY(memory_resize(&s->scratch, n, sizeof(double[3]), what));
@@ -297,6 +298,7 @@ void isph_free(struct isph *s) {
                     &s->wall_first,
                     &s->pair_number,
                     &s->wall_number,
+                    &s->images,
                     &s->order,
                     &s->cell_of,
                     &s->scratch,

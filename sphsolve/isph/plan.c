@@ -167,7 +167,7 @@ enum status isph_cost(struct plan *plan, int threads) {
                        "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen each step */
-  plan->bytes_fluid = 518 + 1.3 * neighbours * 12;
+  plan->bytes_fluid = 519 + 1.3 * neighbours * 12;
   if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))

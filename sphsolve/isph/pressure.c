@@ -31,6 +31,29 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
   return total;
 }
 
+/* Of the row of a particle, what its pairs with water give. */
+struct pairs {
+  double diagonal, source, divergence;
+};
+
+/* Driving force f per mass, velocities v. */
+ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                        size_t i, const double f[3], double (*v)[3], struct pairs *row) {
+  const double *xi = s->position[i], *vi = v[i], vol = s->volume[i], rho = s->density;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    double r[3], vj[3], slope = chunk->slope[p];
+    isph_separation_at(images, s, xi, s->position, entry, r);
+    isph_turn(images, s, entry, v[j], vj);
+    float a = (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
+    chunk->matrix[p] = a;
+    row->diagonal += (double)a;
+    row->source += (double)a * rho * isph_fall_between(images, s, f, xi, entry, r);
+    row->divergence += s->volume[j] * slope *
+                       ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
+  }
+}
+
 /* Row i of
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
  *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
@@ -51,21 +74,10 @@ void isph_assemble(struct isph *s, double relaxation_time) {
       const double *xi = s->position[i], *vi = v[i];
       double ki = s->mobility[i], vol = s->volume[i];
       const double *relative = s->on.anisotropy ? s->anisotropy[i].relative : NULL;
-      double diagonal = 0, source = 0, divergence = 0, walled = 0, tied = 0;
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
-        double r[3], slope = chunk->slope[p];
-        isph_separation(s, xi, s->position, entry, r);
-        double vj[3];
-        isph_turn(s, entry, v[j], vj);
-        float a =
-            (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
-        chunk->matrix[p] = a;
-        diagonal += (double)a;
-        source += (double)a * rho * isph_fall_between(s, f, xi, entry, r);
-        divergence += s->volume[j] * slope *
-                      ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
-      }
+      struct pairs pairs = {0};
+      ISPH_ROW(s, i, assemble_pairs, s, chunk, i, f, v, &pairs);
+      double diagonal = pairs.diagonal, source = pairs.source, divergence = pairs.divergence;
+      double walled = 0, tied = 0;
       double beside = s->on.surface ? s->surface[i] : 0;
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
@@ -89,7 +101,8 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
         double image = 2 * isph_wall_volume(s, j) * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
-        isph_turn(s, entry, r, back); /* a wall's image behind a side: both turn the velocity */
+        isph_turn(IMAGES_REFLECTED, s, entry, r,
+                  back); /* a wall's image behind a side: both turn the velocity */
         symmetric_times(mirror, back, across);
         for (int a = 0; a < 3; a++)
           divergence +=

@@ -67,16 +67,20 @@ void isph_reflection_part(struct isph *s) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end && chunk->reflected; i++)
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      if (s->images[i] != IMAGES_REFLECTED) continue;
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
         double r[3];
-        if (!isph_is_reflected(s, entry) || (s->surface[i] == 0 && s->surface[j] == 0)) continue;
+        if (!isph_is_reflected(IMAGES_REFLECTED, s, entry) ||
+            (s->surface[i] == 0 && s->surface[j] == 0))
+          continue;
         isph_separation(s, s->position[i], s->position, entry, r);
         const double own = s->surface[i] * isph_reflection_gap(s, i, entry, r);
         const double other = s->surface[j] * isph_reflection_gap(s, j, entry, r);
         chunk->slope[p] *= (float)(1 - fmax(own, other));
       }
+    }
   }
 }
 

@@ -20,6 +20,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/state.h"
 
 /* The images of periodic and of closed sides; needs the largest support and the kernel's scale. */
@@ -37,17 +38,13 @@ double isph_reflection_ratio(const struct isph *s, const double xi[3], uint32_t 
  * of sum V slope lies behind them, were water there as on the lattice. */
 double isph_reflection_backs(const struct isph *s, size_t i);
 
-static inline bool isph_is_reflected(const struct isph *s, uint32_t entry) {
-  return s->image[entry >> PAIR_BITS].reflected;
-}
-
 /* What P_i - P_j has over q_i - q_j, over rho: f.(x_i - x_j), both on this side of the mirror. r is
  * the pair's separation. */
-static inline double isph_fall_between(const struct isph *s, const double f[3], const double xi[3],
-                                       uint32_t entry, const double r[3]) {
+ROW double isph_fall_between(enum isph_images images, const struct isph *s, const double f[3],
+                             const double xi[3], uint32_t entry, const double r[3]) {
   double fall = f[0] * r[0] + f[1] * r[1] + f[2] * r[2];
   const struct isph_image *image = &s->image[entry >> PAIR_BITS];
-  for (int a = 0; a < 3 && image->reflected; a++)
+  for (int a = 0; a < 3 && isph_is_reflected(images, s, entry); a++)
     if (image->turn[a] < 0) fall += f[a] * (xi[a] - s->position[entry & PAIR_MASK][a] - r[a]);
   return fall;
 }

@@ -85,7 +85,6 @@ struct isph_chunk {
   size_t begin, end;
   struct budget_sums budget; /* of the step */
   bool outer;                /* reads particles of other ranks */
-  bool reflected;            /* has reflected pairs */
   size_t pair_count, pair_capacity;
   uint32_t *pair;  /* neighbour | image << PAIR_BITS */
   float *slope;    /* -W'(r)/r of the pair, normalised */
@@ -191,6 +190,7 @@ struct isph {
   double (*sums)[SUMS];              /* [own chunks]: of several; see isph_sum_chunks */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
+  uint8_t *images; /* of both: isph/images.h */
   size_t chunk_count, chunk_capacity;
   struct isph_chunk *chunks;
   struct isph_cells cells, wall_cells;
@@ -479,21 +479,6 @@ static inline const double *isph_wall_velocity(const struct isph *s, size_t j) {
   const size_t box = s->boundary_box[j];
   return s->boundary_kind[j] == BOUNDARY_WALL ? s->wall_boxes[box].velocity
                                               : s->sides[box].velocity;
-}
-
-/* r = x_i - x_j for a pair entry. */
-static inline void isph_separation(const struct isph *s, const double xi[3], double (*x)[3],
-                                   uint32_t entry, double r[3]) {
-  const double *xj = x[entry & PAIR_MASK];
-  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
-  for (int a = 0; a < 3; a++) r[a] = xi[a] - (image->turn[a] * xj[a] + image->shift[a]);
-}
-
-/* A vector of the neighbour as its image has it. */
-static inline void isph_turn(const struct isph *s, uint32_t entry, const double of[3],
-                             double image[3]) {
-  const double *turn = s->image[entry >> PAIR_BITS].turn;
-  for (int a = 0; a < 3; a++) image[a] = turn[a] * of[a];
 }
 
 #endif

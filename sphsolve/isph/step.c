@@ -12,6 +12,7 @@
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/rain.h"
@@ -61,23 +62,29 @@ static void update_volumes(struct isph *s) {
   s->support_now = ranks_max(s->support_now);
 }
 
+/* g = grad v of particle i before its correction. */
+ROW void velocity_gradient(enum isph_images images, const struct isph *s,
+                           const struct isph_chunk *chunk, size_t i, double g[9]) {
+  const double *xi = s->position[i], *vi = s->velocity[i];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    double r[3], weight = s->volume[j] * (double)chunk->slope[p];
+    if (isph_is_reflected(images, s, chunk->pair[p])) continue;
+    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
+    for (int a = 0; a < 3; a++) {
+      double d = weight * (vi[a] - s->velocity[j][a]);
+      for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
+    }
+  }
+}
+
 static void find_velocity_gradient(struct isph *s) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       double g[9] = {0};
-      const double *xi = s->position[i], *vi = s->velocity[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        uint32_t j = chunk->pair[p] & PAIR_MASK;
-        double r[3], weight = s->volume[j] * (double)chunk->slope[p];
-        if (isph_is_reflected(s, chunk->pair[p])) continue;
-        isph_separation(s, xi, s->position, chunk->pair[p], r);
-        for (int a = 0; a < 3; a++) {
-          double d = weight * (vi[a] - s->velocity[j][a]);
-          for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
-        }
-      }
+      ISPH_ROW(s, i, velocity_gradient, s, chunk, i, g);
       const float *l = s->correction[i];
       for (int a = 0; a < 3; a++)
         for (int b = 0; b < 3; b++)
@@ -118,17 +125,17 @@ static double wall_friction_viscosity(const struct isph *s, size_t i, const doub
   return nu / eps;
 }
 
-/* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
- * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
-static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
-                    double friction[3]) {
+/* The part of nu_E lap v that pairs give. */
+ROW void viscous_pairs(enum isph_images images, const struct isph *s,
+                       const struct isph_chunk *chunk, size_t i, double force[3],
+                       double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
   const bool held = s->on.no_slip && !s->wall_boxes[0].slip;
   double tank = -1; /* the viscosity of the friction at sides that reflect, once it is known */
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     double both = nu + s->eddy[j], vj[3];
-    if (held && isph_is_reflected(s, chunk->pair[p])) {
+    if (held && isph_is_reflected(images, s, chunk->pair[p])) {
       double r[3];
       isph_separation(s, xi, s->position, chunk->pair[p], r);
       if (tank < 0) tank = wall_friction_viscosity(s, i, s->wall_boxes[0].velocity);
@@ -137,12 +144,20 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
       for (int a = 0; a < 3; a++) friction[a] -= weight * vi[a];
       continue;
     }
-    isph_turn(s, chunk->pair[p], s->velocity[j], vj);
+    isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
     if (s->on.links)
       both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->way[p];
     double weight = s->volume[j] * both * (double)chunk->slope[p];
     for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
   }
+}
+
+/* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
+ * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
+static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
+                    double friction[3]) {
+  const double *xi = s->position[i], *vi = s->velocity[i];
+  ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
   if (!s->on.no_slip) return;
   int last = -1; /* box */
   double hold = 0;
@@ -213,6 +228,26 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
+/* The gradients of q = P - rho f.x and of P, by the pairs of particle i; `edges` one where
+ * mobilities differ. */
+ROW void pressure_gradient(enum isph_images images, const struct isph *s,
+                           const struct isph_chunk *chunk, size_t i, const double f[3],
+                           double reduced[3], double own[3], struct isph_edge *edge) {
+  const double *xi = s->position[i], rho = s->density, k = s->mobility[i];
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    double r[3];
+    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
+    double weight = s->volume[j] * (double)chunk->slope[p], drop = s->pressure[i] - s->pressure[j];
+    const double fall = drop - rho * isph_fall_between(images, s, f, xi, chunk->pair[p], r);
+    if (isph_is_reflected(images, s, chunk->pair[p]))
+      drop = fall + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
+    for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
+    if (edge != NULL)
+      isph_edge_add(edge, isph_mobility_between(s, chunk, p, i, j) / k, weight, fall, r);
+  }
+}
+
 /* The corrector (the mean of v^n and v^{n+1} goes into v*):
  *   v^{n+1} = v* - k grad q,   q = P - rho f.x the pressure without its hydrostatic part,
  *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s;
@@ -238,19 +273,10 @@ static void correct(struct isph *s) {
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       struct isph_edge edge = {.flux = {0}};
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        uint32_t j = chunk->pair[p] & PAIR_MASK;
-        double r[3];
-        isph_separation(s, xi, s->position, chunk->pair[p], r);
-        double weight = s->volume[j] * (double)chunk->slope[p], drop = pressure - s->pressure[j];
-        const double fall = drop - rho * isph_fall_between(s, f, xi, chunk->pair[p], r);
-        if (isph_is_reflected(s, chunk->pair[p]))
-          drop = fall + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-        for (int a = 0; a < 3; a++)
-          reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
-        if (edges)
-          isph_edge_add(&edge, isph_mobility_between(s, chunk, p, i, j) / k, weight, fall, r);
-      }
+      if (edges)
+        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, &edge);
+      else
+        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL);
       if (edges) isph_edge_close(&edge, s->on.interfaces ? s->interface[i].normal : NULL, reduced);
       if (tensor) isph_anisotropy_edge(s, chunk, i, f, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {

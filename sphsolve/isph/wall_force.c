@@ -2,6 +2,7 @@
 
 #include <string.h>
 
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 
 /* By the pairs of water and wall that the budget of momentum counts: a wall particle j has the

@@ -17,6 +17,7 @@
 
 #include "common/kernel.h"
 #include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/output.h"
 #include "tests/unit/isph_scene.h"

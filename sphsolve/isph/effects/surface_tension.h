@@ -18,6 +18,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
@@ -57,7 +58,8 @@ static inline void surface_tension_normal(const struct isph *s, const struct isp
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const double w = surface_tension_weight(s, chunk, p, size);
     double other[3];
-    isph_turn(s, chunk->pair[p], s->gradient_sum[chunk->pair[p] & PAIR_MASK], other);
+    isph_turn(IMAGES_REFLECTED, s, chunk->pair[p], s->gradient_sum[chunk->pair[p] & PAIR_MASK],
+              other);
     for (int a = 0; a < 3 && w > 0; a++) normal[a] += w * other[a];
   }
   for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
@@ -74,7 +76,7 @@ static inline double surface_tension_curvature(const struct isph *s, const struc
     double r[3], other[3], across[3], square = 0, out = 0;
     if (!(w > 0)) continue;
     isph_separation(s, s->position[i], s->position, chunk->pair[p], r);
-    isph_turn(s, chunk->pair[p], normal[j], other);
+    isph_turn(IMAGES_REFLECTED, s, chunk->pair[p], normal[j], other);
     for (int a = 0; a < 3; a++) {
       across[a] = normal[i][a] + other[a];
       square += across[a] * across[a], out += across[a] * r[a];

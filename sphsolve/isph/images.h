@@ -1,0 +1,55 @@
+/* The images at which a particle sees its neighbours: none far from periodic sides and sides that
+ * reflect, else those. A loop over pairs is a ROW function of the kind; ISPH_ROW has it compiled
+ * for each, so that only the particles that have images pay for them. */
+#ifndef TOSUI_SPHSOLVE_ISPH_IMAGES_H
+#define TOSUI_SPHSOLVE_ISPH_IMAGES_H
+
+#include <stdbool.h>
+#include <stdint.h>
+
+#include "sphsolve/isph/state.h"
+
+enum isph_images { IMAGES_NONE, IMAGES_PERIODIC, IMAGES_REFLECTED /* and periodic ones */ };
+
+#define ROW static inline __attribute__((always_inline))
+
+/* row(images, ...) of particle i of s. */
+#define ISPH_ROW(s, i, row, ...)                                                                   \
+  do {                                                                                             \
+    if ((s)->images[i] == IMAGES_NONE)                                                             \
+      row(IMAGES_NONE, __VA_ARGS__);                                                               \
+    else if ((s)->images[i] == IMAGES_PERIODIC)                                                    \
+      row(IMAGES_PERIODIC, __VA_ARGS__);                                                           \
+    else                                                                                           \
+      row(IMAGES_REFLECTED, __VA_ARGS__);                                                          \
+  } while (0)
+
+/* r = x_i - x_j for a pair entry. */
+ROW void isph_separation_at(enum isph_images images, const struct isph *s, const double xi[3],
+                            double (*x)[3], uint32_t entry, double r[3]) {
+  const double *xj = x[entry & PAIR_MASK];
+  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
+  for (int a = 0; a < 3; a++) {
+    double at = xj[a];
+    if (images == IMAGES_REFLECTED) at *= image->turn[a];
+    if (images != IMAGES_NONE) at += image->shift[a];
+    r[a] = xi[a] - at;
+  }
+}
+ROW void isph_separation(const struct isph *s, const double xi[3], double (*x)[3], uint32_t entry,
+                         double r[3]) {
+  isph_separation_at(IMAGES_REFLECTED, s, xi, x, entry, r);
+}
+
+ROW bool isph_is_reflected(enum isph_images images, const struct isph *s, uint32_t entry) {
+  return images == IMAGES_REFLECTED && s->image[entry >> PAIR_BITS].reflected;
+}
+
+/* A vector of the neighbour as its image has it. */
+ROW void isph_turn(enum isph_images images, const struct isph *s, uint32_t entry,
+                   const double of[3], double image[3]) {
+  const double *turn = s->image[entry >> PAIR_BITS].turn;
+  for (int a = 0; a < 3; a++) image[a] = images == IMAGES_REFLECTED ? turn[a] * of[a] : of[a];
+}
+
+#endif
