@@ -174,20 +174,25 @@ static void coarsen(const struct level *fine, struct level *coarse) {
       }
 }
 
+/* The nodes of the coarse level on both sides of node `at` along axis a, or twice the one there. */
+static inline void between(const struct level *fine, const struct level *coarse, int a, int at,
+                           int first[3], int second[3]) {
+  const bool halved = fine->cells[a] > coarse->cells[a]; /* and never less: levels_shape */
+  first[a] = second[a] = halved ? at / 2 : at;
+  if (halved && at % 2) second[a] = coarse->upper[a][first[a]];
+}
+
 /* Transfers between levels along all axes: coarse = P^T fine, or fine += P coarse. */
 static void transfer(const struct level *fine, const struct level *coarse, const double *from,
                      double *to, bool down) {
-  int step[3];
-  for (int a = 0; a < 3; a++) step[a] = fine->cells[a] / coarse->cells[a];
+  int first[3], second[3];
   if (down) memset(to, 0, coarse->node_count * sizeof *to);
-  for (int k = 0; k < fine->nodes[2]; k++)
-    for (int j = 0; j < fine->nodes[1]; j++)
+  for (int k = 0; k < fine->nodes[2]; k++) {
+    between(fine, coarse, 2, k, first, second);
+    for (int j = 0; j < fine->nodes[1]; j++) {
+      between(fine, coarse, 1, j, first, second);
       for (int i = 0; i < fine->nodes[0]; i++) {
-        int at[3] = {i, j, k}, first[3], second[3];
-        for (int a = 0; a < 3; a++) {
-          first[a] = second[a] = at[a] / step[a];
-          if (at[a] % step[a]) second[a] = coarse->upper[a][first[a]];
-        }
+        between(fine, coarse, 0, i, first, second);
         size_t here = level_node(fine, i, j, k);
         double sum = 0;
         for (int c = 0; c < 8; c++) {
@@ -200,18 +205,29 @@ static void transfer(const struct level *fine, const struct level *coarse, const
         }
         if (!down) to[here] += sum;
       }
+    }
+  }
+}
+
+/* Loops over the nodes are compiled for grids in a plane too, where the rows of the stencil on both
+ * sides of it are 0; and run without a team of threads on small grids, whose start takes longer. */
+#define NODES static inline __attribute__((always_inline))
+#define NODES_ALONE 4096
+
+static bool is_plane(const struct level *level) {
+  return level->nodes[1] == 1;
 }
 
 /* sum of the stencil of a node without its middle, times x. */
-static inline double off_middle(const struct level *level, const double *x, int i, int j, int k,
-                                size_t node) {
+NODES double off_middle(const struct level *level, const double *x, int i, int j, int k,
+                        size_t node, bool plane) {
   const float *stencil = &level->stencil[27 * node];
   int at[3][3] = {{level->lower[0][i], i, level->upper[0][i]},
                   {level->lower[1][j], j, level->upper[1][j]},
                   {level->lower[2][k], k, level->upper[2][k]}};
   double sum = 0;
   for (int c = 0; c < 3; c++)
-    for (int b = 0; b < 3; b++) {
+    for (int b = plane ? 1 : 0; b < (plane ? 2 : 3); b++) {
       const double *row = x + level_node(level, 0, at[1][b], at[2][c]);
       const float *s = stencil + 9 * c + 3 * b;
       sum += (double)s[0] * row[at[0][0]] + (double)s[1] * row[i] + (double)s[2] * row[at[0][2]];
@@ -219,22 +235,62 @@ static inline double off_middle(const struct level *level, const double *x, int 
   return sum - (double)stencil[13] * x[node];
 }
 
-/* Gauss-Seidel by planes of two colours; backward is the exact reverse of forward. */
+NODES void smooth_nodes(struct level *level, bool backward, int k, bool plane) {
+  for (int jj = 0; jj < level->nodes[1]; jj++)
+    for (int ii = 0; ii < level->nodes[0]; ii++) {
+      int i = backward ? level->nodes[0] - 1 - ii : ii;
+      int j = backward ? level->nodes[1] - 1 - jj : jj;
+      size_t node = level_node(level, i, j, k);
+      level->x[node] = (level->b[node] - off_middle(level, level->x, i, j, k, node, plane)) /
+                       (double)level->stencil[27 * node + 13];
+    }
+}
+
+static void smooth_layer(struct level *level, bool backward, int k) {
+  if (is_plane(level))
+    smooth_nodes(level, backward, k, true);
+  else
+    smooth_nodes(level, backward, k, false);
+}
+
+/* Gauss-Seidel by layers of two colours; backward is the exact reverse of forward. */
 static void smooth(struct level *level, bool backward) {
-  int planes = level->nodes[2];
+  const int layers = level->nodes[2];
   for (int colour = 0; colour < 2; colour++) {
-    int parity = backward ? 1 - colour : colour;
-#pragma omp parallel for schedule(static) if (level->node_count > 4096)
-    for (int k = parity; k < planes; k += 2)
-      for (int jj = 0; jj < level->nodes[1]; jj++)
-        for (int ii = 0; ii < level->nodes[0]; ii++) {
-          int i = backward ? level->nodes[0] - 1 - ii : ii;
-          int j = backward ? level->nodes[1] - 1 - jj : jj;
-          size_t node = level_node(level, i, j, k);
-          level->x[node] = (level->b[node] - off_middle(level, level->x, i, j, k, node)) /
-                           (double)level->stencil[27 * node + 13];
-        }
+    const int parity = backward ? 1 - colour : colour;
+    if (level->node_count <= NODES_ALONE) {
+      for (int k = parity; k < layers; k += 2) smooth_layer(level, backward, k);
+      continue;
+    }
+#pragma omp parallel for schedule(static)
+    for (int k = parity; k < layers; k += 2) smooth_layer(level, backward, k);
   }
+}
+
+NODES void residual_of_nodes(struct level *level, int k, bool plane) {
+  for (int j = 0; j < level->nodes[1]; j++)
+    for (int i = 0; i < level->nodes[0]; i++) {
+      size_t node = level_node(level, i, j, k);
+      level->r[node] = level->b[node] - off_middle(level, level->x, i, j, k, node, plane) -
+                       (double)level->stencil[27 * node + 13] * level->x[node];
+    }
+}
+
+static void residual_of_layer(struct level *level, int k) {
+  if (is_plane(level))
+    residual_of_nodes(level, k, true);
+  else
+    residual_of_nodes(level, k, false);
+}
+
+static void find_residual(struct level *level) {
+  const int layers = level->nodes[2];
+  if (level->node_count <= NODES_ALONE) {
+    for (int k = 0; k < layers; k++) residual_of_layer(level, k);
+    return;
+  }
+#pragma omp parallel for schedule(static)
+  for (int k = 0; k < layers; k++) residual_of_layer(level, k);
 }
 
 static void cycle(struct levels *levels, int depth) {
@@ -246,14 +302,7 @@ static void cycle(struct levels *levels, int depth) {
   }
   struct level *coarse = level + 1;
   smooth(level, false);
-#pragma omp parallel for schedule(static) if (level->node_count > 4096)
-  for (int k = 0; k < level->nodes[2]; k++)
-    for (int j = 0; j < level->nodes[1]; j++)
-      for (int i = 0; i < level->nodes[0]; i++) {
-        size_t node = level_node(level, i, j, k);
-        level->r[node] = level->b[node] - off_middle(level, level->x, i, j, k, node) -
-                         (double)level->stencil[27 * node + 13] * level->x[node];
-      }
+  find_residual(level);
   transfer(level, coarse, level->r, coarse->b, true);
   cycle(levels, depth + 1);
   transfer(level, coarse, coarse->x, level->x, false);
