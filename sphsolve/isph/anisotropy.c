@@ -240,8 +240,8 @@ struct isph_turned isph_anisotropy_way(const struct isph *s, size_t i, size_t j,
 void isph_anisotropy_edge(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                           const double f[3], double gradient[3]) {
   const double k = s->mobility[i], rho = s->density, *relative = s->anisotropy[i].relative;
-  struct isph_edge edge = {.flux = {0}};
-  double flux[3] = {0}, n[3], to[3], across = 0, out = 0;
+  struct isph_edge edge = {.level = 0};
+  double plain[3] = {0}, flux[3] = {0}, n[3], to[3], across = 0, out = 0;
   for (size_t p = s->pair_first[i], end = p + s->pair_number[i]; p < end; p++) {
     const size_t j = chunk->pair[p] & PAIR_MASK;
     double r[3];
@@ -249,12 +249,17 @@ void isph_anisotropy_edge(const struct isph *s, const struct isph_chunk *chunk, 
     const double weight = s->volume[j] * (double)chunk->slope[p];
     const double fall =
         s->pressure[i] - s->pressure[j] - rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-    isph_edge_add(&edge, (double)chunk->plain[p] / k, weight, fall, r);
+    const double kij = (double)chunk->plain[p] / k;
+    isph_edge_add(&edge, kij, weight, r);
+    for (int a = 0; a < 3; a++) plain[a] += weight * kij * fall * r[a];
     for (int a = 0; a < 3; a++) flux[a] += weight * (double)chunk->mobility[p] / k * fall * r[a];
   }
   const double *interface = s->on.interfaces ? s->interface[i].normal : NULL;
-  if (!isph_edge_normal(&edge, interface, n)) return;
-  isph_edge_close(&edge, interface, gradient);
+  struct isph_edge_frame frame;
+  isph_edge_find(&edge, interface, &frame);
+  if (frame.share == 0) return;
+  memcpy(n, frame.normal, sizeof n);
+  isph_edge_turn(&frame, plain, gradient);
   for (int a = 0; a < 3; a++) across += n[a] * gradient[a];
   for (int a = 0; a < 3; a++) gradient[a] -= across * n[a];
   symmetric_times(relative, n, to);

@@ -134,7 +134,9 @@ static double along(const double moment[6], const double n[3]) {
   return sum;
 }
 
-bool isph_edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]) {
+/* Its unit normal: that of the interface where it has one, else along the edge's; false where there
+ * is none. */
+static bool edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]) {
   const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
   double g[3];
   for (int a = 0; a < 3; a++) g[a] = edge->normal[a] - mean * edge->middle[a];
@@ -149,11 +151,19 @@ bool isph_edge_normal(const struct isph_edge *edge, const double interface[3], d
  * makes of it, sum V_j (k_ij/k_i) slope (q_i - q_j) r with the k_ij of the pressure's matrix: the
  * flux is then the same on both sides, which k_i times the plain gradient is not. Along it, too, a
  * neighbour counts by k_ij, but the gradient is exact for what is linear. */
-void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]) {
-  double n[3], across = 0;
-  if (!isph_edge_normal(edge, interface, n)) return;
-  for (int a = 0; a < 3; a++) across += n[a] * edge->flux[a];
-  const double share = along(edge->weighted, n) / along(edge->even, n);
+void isph_edge_find(const struct isph_edge *edge, const double interface[3],
+                    struct isph_edge_frame *frame) {
+  frame->share = 0;
+  if (!edge_normal(edge, interface, frame->normal)) return;
+  const double share = along(edge->weighted, frame->normal) / along(edge->even, frame->normal);
+  frame->share = fmax(WEIGHT_LEAST, share);
+}
+
+void isph_edge_turn(const struct isph_edge_frame *frame, const double flux[3], double gradient[3]) {
+  const double *n = frame->normal;
+  double across = 0;
+  if (frame->share == 0) return;
+  for (int a = 0; a < 3; a++) across += n[a] * flux[a];
   for (int a = 0; a < 3; a++)
-    gradient[a] = n[a] * across + (edge->flux[a] - n[a] * across) / fmax(WEIGHT_LEAST, share);
+    gradient[a] = n[a] * across + (flux[a] - n[a] * across) / frame->share;
 }

@@ -36,25 +36,25 @@ void isph_soil_mix_split(const struct isph_soil_mix *mix, double smoothing,
 
 /* The gradient of the pressure at a particle whose neighbours have other mobilities. */
 struct isph_edge {
-  double normal[3], flux[3], even[6], weighted[6];
+  double normal[3], even[6], weighted[6];
   double level, weight, middle[3]; /* sums of w ln k_ij, w, w r */
 };
-/* A neighbour of i, kij the mobility between over that of i: weight V_j slope, fall of q = P - rho
- * f.x from i to j, r from j to i. */
-static inline void isph_edge_add(struct isph_edge *edge, double kij, double weight, double fall,
+/* A neighbour of i, kij the mobility between over that of i: weight V_j slope, r from j to i. */
+static inline void isph_edge_add(struct isph_edge *edge, double kij, double weight,
                                  const double r[3]) {
   const double more = weight * kij, steep = kij == 1 ? 0 : weight * log(kij);
   edge->level += steep, edge->weight += weight;
   for (int a = 0, k = 0; a < 3; a++) {
     edge->normal[a] += steep * r[a], edge->middle[a] += weight * r[a];
-    edge->flux[a] += more * fall * r[a];
     for (int b = a; b < 3; b++, k++)
       edge->even[k] += weight * r[a] * r[b], edge->weighted[k] += more * r[a] * r[b];
   }
 }
-/* Its unit normal: that of the interface where it has one, else along the edge's; false where there
- * is none. */
-bool isph_edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]);
-void isph_edge_close(const struct isph_edge *edge, const double interface[3], double gradient[3]);
+/* Its normal is that of the interface where it has one, else along the edge's. */
+void isph_edge_find(const struct isph_edge *edge, const double interface[3],
+                    struct isph_edge_frame *frame);
+/* The gradient by the flux, sum of weight kij fall r with the fall of q = P - rho f.x from i to j;
+ * left alone where there is no edge. */
+void isph_edge_turn(const struct isph_edge_frame *frame, const double flux[3], double gradient[3]);
 
 #endif

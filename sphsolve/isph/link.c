@@ -3,9 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/memory.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/symmetric.h"
+
+/* |v| of all particles here less their soil's: isph_links_begin. */
+#define SPEEDS(s) ((s)->work[0])
 
 bool isph_links_wanted(const struct scene *scene, bool has_surface) {
   return !has_surface && !scene->isph.porosity_paper;
@@ -86,14 +90,45 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
   return clear > s->support_max ? ground : GROUND_MIXED;
 }
 
-static void add(const struct isph *s, const struct region *soil, double share,
-                struct isph_material *way) {
-  struct isph_material of = {.porosity = 1, .inertia = 1};
-  if (soil != NULL) of = isph_material_of(s, soil);
-  way->porosity += share * of.porosity;
-  way->inertia += share * of.inertia;
-  if (s->on.drag_linear) way->a += share * of.a;
-  if (s->on.drag_forchheimer) way->b += share * of.b;
+enum status isph_links_create(struct isph *s) {
+  const size_t count = s->scene->region_count;
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(&s->grounds, count + 1, sizeof *s->grounds, "regions"));
+  s->grounds[0].of = (struct isph_material){.porosity = 1, .inertia = 1};
+  for (size_t k = 0; k < count; k++) {
+    struct isph_material *of = &s->grounds[k + 1].of;
+    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    *of = isph_material_of(s, &s->scene->regions[k]);
+    if (!s->on.drag_linear) of->a = 0;
+    if (!s->on.drag_forchheimer) of->b = 0;
+  }
+cleanup:
+  return status;
+}
+
+static double speed_of(const struct isph *s, size_t i) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
+    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
+  }
+  return sqrt(square);
+}
+
+void isph_links_begin(struct isph *s) {
+  for (size_t k = 0; k < s->scene->region_count; k++)
+    if (s->scene->regions[k].type == REGION_POROUS)
+      s->grounds[k + 1].place = isph_soil_place(s, k, 0);
+  if (!s->on.drag_forchheimer) return;
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < s->count; i++) SPEEDS(s)[i] = speed_of(s, i);
+}
+
+static void add(const struct isph_material *of, double share, struct isph_material *way) {
+  way->porosity += share * of->porosity;
+  way->inertia += share * of->inertia;
+  way->a += share * of->a;
+  way->b += share * of->b;
 }
 
 static void add_part(struct isph_parts *parts, const struct region *soil, double share) {
@@ -110,12 +145,15 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
                  double *to) {
   for (int a = 0; a < 3; a++) {
     const double low = box->low[a] - x[a], high = box->high[a] - x[a];
+    if (low == -INFINITY && high == INFINITY) continue;
     if (step[a] == 0) {
       if (low > 0 || high <= 0) return false;
       continue;
     }
-    *from = fmax(*from, (step[a] > 0 ? low : high) / step[a]);
-    *to = fmin(*to, (step[a] > 0 ? high : low) / step[a]);
+    const double enters = (step[a] > 0 ? low : high) / step[a];
+    const double leaves = (step[a] > 0 ? high : low) / step[a];
+    if (enters > *from) *from = enters;
+    if (leaves < *to) *to = leaves;
   }
   return *from < *to;
 }
@@ -130,49 +168,50 @@ static void walk(const struct isph *s, size_t end, const double x[3], const doub
     const struct region *region = &s->scene->regions[k];
     if (region->type != REGION_POROUS) continue;
     if (region->is_part && isph_soil_is_far(s, region->box, k, reach, x)) continue;
-    const struct isph_box box = isph_soil_box(s, k, 0, middle);
+    const struct isph_box box = isph_soil_image(&s->grounds[k + 1].place, middle);
     double enters = from, leaves = to;
     if (!clip(&box, x, step, &enters, &leaves)) continue;
-    add(s, region, leaves - enters, way);
+    add(&s->grounds[k + 1].of, leaves - enters, way);
     if (parts != NULL) add_part(parts, region, leaves - enters);
     if (from < enters) walk(s, k, x, step, from, enters, way, parts);
     from = leaves;
   }
   if (!(from < to)) return;
-  add(s, NULL, to - from, way);
+  add(&s->grounds[0].of, to - from, way);
   if (parts != NULL) add_part(parts, NULL, to - from);
 }
 
-static double speed_of(const struct isph *s, size_t i) {
-  double square = 0;
-  for (int a = 0; a < 3; a++) {
-    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
-    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
+/* Away from edges all pairs of a particle lie in one soil. */
+static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt) {
+  const struct isph_material *of = &s->grounds[s->ground[i]].of;
+  const double own = of->b > 0 ? SPEEDS(s)[i] : 0;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const double speed = of->b > 0 ? 0.5 * (own + SPEEDS(s)[chunk->pair[p] & PAIR_MASK]) : 0;
+    const double resistance = of->inertia / dt + of->a + 2 * of->b * speed;
+    chunk->mobility[p] = (float)(1 / (s->density * resistance));
+    chunk->way[p] = (float)of->porosity;
   }
-  return sqrt(square);
 }
 
-/* Twice in the program: with tensors and without. */
-static inline void link_pairs(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
-                              bool tensors, struct isph_links *links) {
-  const double *xi = s->position[i], own = speed_of(s, i);
+ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                    size_t i, double dt, bool tensors, struct isph_links *links) {
+  const double *xi = s->position[i], own = s->on.drag_forchheimer ? SPEEDS(s)[i] : 0;
   double level = 0, whole = 0, middle[3] = {0};
-  memset(links, 0, sizeof *links);
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const size_t j = chunk->pair[p] & PAIR_MASK;
     const int32_t ground = s->ground[i] != GROUND_MIXED ? s->ground[i] : s->ground[j];
     struct isph_material way = {0};
     struct isph_parts parts = {.count = 0};
     double r[3];
-    isph_separation(s, xi, s->position, chunk->pair[p], r);
+    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
     if (ground == GROUND_MIXED)
       walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
            tensors ? &parts : NULL);
     else
-      add(s, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1, &way);
+      way = s->grounds[ground].of;
     if (tensors && ground != GROUND_MIXED)
       add_part(&parts, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1);
-    const double speed = way.b > 0 ? 0.5 * (own + speed_of(s, j)) : 0;
+    const double speed = way.b > 0 ? 0.5 * (own + SPEEDS(s)[j]) : 0;
     double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
     const double plain = resistance;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));
@@ -204,10 +243,13 @@ static inline void link_pairs(const struct isph *s, struct isph_chunk *chunk, si
 
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links) {
+  memset(links, 0, sizeof *links);
   if (s->on.anisotropy)
-    link_pairs(s, chunk, i, dt, true, links);
+    link_pairs(IMAGES_PERIODIC, s, chunk, i, dt, true, links); /* no side of soil reflects */
+  else if (s->ground[i] != GROUND_MIXED)
+    link_within(s, chunk, i, dt);
   else
-    link_pairs(s, chunk, i, dt, false, links);
+    ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, false, links);
 }
 
 /* n.m.n */

@@ -35,8 +35,17 @@ struct isph_links {
   double linear[6], forchheimer[6]; /* sums of V slope a r r, and of V slope b |v| r r */
 };
 
+/* A soil, or water, as ways meet it. */
+struct isph_ground {
+  struct isph_material of;
+  struct isph_soil_place place;
+};
+
 /* Whether soil of this scene has links. */
 bool isph_links_wanted(const struct scene *scene, bool has_surface);
+enum status isph_links_create(struct isph *s);
+/* Before isph_link: where the soils are now, and how fast the particles. Takes work[0]. */
+void isph_links_begin(struct isph *s);
 
 #define GROUND_MIXED (-1)
 /* 1 + the region of the soil that fills the largest support there can be about x, 0 for water,

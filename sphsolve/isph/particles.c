@@ -217,6 +217,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   isph_images_create(s);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   if (s->on.anisotropy) TRY(isph_anisotropy_create(s));
+  if (s->on.links) TRY(isph_links_create(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   if (s->on.wells) TRY(isph_wells_create(s));
@@ -264,6 +265,7 @@ void isph_free(struct isph *s) {
                     &s->beds,
                     &s->ground,
                     &s->linked,
+                    &s->grounds,
                     &s->soil_velocity,
                     &s->porosity_rate,
                     &s->kernel_sum,

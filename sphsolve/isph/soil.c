@@ -21,29 +21,40 @@
  * over about a spacing: a kernel of half a spacing has the variance of such a mean. */
 #define DRAG_SMOOTHING 0.5
 
-/* Region k's box where it is a time `ahead` from now, the image nearest to x; without end where it
- * touches a closed side or fills a periodic axis. */
-struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]) {
+struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ahead) {
   const struct region *region = &s->scene->regions[k];
   double near = 1e-6 * s->spacing;
-  struct isph_box box;
+  struct isph_soil_place place = {.period = {0}};
   for (int a = 0; a < 3; a++) {
-    double low = region->box[a], high = region->box[a + 3],
-           offset = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
+    double low = region->box[a], high = region->box[a + 3];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
     /* Soil that moves away from a side leaves water behind. */
     open_low = open_low && !(region->soil_velocity[a] > 0 && !s->periodic[a]);
     open_high = open_high && !(region->soil_velocity[a] < 0 && !s->periodic[a]);
     if (s->dimensions == 2 && a == 1) open_low = open_high = true;
     if (s->periodic[a] && !(open_low && open_high)) {
-      double length = s->high[a] - s->low[a];
-      offset += length * round((x[a] - 0.5 * (low + high) - offset) / length);
+      place.period[a] = s->high[a] - s->low[a], place.middle[a] = 0.5 * (low + high);
       open_low = open_high = false;
     }
-    box.low[a] = open_low ? -INFINITY : low + offset;
-    box.high[a] = open_high ? INFINITY : high + offset;
+    place.low[a] = open_low ? -INFINITY : low, place.high[a] = open_high ? INFINITY : high;
+    place.offset[a] = s->soil_offset[k][a] + ahead * region->soil_velocity[a];
+  }
+  return place;
+}
+
+struct isph_box isph_soil_image(const struct isph_soil_place *place, const double x[3]) {
+  struct isph_box box;
+  for (int a = 0; a < 3; a++) {
+    double offset = place->offset[a], period = place->period[a];
+    if (period > 0) offset += period * round((x[a] - place->middle[a] - offset) / period);
+    box.low[a] = place->low[a] + offset, box.high[a] = place->high[a] + offset;
   }
   return box;
+}
+
+struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]) {
+  const struct isph_soil_place place = isph_soil_place(s, k, ahead);
+  return isph_soil_image(&place, x);
 }
 
 bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,

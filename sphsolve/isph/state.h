@@ -67,11 +67,17 @@ struct isph_bed {
   double mobility[6], shape[6];
 };
 
+/* Of the way mobility changes about a particle, what no pressure alters: isph/interface.h. */
+struct isph_edge_frame {
+  double normal[3], share; /* unit, 0 where it does not change; of the moment along it */
+};
+
 /* What links did to a particle near an edge of soil in a step: isph/link.h. */
 struct isph_linked {
   double change[3];      /* of v*, m/s */
   double normal[3];      /* unit; 0 away from edges */
   double drag_a, drag_b; /* drag along the links: a and b |v|, 1/s */
+  struct isph_edge_frame edge;
 };
 
 /* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
@@ -117,6 +123,7 @@ struct isph_petsc;
 struct isph_well; /* isph/well.h */
 struct isph_outlet;
 struct isph_rain;
+struct isph_ground; /* isph/link.h */
 
 struct isph {
   const struct scene *scene;
@@ -162,6 +169,7 @@ struct isph {
   struct isph_bed *beds;              /* [regions] */
   int32_t *ground;                    /* isph/link.h; NULL without links */
   struct isph_linked *linked;         /* isph/link.h; NULL without links */
+  struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
   double (*soil_velocity)[3];         /* NULL unless soil moves */
   double *porosity_rate;              /* d eps/dt at the place, 1/s; NULL unless soil moves */
   double *kernel_sum;                 /* sum V W with walls: 1 in the bulk */
@@ -308,11 +316,18 @@ struct isph_material {
   double porosity, inertia, a, b; /* as of struct soil_point */
 };
 struct isph_material isph_material_of(const struct isph *s, const struct region *region);
-/* Region k's box where moving soil stands a time `ahead` from now, the image nearest to x; without
- * end where it touches a closed side or fills a periodic axis. */
+/* Region k's box where moving soil stands a time `ahead` from now; without end where it touches a
+ * closed side or fills a periodic axis. */
+struct isph_soil_place {
+  double low[3], high[3], offset[3]; /* stands at low + offset */
+  double period[3], middle[3];       /* of its images; 0 along an axis without */
+};
+struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ahead);
 struct isph_box {
   double low[3], high[3];
 };
+/* Its image nearest to x. */
+struct isph_box isph_soil_image(const struct isph_soil_place *place, const double x[3]);
 /* Whether a box of region k (its own, or its extent) is certainly beyond `reach` of x. */
 bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
                       const double x[3]);

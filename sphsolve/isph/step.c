@@ -179,6 +179,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
 /* v* without the driving force, and the mobility k = B T / rho_w; all of the equation over G. */
 static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
+  if (s->on.links) isph_links_begin(s);
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
@@ -228,23 +229,28 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* The gradients of q = P - rho f.x and of P, by the pairs of particle i; `edges` one where
- * mobilities differ. */
+/* The gradients of q = P - rho f.x and of P, by the pairs of particle i. Where mobilities differ
+ * `flux` is that of isph_edge_turn, and `edge` its sums, until they are known; else NULL. f NULL:
+ * no driving force. */
 ROW void pressure_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, const double f[3],
-                           double reduced[3], double own[3], struct isph_edge *edge) {
+                           double reduced[3], double own[3], double flux[3],
+                           struct isph_edge *edge) {
   const double *xi = s->position[i], rho = s->density, k = s->mobility[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
     double weight = s->volume[j] * (double)chunk->slope[p], drop = s->pressure[i] - s->pressure[j];
-    const double fall = drop - rho * isph_fall_between(images, s, f, xi, chunk->pair[p], r);
-    if (isph_is_reflected(images, s, chunk->pair[p]))
+    double fall = drop;
+    if (f != NULL) fall -= rho * isph_fall_between(images, s, f, xi, chunk->pair[p], r);
+    if (f != NULL && isph_is_reflected(images, s, chunk->pair[p]))
       drop = fall + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
     for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
-    if (edge != NULL)
-      isph_edge_add(edge, isph_mobility_between(s, chunk, p, i, j) / k, weight, fall, r);
+    if (flux == NULL) continue;
+    const double kij = isph_mobility_between(s, chunk, p, i, j) / k;
+    for (int a = 0; a < 3; a++) flux[a] += weight * kij * fall * r[a];
+    if (edge != NULL) isph_edge_add(edge, kij, weight, r);
   }
 }
 
@@ -271,13 +277,20 @@ static void correct(struct isph *s) {
       const bool edges =
           !tensor && (s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface);
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
-      struct isph_edge edge = {.flux = {0}};
+      double flux[3] = {0};
       double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
-      if (edges)
-        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, &edge);
-      else
-        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL);
-      if (edges) isph_edge_close(&edge, s->on.interfaces ? s->interface[i].normal : NULL, reduced);
+      if (edges && again && s->on.links) {
+        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, NULL, reduced, own, flux, NULL);
+        isph_edge_turn(&s->linked[i].edge, flux, reduced);
+      } else if (edges) {
+        struct isph_edge edge = {.level = 0};
+        struct isph_edge_frame here, *frame = s->on.links ? &s->linked[i].edge : &here;
+        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, flux, &edge);
+        isph_edge_find(&edge, s->on.interfaces ? s->interface[i].normal : NULL, frame);
+        isph_edge_turn(frame, flux, reduced);
+      } else {
+        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL, NULL);
+      }
       if (tensor) isph_anisotropy_edge(s, chunk, i, f, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
