@@ -14,8 +14,9 @@
 /* Particles whose bulk volumes differ by less are as far apart as those of the column. */
 #define SAME_SPACING 0.2
 
-/* The column behind which x has left goes on from there, unless the water is of another spacing. */
-static void follow(struct isph *s, int k, const double x[3], double volume) {
+/* The column behind which x has left in a step of dt goes on from there, unless the water is of
+ * another spacing; isph_open_move still moves it by that step. */
+static void follow(struct isph *s, int k, const double x[3], double volume, double dt) {
   const struct isph_open_side *side = &s->sides[k];
   int at[3];
   for (int a = 0; a < 3; a++) {
@@ -27,7 +28,7 @@ static void follow(struct isph *s, int k, const double x[3], double volume) {
   const struct isph_column *column = &s->columns[side->first + c];
   double *front = &s->column_front[side->first + c];
   if (fabs(volume / column->volume - 1) < SAME_SPACING && *front > 0.5 * column->pitch)
-    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch);
+    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch) + column->speed * dt;
 }
 
 static bool is_outside(const struct isph *s, const double x[3]) {
@@ -42,7 +43,7 @@ static bool is_removed(const struct isph *s, size_t i) {
   return is_outside(s, s->position[i]) || (s->on.wells && s->outlet[i].leaves);
 }
 
-static void count_removed(struct isph *s, const struct isph_removed *gone) {
+static void count_removed(struct isph *s, const struct isph_removed *gone, double dt) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
   int side = isph_open_side_behind(s, x);
   isph_budget_removed(s, side >= 0 || gone->pumped ? BUDGET_LEFT : BUDGET_LOST, gone);
@@ -52,7 +53,7 @@ static void count_removed(struct isph *s, const struct isph_removed *gone) {
   }
   if (side >= 0) {
     s->left_count++, s->left_mass += mass;
-    follow(s, side, x, gone->volume);
+    follow(s, side, x, gone->volume, dt);
     return;
   }
   if (s->lost_count == 0)
@@ -71,7 +72,7 @@ static void count_removed(struct isph *s, const struct isph_removed *gone) {
   s->lost_count++, s->lost_mass += mass;
 }
 
-enum status isph_remove_outside(struct isph *s) {
+enum status isph_remove_outside(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   struct isph_removed *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
@@ -101,7 +102,7 @@ enum status isph_remove_outside(struct isph *s) {
   s->count = kept;
   if (!ranks_any(gone > 0)) goto cleanup;
   TRY(isph_gather(here, gone, sizeof *here, &all, &total));
-  for (size_t k = 0; k < total; k++) count_removed(s, &all[k]);
+  for (size_t k = 0; k < total; k++) count_removed(s, &all[k], dt);
 cleanup:
   memory_free(&here);
   memory_free(&all);

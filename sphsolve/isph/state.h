@@ -454,9 +454,10 @@ bool isph_is_at_window(const struct isph *s, const double x[3]);
 void isph_open_straighten(struct isph *s);
 /* How fast the water goes at each column; from sorted particles. */
 enum status isph_open_measure(struct isph *s);
-/* isph/outside.c: takes out particles outside the domain: those that left through a window, and
+/* isph/outside.c, after a step of dt and before isph_open_move: takes out particles outside the
+ * domain: those that left through a window, and
  * with a warning those that should not be there. */
-enum status isph_remove_outside(struct isph *s);
+enum status isph_remove_outside(struct isph *s, double dt);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
 /* isph/cells.c: kernel sum of water at a point within a support, and the mean velocity of water

@@ -459,7 +459,7 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_budget_forces(s, relaxation_time, dt);
   isph_move(s, dt, kinetic + given);
   isph_budget_moved(s);
-  TRY(isph_remove_outside(s));
+  TRY(isph_remove_outside(s, dt));
   TRY(isph_open_move(s, dt));
   if (s->on.rain) TRY(isph_rain_fall(s, dt));
   if (s->on.moving_walls) isph_wall_move(s, dt);

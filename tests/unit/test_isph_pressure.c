@@ -233,6 +233,41 @@ static void windows_come_and_go_unnoticed(void **state) {
   assert_true(fabs(sum / exact - 1) < .005);
 }
 
+/* What has left stands on behind the window where it went, a spacing from the row before it: even
+ * flow stays even. */
+static void columns_go_on_from_what_has_left(void **state) {
+  (void)state;
+  struct run run;
+  double worst = 0;
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"20 cm\", \"6 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"20 cm\", \"6 cm\"]; "
+              "velocity = [\"0.3 m/s\", \"0\"]; },\n"
+              "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"6 cm\"]; flux = \"0.3 "
+              "m/s\"; },\n"
+              "{ type = \"inflow\"; box = [\"19 cm\", \"0\", \"20 cm\", \"6 cm\"]; head = \"0.1 "
+              "m\"; } );\n"
+              "isph = { wall = { slip = true; }; };\n");
+  struct isph *s = &run.s;
+  for (int step = 0; step < 300; step++) {
+    assert_int_equal(isph_advance(s, 1.7e-3), STATUS_OK);
+    for (size_t c = 0; c < s->column_count; c++) {
+      const struct isph_column *column = &s->columns[c];
+      double depth = INFINITY;
+      if (s->sides[column->side].inward > 0) continue;
+      for (size_t i = 0; i < s->count; i++)
+        if (fabs(s->position[i][2] - column->at[2]) < .5 * s->spacing)
+          depth = fmin(depth, s->high[0] - s->position[i][0]);
+      worst = fmax(worst, fabs((s->column_front[c] + depth) / s->spacing - 1));
+    }
+  }
+  print_message("off by %.2g spacings, %zu have left\n", worst, s->left_count);
+  assert_true(s->left_count > 60);
+  finish(&run);
+  assert_true(worst < .01);
+}
+
 /* Under a wall that reaches into the soil: nothing jumps as a particle comes out from under it. */
 static void edges_of_walls_are_passed_unnoticed(void **state) {
   (void)state;
@@ -263,6 +298,7 @@ int main(void) {
       cmocka_unit_test(full_water_is_still),
       cmocka_unit_test(pressure_does_not_alternate),
       cmocka_unit_test(windows_come_and_go_unnoticed),
+      cmocka_unit_test(columns_go_on_from_what_has_left),
       cmocka_unit_test(edges_of_walls_are_passed_unnoticed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
