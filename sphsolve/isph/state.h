@@ -455,8 +455,7 @@ void isph_open_straighten(struct isph *s);
 /* How fast the water goes at each column; from sorted particles. */
 enum status isph_open_measure(struct isph *s);
 /* isph/outside.c, after a step of dt and before isph_open_move: takes out particles outside the
- * domain: those that left through a window, and
- * with a warning those that should not be there. */
+ * domain, those that left through a window and, with a warning, those that should not be there. */
 enum status isph_remove_outside(struct isph *s, double dt);
 /* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
