@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/effects/surface.h"
+#include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
@@ -306,6 +307,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - water,
                                      sums.gradient_sum, sums.moment, sums.wall_moment);
     memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
+    if (s->on.surface && s->on.soil) isph_front_find(s, chunk, i);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};

@@ -268,6 +268,35 @@ static void columns_go_on_from_what_has_left(void **state) {
   assert_true(worst < .01);
 }
 
+/* Rows of a front in soil of low porosity are drawn apart, and nothing disorders them between
+ * periodic sides: it goes on as a plug does, (H + C_r s) q' = g (H + s) - s (a q + b q^2). */
+static void fronts_in_tight_soil_go_on(void **state) {
+  (void)state;
+  const double eps = .3, d = 5e-3, dt = 1e-4, cr = 1 + .34 * (1 - eps) / eps;
+  const double a = 1e-3 * pow(1 - eps, 2) / (pow(eps, 3) * d * d),
+               b = 1.1 * (1 - eps) / (pow(eps, 3) * d);
+  struct run run;
+  double q = 0, sunk = 1e-9, low = INFINITY;
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"0.1 m\", \"0.8 m\"]; spacing = \"1 cm\"; periodic = [true, "
+              "false]; };\n"
+              "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.1 m\", \"0.4 m\"]; "
+              "porosity = 0.3; grain_size = \"5 mm\"; saturated = false; },\n"
+              "{ type = \"water\"; box = [\"0\", \"0.4 m\", \"0.1 m\", \"0.6 m\"]; } );\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  advance(&run, 1.5);
+  for (double t = 0; t < 1.5; t += dt) {
+    const double over = .2 - eps * sunk;
+    q += dt * (9.81 * (over + sunk) - sunk * (a * q + b * q * q)) / (over + cr * sunk);
+    sunk += dt * q / eps;
+  }
+  for (size_t i = 0; i < run.s.count; i++)
+    low = fmin(low, run.s.position[i][2] - .5 * sqrt(run.s.volume[i]));
+  print_message("front %.4f m deep, exact %.4f\n", .4 - low, sunk);
+  finish(&run);
+  assert_true(fabs((.4 - low) / sunk - 1) < .08);
+}
+
 /* Under a wall that reaches into the soil: nothing jumps as a particle comes out from under it. */
 static void edges_of_walls_are_passed_unnoticed(void **state) {
   (void)state;
@@ -299,6 +328,7 @@ int main(void) {
       cmocka_unit_test(pressure_does_not_alternate),
       cmocka_unit_test(windows_come_and_go_unnoticed),
       cmocka_unit_test(columns_go_on_from_what_has_left),
+      cmocka_unit_test(fronts_in_tight_soil_go_on),
       cmocka_unit_test(edges_of_walls_are_passed_unnoticed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
