@@ -91,19 +91,7 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
 }
 
 enum status isph_links_create(struct isph *s) {
-  const size_t count = s->scene->region_count;
-  enum status status = STATUS_OK;
-  TRY(memory_allocate(&s->grounds, count + 1, sizeof *s->grounds, "regions"));
-  s->grounds[0].of = (struct isph_material){.porosity = 1, .inertia = 1};
-  for (size_t k = 0; k < count; k++) {
-    struct isph_material *of = &s->grounds[k + 1].of;
-    if (s->scene->regions[k].type != REGION_POROUS) continue;
-    *of = isph_material_of(s, &s->scene->regions[k]);
-    if (!s->on.drag_linear) of->a = 0;
-    if (!s->on.drag_forchheimer) of->b = 0;
-  }
-cleanup:
-  return status;
+  return memory_allocate(&s->grounds, s->scene->region_count + 1, sizeof *s->grounds, "regions");
 }
 
 static double speed_of(const struct isph *s, size_t i) {
@@ -116,9 +104,15 @@ static double speed_of(const struct isph *s, size_t i) {
 }
 
 void isph_links_begin(struct isph *s) {
-  for (size_t k = 0; k < s->scene->region_count; k++)
-    if (s->scene->regions[k].type == REGION_POROUS)
-      s->grounds[k + 1].place = isph_soil_place(s, k, 0);
+  s->grounds[0].of = (struct isph_material){.porosity = 1, .inertia = 1};
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    struct isph_ground *ground = &s->grounds[k + 1];
+    if (s->scene->regions[k].type != REGION_POROUS) continue;
+    ground->place = isph_soil_place(s, k, 0);
+    ground->of = isph_material_of(s, &s->scene->regions[k]);
+    if (!s->on.drag_linear) ground->of.a = 0;
+    if (!s->on.drag_forchheimer) ground->of.b = 0;
+  }
   if (!s->on.drag_forchheimer) return;
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) SPEEDS(s)[i] = speed_of(s, i);

@@ -44,7 +44,7 @@ struct isph_ground {
 /* Whether soil of this scene has links. */
 bool isph_links_wanted(const struct scene *scene, bool has_surface);
 enum status isph_links_create(struct isph *s);
-/* Before isph_link: where the soils are now, and how fast the particles. Takes work[0]. */
+/* Before isph_link: what the soils are and where, and how fast the particles. Takes work[0]. */
 void isph_links_begin(struct isph *s);
 
 #define GROUND_MIXED (-1)
