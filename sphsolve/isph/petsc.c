@@ -317,8 +317,8 @@ enum status isph_petsc_solve(struct isph *s) {
   if (s->petsc == NULL) TRY(memory_allocate(&s->petsc, 1, sizeof *s->petsc, "the pressure solver"));
   struct isph_petsc *p = s->petsc;
   p->state = s;
-  /* The second solve of a step has the first one's matrix. */
-  if (!solve->again) TRY(make_solver(s, p));
+  if (solve->fresh) TRY(make_solver(s, p));
+  solve->fresh = false;
   if (s->closed) TRY_PETSC(MatNullSpaceRemove(p->constant, p->load));
   TRY_PETSC(VecNorm(p->load, NORM_2, &norm));
   solve->residual = 0;

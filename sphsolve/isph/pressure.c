@@ -60,13 +60,18 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
  * The driving force f enters through its potential, with the coefficients of the pressure itself:
  * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
- * images reflect the velocity. */
+ * images reflect the velocity. Where the pressure is carried the first rows have no source: it is
+ * the second solve's. */
 void isph_assemble(struct isph *s, double relaxation_time) {
-  const bool again = s->solve.again;
+  const bool again = s->solve.again, sources = again || !s->solve.carries;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
   double(*v)[3] = again ? s->velocity : s->predicted;
   double fixed = 0;
+  if (!again) {
+    s->solve.iterations = 0, s->solve.energy = 0, s->solve.solves++;
+    s->solve.fresh = true;
+  }
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
@@ -109,7 +114,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
               image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
       }
       if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
-      source -= vol * divergence;
+      if (sources) source -= vol * divergence;
       if (s->on.surface) {
         double coefficient, load;
         const double backed = s->surface[i] > 0 ? isph_reflection_backs(s, i) : 0;
@@ -117,7 +122,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         diagonal += coefficient, tied += coefficient;
         source += load;
       }
-      if (s->on.relaxation) source -= vol * relaxation_source(s, i, relaxation_time);
+      if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, relaxation_time);
       if (s->on.wells) isph_wells_row(s, i, &diagonal, &source, &tied);
       s->diagonal[i] = diagonal > 0 ? diagonal : 1;
       s->source[i] = source;
@@ -207,6 +212,23 @@ static bool pressure_is_exact(struct isph *s, const double *error) {
   return largest(s, error) <= s->scene->isph.tolerance * solve->pressure;
 }
 
+/* One sweep of Jacobi's method from the last pressure, but for particles on the surface. A pressure
+ * that alternates from particle to particle has next to no gradient, so that the second solve does
+ * not see it, and a gradient that is not quite the divergence's adjoint makes it grow, by 1 % a
+ * step in a small wave; the sweep takes most of it, and next to nothing of a smooth one. At the
+ * surface the rows' gradient and the one in use differ most, and the sweep would bring the
+ * difference back.
+ */
+void isph_carry_pressure(struct isph *s) {
+  double *x = s->pressure, *q = s->work[3];
+  if (s->total == 0) return;
+  isph_multiply(s, x, q);
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    x[i] += (1 - s->surface[i]) * (s->source[i] - q[i]) / s->diagonal[i];
+  s->solve.energy = isph_dot(s, x, s->source);
+}
+
 enum status isph_solve_pressure(struct isph *s) {
   size_t n = s->count;
   double *x = s->pressure, *b = s->source;
@@ -214,7 +236,6 @@ enum status isph_solve_pressure(struct isph *s) {
   double tolerance = s->scene->isph.tolerance;
   struct isph_solve *solve = &s->solve;
   enum status status;
-  if (!solve->again) solve->iterations = 0, solve->energy = 0, solve->solves++;
   if (s->total == 0) return STATUS_OK;
   if (RANKS && s->scene->isph.solver == SOLVER_PETSC) return isph_petsc_solve(s);
   if (s->closed) remove_mean(s, b);
@@ -229,7 +250,8 @@ enum status isph_solve_pressure(struct isph *s) {
     if (n > 0) memset(x, 0, n * sizeof *x);
     return STATUS_OK;
   }
-  if (!solve->again && (status = multigrid_build(s)) != STATUS_OK) return status;
+  if (solve->fresh && (status = multigrid_build(s)) != STATUS_OK) return status;
+  solve->fresh = false;
   isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) r[i] = b[i] - q[i];

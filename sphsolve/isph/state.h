@@ -115,6 +115,8 @@ struct isph_solve {
   int iterations, iterations_total, solves;
   double residual;
   double energy, pressure; /* of the step's first solve: x.b, and the largest pressure, Pa */
+  bool fresh;              /* the matrix has no preconditioner yet */
+  bool carries;            /* the step's first pressure is the last step's */
   bool again;              /* what is solved is what the first projection left of div v */
 };
 
@@ -419,6 +421,8 @@ void isph_move(struct isph *s, double dt, double available);
 /* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
+/* Collective, in place of a first solve: the pressure of the last step, less what alternates. */
+void isph_carry_pressure(struct isph *s);
 /* Collective: the error of a solve that has stopped at this relative error, with the particle whose
  * row has the largest residual. */
 enum status isph_solve_failed(struct isph *s, double error, int iterations);

@@ -91,8 +91,10 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
 }
 
 /* What the surface adds to the diagonal and to the right-hand side of row i; `pairs` is the sum of
- * the a_ij of its neighbours. A drop or a sheet that a side with its image backs (`backed`, 0 .. 1)
- * lies on it, with few neighbours but all behind: its ghost is the level surface's, and carries it.
+ * the a_ij of its neighbours. A second projection finds what adds to the pressure, with neither
+ * force nor a pressure outside. A drop or a sheet that a side with its image backs (`backed`, 0 ..
+ * 1) lies on it, with few neighbours but all behind: its ghost is the level surface's, and carries
+ * it.
  */
 static inline void surface_row(const struct isph *s, size_t i, double pairs, double backed,
                                double *coefficient, double *load) {
@@ -105,6 +107,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
   *coefficient = w * fmax(moment / (0.5 * size), (1 - backed) * missing);
+  if (s->solve.again) return;
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
 }
@@ -113,11 +116,13 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
  * it is carried. */
 static inline double surface_close(const struct isph *s, size_t i, double reduced[3],
                                    double own[3]) {
-  const double *m = s->gradient_sum[i], *f = s->force;
+  static const double none[3] = {0};
+  const bool again = s->solve.again;
+  const double *m = s->gradient_sum[i], *f = again ? none : s->force;
   double w = s->surface[i];
   double size = isph_size_of(s, s->volume[i]);
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
-  double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
+  double outside = s->surface_pressure != NULL && !again ? s->surface_pressure[i] : 0;
   double pressure = s->pressure[i] - outside;
   double d = 0.5 * size / fmax(length, 1e-30);
   double level = pressure + s->density * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
@@ -125,7 +130,7 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
     reduced[a] -= 2 * w * level * m[a];
     own[a] -= 2 * w * pressure * m[a];
   }
-  return surface_carried(s, i, size);
+  return again ? 1 : surface_carried(s, i, size);
 }
 
 static inline bool isph_surface_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
