@@ -217,15 +217,25 @@ static bool pressure_is_exact(struct isph *s, const double *error) {
  * not see it, and a gradient that is not quite the divergence's adjoint makes it grow, by 1 % a
  * step in a small wave; the sweep takes most of it, and next to nothing of a smooth one. At the
  * surface the rows' gradient and the one in use differ most, and the sweep would bring the
- * difference back.
- */
+ * difference back. What exceeds the weight of water up to the highest particle is not carried: it
+ * may be an impact's, which is over with its step. */
 void isph_carry_pressure(struct isph *s) {
-  double *x = s->pressure, *q = s->work[3];
+  double *x = s->pressure, *q = s->work[3], top = -INFINITY;
+  const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   if (s->total == 0) return;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const double *at = s->position[i];
+    top = fmax(top, -(f[0] * at[0] + f[1] * at[1] + f[2] * at[2]));
+  }
+  top = ranks_max(top);
   isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
-  for (size_t i = s->local.begin; i < s->local.end; i++)
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const double *at = s->position[i];
+    const double weight = top + f[0] * at[0] + f[1] * at[1] + f[2] * at[2] + force * s->spacing;
     x[i] += (1 - s->surface[i]) * (s->source[i] - q[i]) / s->diagonal[i];
+    x[i] = fmin(x[i], s->density * weight);
+  }
   s->solve.energy = isph_dot(s, x, s->source);
 }
 
