@@ -43,8 +43,8 @@ static size_t local_capacity(const struct lattice *lattice, double support) {
   return ((size_t)(0.5 * sites) + 2048) / SIMD_LANES * SIMD_LANES;
 }
 
-/* Pairs a thread at which two took as long as one, at two and three dimensions alike. */
-#define PAIRS_A_THREAD 150e3
+/* Pairs a thread from which on two take a tenth less time than one on an idle machine. */
+#define PAIRS_A_THREAD 30e3
 
 int engine_threads(const struct lattice *lattice, double support, int most) {
   double neighbours = lattice->dimensions == 3 ? 4.19 : 3.14;
