@@ -8,6 +8,7 @@
 
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/threads.h"
 #include "sphsolve/isph/well.h"
 
 enum status isph_scales(struct plan *plan) {

@@ -263,9 +263,6 @@ void isph_free(struct isph *s);
 /* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
  * leave a fresh state; to be called after positions were changed otherwise. */
 enum status isph_refresh(struct isph *s);
-/* Pairs a particle, where they are evenly spread; threads that so many particles keep busy. */
-double isph_neighbours(const struct scene *scene);
-int isph_threads(const struct scene *scene, double particles, int most);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
 /* A wall that has left the domain drives nothing any more. */

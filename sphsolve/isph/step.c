@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "common/log.h"
-#include "common/threads.h"
 #include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
@@ -19,6 +18,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/threads.h"
 #include "sphsolve/isph/well.h"
 
 #define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
@@ -412,19 +412,6 @@ enum status isph_refresh(struct isph *s) {
   s->seconds_lists += clock_seconds() - start;
 cleanup:
   return status;
-}
-
-/* Pairs a thread from which on two threads take a tenth less time than one on an idle machine;
- * beside other work they wait for each other. */
-#define PAIRS_A_THREAD 30e3
-
-double isph_neighbours(const struct scene *scene) {
-  return scene->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
-                                : 3.14 * pow(scene->isph.support_ratio, 2);
-}
-
-int isph_threads(const struct scene *scene, double particles, int most) {
-  return threads_for(particles * isph_neighbours(scene), PAIRS_A_THREAD, most);
 }
 
 enum status isph_advance(struct isph *s, double dt) {
