@@ -26,6 +26,30 @@ static size_t list_values(const struct uncertainty *u, double *h, double *k) {
   return (size_t)n;
 }
 
+/* Whether k [n], the finest first, does not yet come nearer to a limit: from lattice to lattice it
+ * goes up and down, or no less than before, by more than the error asked for. Then the coarsest
+ * miss throats that the finer ones have, and four say nothing of how k goes on. */
+static bool wanders(const struct cascade *c, const double *k, size_t n) {
+  for (size_t i = 0; i + 2 < n; i++) {
+    const double now = log(k[i] / k[i + 1]), before = log(k[i + 1] / k[i + 2]);
+    if (fmax(fabs(now), fabs(before)) > c->wanted && !(now / before > 0.0 && now / before < 1.0))
+      return true;
+  }
+  return false;
+}
+
+/* Lattices that an estimate needs which has k [n], the finest first. */
+static size_t lattices_wanted(const struct cascade *c, const double *k, size_t n) {
+  const size_t enough = (size_t)cascade_enough(c->pores_across);
+  return n == CASCADE_ENOUGH && c->fixed == 0 && wanders(c, k, n) ? CASCADE_ENOUGH_MOST : enough;
+}
+
+static bool is_enough(const struct cascade *c) {
+  double h[ERROR_LEVELS_MAX], k[ERROR_LEVELS_MAX];
+  const size_t n = list_values(&c->uncertainty, h, k);
+  return n >= lattices_wanted(c, k, n);
+}
+
 /* The limit of k [n] at h [n], the finest first. */
 static struct limit_estimate limit_of(const struct cascade *c, const double *h, const double *k,
                                       size_t n) {
@@ -35,7 +59,7 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
   const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
-  if (few && n < (size_t)cascade_enough(c->pores_across) && !c->plan->shape.flat) {
+  if (few && n < lattices_wanted(c, k, n) && !c->plan->shape.flat) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
   }
@@ -107,7 +131,7 @@ static struct uncertainty foretold(const struct cascade *c, int steps) {
 static int steps_to_end(const struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
   /* Where the estimate is the finest's own value there is no fit to go by. */
-  if (u->level_count < cascade_enough(c->pores_across) || u->extrapolated == u->finest) return 0;
+  if (!is_enough(c) || u->extrapolated == u->finest) return 0;
   for (int steps = 1; steps <= CASCADE_STEPS_MOST && steps <= c->left; steps++) {
     const struct uncertainty then = foretold(c, steps);
     if (uncertainty_largest(&then) <= c->wanted || finer_is_in_vain(c, &then)) return steps;
@@ -157,8 +181,7 @@ static int steps_to_next(const struct cascade *c) {
   /* One lattice is no k: its error is not known. */
   if (c->resumed || c->uncertainty.level_count < 2) return usual;
   if (end > 0 && has_time(c, lattice_seconds(c, end))) return end;
-  if (c->uncertainty.level_count < cascade_enough(c->pores_across))
-    return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
+  if (!is_enough(c)) return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
   if (has_time(c, lattice_seconds(c, usual) + lattice_seconds(c, usual + 1))) return usual;
   int steps = c->left < CASCADE_STEPS_MOST ? c->left : CASCADE_STEPS_MOST;
   while (steps > 0 && !has_time(c, lattice_seconds(c, steps))) steps--;
@@ -186,7 +209,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   const bool last = c->left == 0 || c->tried == ERROR_LEVELS_MAX;
-  const bool enough = u->level_count >= cascade_enough(c->pores_across) || last;
+  const bool enough = is_enough(c) || last;
   if (enough && uncertainty_largest(u) <= c->wanted) return false;
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";
