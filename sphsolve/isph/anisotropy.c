@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/interface.h"
@@ -102,15 +103,6 @@ static void relative_mobility(double c, double a, const double d[6], double rela
   for (int k = 0; k < 6; k++) relative[k] *= c + a;
 }
 
-static double speed_of(const struct isph *s, size_t i) {
-  double square = 0;
-  for (int a = 0; a < 3; a++) {
-    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
-    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
-  }
-  return sqrt(square);
-}
-
 /* K of each soil over its number, and the S of neighbours spread evenly. */
 static void find_beds(struct isph *s, double dt) {
   for (size_t k = 0; k < s->scene->region_count; k++) {
@@ -157,7 +149,8 @@ void isph_anisotropy_begin(struct isph *s, double dt) {
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double t = dt / s->inertia[i], b = s->drag_b[i];
       struct isph_anisotropy *own = &s->anisotropy[i];
-      relative_mobility(1 + 2 * t * b * speed_of(s, i), t * s->drag_a[i], own->drag, own->relative);
+      relative_mobility(1 + 2 * t * b * isph_speed_through_soil(s, i), t * s->drag_a[i], own->drag,
+                        own->relative);
       find_shape(s, &s->chunks[c], i);
     }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->shape)});

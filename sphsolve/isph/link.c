@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/symmetric.h"
 
@@ -94,15 +95,6 @@ enum status isph_links_create(struct isph *s) {
   return memory_allocate(&s->grounds, s->scene->region_count + 1, sizeof *s->grounds, "regions");
 }
 
-static double speed_of(const struct isph *s, size_t i) {
-  double square = 0;
-  for (int a = 0; a < 3; a++) {
-    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
-    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
-  }
-  return sqrt(square);
-}
-
 void isph_links_begin(struct isph *s) {
   s->grounds[0].of = (struct isph_material){.porosity = 1, .inertia = 1};
   for (size_t k = 0; k < s->scene->region_count; k++) {
@@ -115,7 +107,7 @@ void isph_links_begin(struct isph *s) {
   }
   if (!s->on.drag_forchheimer) return;
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) SPEEDS(s)[i] = speed_of(s, i);
+  for (size_t i = 0; i < s->count; i++) SPEEDS(s)[i] = isph_speed_through_soil(s, i);
 }
 
 static void add(const struct isph_material *of, double share, struct isph_material *way) {
@@ -269,7 +261,7 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
     across += u[a] * n[a] / square;
     linked->normal[a] = n[a] / sqrt(square);
   }
-  double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed_of(s, i));
+  double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
   if (s->on.anisotropy) left *= symmetric_along(s->anisotropy[i].relative, linked->normal);
   const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
   for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];

@@ -12,6 +12,16 @@ static inline double isph_forchheimer_of(const struct region *region) {
   return region->beta;
 }
 
+/* |v_D| of particle i past the soil, m/s: v - eps v_soil. */
+static inline double isph_speed_through_soil(const struct isph *s, size_t i) {
+  double square = 0;
+  for (int a = 0; a < 3; a++) {
+    const double soil = s->on.moving_soil ? s->porosity[i] * s->soil_velocity[i][a] : 0;
+    square += (s->velocity[i][a] - soil) * (s->velocity[i][a] - soil);
+  }
+  return sqrt(square);
+}
+
 static inline bool isph_forchheimer_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
   bool on = isph_any_soil(context->scene, isph_forchheimer_of);
