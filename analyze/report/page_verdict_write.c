@@ -219,6 +219,13 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   if (isfinite(least))
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
             seepage_judge(least));
+  const double resolves =
+      json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
+  if (isfinite(resolves))
+    fprintf(out,
+            "; but beside a wall as shallow as here the exit gradient is not resolved: take a "
+            "spacing of %.2g&nbsp;m",
+            resolves);
   fputs(".</p></article></section>\n", out);
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "analyze/seepage/grid_laplace.h"
 #include "common/memory.h"
 
 /* The velocities of a mean over particles are no perfect curl: psi is the one whose differences
@@ -13,13 +14,6 @@
 /* A face between two corners: flux psi[to] - psi[from]; weight 0 where it is not known. */
 struct face {
   double flux, weight;
-};
-
-struct net {
-  const struct head_field *field;
-  size_t nx, nz;       /* corners */
-  struct face *upward; /* from corner (i, k) to (i, k+1): through it flows u dz */
-  struct face *along;  /* from (i, k) to (i+1, k): -w dx */
 };
 
 static bool is_open(const struct head_field *f, double x, double z) {
@@ -51,76 +45,28 @@ static struct face face_of(const struct head_field *f, size_t a, size_t b, int a
   return (struct face){n > 0 ? scale * sum / n : 0, n > 0};
 }
 
-static void find_faces(struct net *net) {
-  const struct head_field *f = net->field;
+/* What flows through the faces as the source of the grid of corners. A face upward from corner
+ * (i, k) has u dz, one along the row -w dx. */
+static void find_faces(const struct head_field *f, struct grid_laplace *net) {
   for (size_t k = 0; k < net->nz; k++)
     for (size_t i = 0; i < net->nx; i++) {
       const size_t c = k * net->nx + i;
       const double x = (double)i * f->dx, z = (double)k * f->dz;
-      if (k < f->nz)
-        net->upward[c] =
+      if (k < f->nz) {
+        const struct face face =
             face_of(f, i > 0 ? k * f->nx + i - 1 : SIZE_MAX, i < f->nx ? k * f->nx + i : SIZE_MAX,
                     0, is_open(f, x, z + 0.5 * f->dz), f->dz);
-      if (i < f->nx)
-        net->along[c] =
+        net->upward[c] = face.weight;
+        net->source[c + net->nx] += face.flux, net->source[c] -= face.flux;
+      }
+      if (i < f->nx) {
+        const struct face face =
             face_of(f, k > 0 ? (k - 1) * f->nx + i : SIZE_MAX, k < f->nz ? k * f->nx + i : SIZE_MAX,
                     1, is_open(f, x + 0.5 * f->dx, z), -f->dx);
+        net->along[c] = face.weight;
+        net->source[c + 1] += face.flux, net->source[c] -= face.flux;
+      }
     }
-}
-
-/* y = A x, or with x NULL the right-hand side; the diagonal beside. */
-static void apply(const struct net *net, const double *x, double *y, double *diagonal) {
-  const size_t n = net->nx * net->nz;
-  memset(y, 0, n * sizeof *y);
-  if (diagonal != NULL) memset(diagonal, 0, n * sizeof *diagonal);
-  for (size_t c = 0; c < n; c++)
-    for (int s = 0; s < 2; s++) {
-      const struct face *face = s == 0 ? &net->upward[c] : &net->along[c];
-      const size_t to = c + (s == 0 ? net->nx : 1);
-      if (!(face->weight > 0)) continue;
-      const double d = x == NULL ? face->flux : x[to] - x[c];
-      y[to] += d, y[c] -= d;
-      if (diagonal != NULL) diagonal[to] += 1, diagonal[c] += 1;
-    }
-}
-
-static double dot(const double *a, const double *b, size_t n) {
-  double sum = 0;
-  for (size_t c = 0; c < n; c++) sum += a[c] * b[c];
-  return sum;
-}
-
-/* Conjugate gradients; constants lie in the null space and in no residual. */
-static enum status solve(const struct net *net, double *psi) {
-  enum status status = STATUS_OK;
-  const size_t n = net->nx * net->nz;
-  double *r = NULL, *p = NULL, *q = NULL, *diagonal = NULL;
-  TRY(memory_allocate(&r, n, sizeof *r, "the stream function"));
-  TRY(memory_allocate(&p, n, sizeof *p, "the stream function"));
-  TRY(memory_allocate(&q, n, sizeof *q, "the stream function"));
-  TRY(memory_allocate(&diagonal, n, sizeof *diagonal, "the stream function"));
-  apply(net, NULL, r, diagonal);
-  double first = 0, rz = 0;
-  for (size_t c = 0; c < n; c++) p[c] = diagonal[c] > 0 ? r[c] / diagonal[c] : 0;
-  rz = first = dot(r, p, n);
-  for (size_t step = 0; rz > 1e-16 * first && step < 20 * (net->nx + net->nz); step++) {
-    apply(net, p, q, NULL);
-    const double alpha = rz / dot(p, q, n);
-    double next = 0;
-    for (size_t c = 0; c < n; c++) {
-      psi[c] += alpha * p[c], r[c] -= alpha * q[c];
-      if (diagonal[c] > 0) next += r[c] * r[c] / diagonal[c];
-    }
-    for (size_t c = 0; c < n; c++)
-      p[c] = (diagonal[c] > 0 ? r[c] / diagonal[c] : 0) + next / rz * p[c];
-    rz = next;
-  }
-cleanup:
-  memory_free(&r);
-  memory_free(&p);
-  memory_free(&q);
-  memory_free(&diagonal);
-  return status;
 }
 
 /* Corners with wet soil beside them. */
@@ -133,22 +79,20 @@ static bool is_wet(const struct head_field *f, size_t i, size_t k) {
 
 enum status flow_net_stream(const struct head_field *f, double **psi) {
   enum status status = STATUS_OK;
-  struct net net = {.field = f, .nx = f->nx + 1, .nz = f->nz + 1};
-  const size_t n = net.nx * net.nz;
+  struct grid_laplace net = {0};
+  const size_t n = (f->nx + 1) * (f->nz + 1);
   double least = INFINITY;
-  TRY(memory_allocate(&net.upward, n, sizeof *net.upward, "the stream function"));
-  TRY(memory_allocate(&net.along, n, sizeof *net.along, "the stream function"));
   TRY(memory_allocate(psi, n, sizeof **psi, "the stream function"));
-  find_faces(&net);
-  TRY(solve(&net, *psi));
+  TRY(grid_laplace_create(f->nx + 1, f->nz + 1, &net));
+  find_faces(f, &net);
+  TRY(grid_laplace_solve(&net, 1e-8, *psi));
   for (size_t c = 0; c < n; c++) {
     if (!is_wet(f, c % net.nx, c / net.nx)) (*psi)[c] = NAN;
     least = fmin(least, (*psi)[c]);
   }
   for (size_t c = 0; c < n; c++) (*psi)[c] -= least;
 cleanup:
-  memory_free(&net.upward);
-  memory_free(&net.along);
+  grid_laplace_free(&net);
   if (status != STATUS_OK) memory_free(psi);
   return status;
 }

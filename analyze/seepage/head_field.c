@@ -11,7 +11,7 @@
 static enum status read_regions(const struct run *run, struct h5_file *file, struct head_field *f,
                                 double domain[3]) {
   enum status status = STATUS_OK;
-  double *boxes = NULL, *porosity = NULL, *permeability = NULL, gravity[3];
+  double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, gravity[3];
   char **types = NULL;
   size_t dims[2], n = 0;
   if (!h5_exists(file, "/run/regions"))
@@ -37,6 +37,16 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
       f->regions[k].high[a] = boxes[6 * k + (a == 0 ? 3 : 5)];
       f->regions[k].porosity = porosity[k], f->regions[k].permeability = permeability[k];
     }
+  dims[0] = n, dims[1] = 3;
+  if (h5_exists(file, "/run/regions/darcy_x_z_forchheimer"))
+    TRY(h5_read(file, "/run/regions/darcy_x_z_forchheimer", H5_F64, 2, dims, &law));
+  if (dims[0] != n || dims[1] != 3)
+    TRY_FAIL(STATUS_INPUT, "%s: /run/regions/darcy_x_z_forchheimer is damaged", run->path);
+  for (size_t k = 0; k < n; k++) {
+    struct head_region *r = &f->regions[k];
+    for (size_t a = 0; a < 2; a++) r->conductivity[a] = law != NULL ? law[3 * k + a] : NAN;
+    r->forchheimer = law != NULL ? law[3 * k + 2] : NAN;
+  }
   TRY(h5_read_attribute(file, "/run/regions", "domain", H5_F64, 3, domain));
   TRY(h5_read_attribute(file, "/run/regions", "gravity", H5_F64, 3, gravity));
   if (!(gravity[2] < 0 && gravity[0] == 0 && gravity[1] == 0))
@@ -49,6 +59,7 @@ cleanup:
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);
+  memory_free(&law);
   return status;
 }
 

@@ -14,7 +14,10 @@ struct head_region {
   char *type;             /* "water", "porous", "wall", "inflow", "empty" */
   double low[2], high[2]; /* m: x, z */
   double porosity;        /* of soil, else NAN */
-  double permeability;    /* m/s, of linear drag; else NAN */
+  double permeability;    /* of soil, m/s by linear drag, of beds the mean; else NAN */
+  double conductivity[2]; /* of soil, m/s along x and z by linear drag; NAN: Darcy's law does not
+                             give its steady flow along axes, or it is not kept */
+  double forchheimer;     /* s^2/m^2: b of i = v / K + b v^2 */
 };
 
 /* Cells [nz][nx] between 0 and the domain's size, x fastest. */

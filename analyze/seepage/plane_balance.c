@@ -3,31 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/hdf5_file.h"
-#include "common/memory.h"
-
-/* Axis and place (m) of a plane; false where the run does not keep it. */
-static bool find_plane(const struct run *run, const char *name, int *axis, double *place) {
-  struct h5_file *file = NULL;
-  char **names = NULL;
-  double *at = NULL;
-  size_t n = 0, dims[2] = {0, 0};
-  bool found = false;
-  if (h5_open(run->path, &file) == STATUS_OK && h5_exists(file, "/run/planes/name") &&
-      h5_read_texts(file, "/run/planes/name", &n, &names) == STATUS_OK &&
-      h5_read(file, "/run/planes/axis_position", H5_F64, 2, dims, &at) == STATUS_OK &&
-      dims[0] == n && dims[1] == 2)
-    for (size_t k = 0; k < n; k++)
-      if (!strcmp(names[k], name)) {
-        found = true;
-        *axis = (int)at[2 * k], *place = at[2 * k + 1];
-      }
-  error_clear();
-  h5_free_texts(n, &names);
-  memory_free(&at);
-  h5_close(file);
-  return found;
-}
+#include "analyze/seepage/places.h"
 
 /* Whether water may come in or go out between two places along an axis (0 x, 1 z). */
 static bool is_open_between(const struct head_field *f, int axis, double a, double b) {
@@ -58,7 +34,7 @@ double plane_balance(const struct run *run, const struct head_field *f, const ch
   int axis = 0;
   double place = 0, soil, water, sum = 0, squares = 0, count = 0;
   if (in_water != NULL) *in_water = false;
-  if (!find_plane(run, name, &axis, &place) || (axis != 0 && axis != 2)) return NAN;
+  if (!place_of_plane(run, name, &axis, &place) || (axis != 0 && axis != 2)) return NAN;
   if (axis == 2) axis = 1; /* of the field: x, z */
   const size_t sections = axis == 0 ? f->nx : f->nz;
   const double step = axis == 0 ? f->dx : f->dz;

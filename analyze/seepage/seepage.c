@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/seepage/places.h"
 #include "analyze/seepage/plane_balance.h"
 #include "common/json_number.h"
 #include "common/statistics.h"
@@ -56,16 +57,29 @@ static void add_drift(struct seepage *s) {
   s->flow_error += s->drift;
 }
 
-/* The error of a plane's flux with what the balance of mass and a drift leave open; a word where
- * that is not known. */
-static double add_balance(const struct seepage *s, const char *plane, double mean, double error,
-                          double drift, json_t *entry, const char **note) {
+/* What a value is off Darcy's law on cells, and that law's own uncertainty; 0 where it is not
+ * known. Particles smear the edges of soil, which no scatter in time shows. */
+static double put_darcy(const struct darcy_value darcy, double mean, json_t *entry) {
+  if (!isfinite(darcy.value)) return 0;
+  json_put_number(entry, "darcy", darcy.value);
+  return fabs(mean - darcy.value) + darcy.error;
+}
+
+/* The error of a plane's flux, 95 %: what it is off Darcy's law on cells, else what the balance of
+ * mass leaves open, and a drift; a word where neither is known. */
+static double flux_error(const struct seepage *s, const char *plane, double mean, double error,
+                         double drift, json_t *entry, const char **note) {
   bool in_water;
+  int axis = 0;
+  double place = 0, off = 0;
   const double balance = plane_balance(s->run, &s->field, plane, mean, &in_water);
+  if (!in_water && place_of_plane(s->run, plane, &axis, &place) && axis != 1)
+    off = put_darcy(darcy_flow_through(&s->darcy, axis / 2, place), mean, entry);
+  if (off == 0) off = balance;
   json_object_set_new(entry, "in_soil", json_boolean(!in_water));
   json_put_number(entry, "balance_error", balance);
-  json_put_number(entry, "error95", isfinite(balance) ? hypot(error, balance) + drift : NAN);
-  if (isfinite(balance)) return hypot(error, balance) + drift;
+  json_put_number(entry, "error95", isfinite(off) ? hypot(error, off) + drift : NAN);
+  if (isfinite(off)) return hypot(error, off) + drift;
   *note = in_water ? ", of the mean over time alone: in free water it may be 20 % off"
                    : ", of the mean over time alone";
   return error + drift;
@@ -135,6 +149,13 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
             s->uptake > 0 ? "fills with" : "drains of", fabs(s->uptake));
 }
 
+/* What the head of a gauge in soil is off Darcy's law. */
+static double gauge_off(const struct seepage *s, const char *name, double mean, json_t *entry) {
+  double at[3];
+  if (!place_of_gauge(s->run, name, at)) return 0;
+  return put_darcy(darcy_flow_head(&s->darcy, (double[]){at[0], at[2]}), mean, entry);
+}
+
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
 static void show_columns(const struct seepage *s, const char *prefix, const char *word,
                          double scale, const char *unit, json_t *json, FILE *summary) {
@@ -153,14 +174,22 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     json_object_set_new(json, column->name + strlen(prefix), entry);
     double half = 2 * error + drift;
     const char *note = "";
+    char law[80] = "";
     if (!strcmp(word, "flux"))
-      half = add_balance(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
+      half = flux_error(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
+    if (!strcmp(word, "head")) {
+      half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
+      json_put_number(entry, "error95", half);
+    }
     char text[80];
     if (half == 0) /* a rate that was given */
       snprintf(text, sizeof text, "%.4g", mean);
     else
       value_with_error(text, sizeof text, mean, half, "+-");
-    fprintf(summary, "%-10s %s: %s %s%s\n", word, column->name + strlen(prefix), text, unit, note);
+    const double darcy = json_number_or_nan(entry, "darcy");
+    if (isfinite(darcy)) snprintf(law, sizeof law, "; Darcy's law on cells: %.4g", darcy);
+    fprintf(summary, "%-10s %s: %s %s%s%s\n", word, column->name + strlen(prefix), text, unit, law,
+            note);
   }
 }
 
@@ -178,12 +207,23 @@ static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
   json_put_number(entry, "gradient", e->gradient);
   json_put_number(entry, "critical", e->critical);
   json_put_number(entry, "factor_of_safety", e->critical / e->gradient);
+  /* The gradient grows towards the foot of a wall: what is taken below it does with finer spacing.
+   */
+  double shallow = INFINITY;
+  for (size_t n = 0; n < s->prism_count; n++) shallow = fmin(shallow, s->prisms[n].depth);
+  const double resolves = s->field.dz * 0.5 * shallow / e->depth;
+  if (e->depth > 0.5 * shallow) json_put_number(entry, "spacing_that_resolves_m", resolves);
   json_object_set_new(json, "exit", entry);
   fprintf(summary,
           "exit       gradient %.3g at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: factor "
           "%.3g, %s\n",
           e->gradient, e->x, e->z, e->depth, e->critical, e->critical / e->gradient,
           seepage_judge(e->critical / e->gradient));
+  if (e->depth > 0.5 * shallow)
+    fprintf(summary,
+            "coarse     a wall goes %.3g m into the soil, and the exit gradient is taken %.3g m "
+            "deep: it grows with finer spacing; domain.spacing = \"%.2g m\" resolves it\n",
+            shallow, e->depth, resolves);
 }
 
 static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {

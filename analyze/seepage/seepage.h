@@ -5,6 +5,7 @@
 
 #include "analyze/product.h"
 #include "analyze/run_file.h"
+#include "analyze/seepage/darcy_flow.h"
 #include "analyze/seepage/head_field.h"
 
 /* Where water leaves soil upwards. */
@@ -35,6 +36,7 @@ struct seepage_load {
 struct seepage {
   const struct run *run;
   struct head_field field;
+  struct darcy_flow darcy; /* not known while soil fills or drains */
   double grain_density;
   bool sinks;        /* wells or drains: what flows into them has no stream function */
   double *psi;       /* m^2/s, at corners; NAN with sinks, as is all of the flow below */

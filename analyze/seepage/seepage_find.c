@@ -168,6 +168,8 @@ static void find_ranges(struct seepage *s) {
 /* What psi misses of the flow through sections of soil. */
 struct missed {
   double squares, count;
+  double most;    /* flow of Darcy's law on cells where it is largest */
+  double darcy;   /* what psi differs from that section's, by its values there */
   double surface; /* the most that flows through half a cell where the water ends in soil */
 };
 
@@ -179,13 +181,17 @@ static void add_missed(const struct seepage *s, int axis, size_t n, struct misse
   const struct head_field *f = &s->field;
   const size_t along = axis == 0 ? f->nz : f->nx, corners = f->nx + 1;
   const double length = axis == 0 ? f->dz : f->dx;
-  double sum = 0, squares = 0, stretches = 0;
+  double sum = 0, squares = 0, stretches = 0, by_psi = 0, by_darcy = 0;
   bool water = false;
   for (size_t m = 0; m <= along; m++) {
     const size_t i = axis == 0 ? n : m, k = axis == 0 ? m : n, c = k * f->nx + i;
     if (m == along || f->wall[c] != REGION_NONE) {
-      if (!water && sum != 0) squares += sum * sum, stretches++;
-      sum = 0, water = false;
+      if (!water && sum != 0) {
+        squares += sum * sum, stretches++;
+        if (fabs(by_darcy) > missed->most) /* not NAN: not known */
+          missed->most = fabs(by_darcy), missed->darcy = fabs(by_psi - by_darcy);
+      }
+      sum = by_psi = by_darcy = 0, water = false;
       continue;
     }
     if (isnan(f->head[c])) continue;
@@ -195,6 +201,7 @@ static void add_missed(const struct seepage *s, int axis, size_t n, struct misse
                                   : 0.5 * (p[0] + p[corners] - p[1] - p[corners + 1]);
     if (water || isnan(step)) continue;
     sum += length * f->velocity[axis][c] - step;
+    by_psi += step, by_darcy += darcy_flow_cell(&s->darcy, axis, c).value;
     if (axis == 0 && k + 1 < f->nz && isnan(f->head[c + f->nx]) &&
         f->wall[c + f->nx] == REGION_NONE)
       missed->surface = fmax(missed->surface, 0.5 * fabs(length * f->velocity[axis][c]));
@@ -207,10 +214,11 @@ static double net_error(const struct seepage *s) {
   struct missed missed = {0};
   for (int axis = 0; axis < 2; axis++)
     for (size_t n = 0; n < (axis == 0 ? f->nx : f->nz); n++) add_missed(s, axis, n, &missed);
-  return missed.count > 0 ? hypot(2 * sqrt(missed.squares / missed.count /
-                                           fmax(1, missed.count / SECTIONS_ALIKE)),
-                                  missed.surface)
-                          : NAN;
+  if (!(missed.count > 0)) return NAN;
+  const double alike = fmax(1, missed.count / SECTIONS_ALIKE);
+  /* Where all water goes through one section the net's flow is that section's. */
+  const double darcy = fmin(missed.darcy, fabs(s->flow - missed.most));
+  return hypot(hypot(2 * sqrt(missed.squares / missed.count / alike), missed.surface), darcy);
 }
 
 /* Where soil fills, streamlines end at its front; where the flow is steady the water's surface is
@@ -262,6 +270,7 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   for (size_t c = 0; s->sinks && c < (f->nx + 1) * (f->nz + 1); c++) s->psi[c] = NAN;
   if (s->sinks) s->flow = NAN;
   s->uptake = s->sinks ? NAN : find_uptake(f, s->psi);
+  if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(f, &s->darcy)); /* NAN: sinks */
   s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_exit(s);
@@ -297,6 +306,7 @@ enum status seepage_applies(const struct run *run, bool *applies) {
 }
 
 void seepage_free(struct seepage *s) {
+  darcy_flow_free(&s->darcy);
   head_field_free(&s->field);
   memory_free(&s->psi);
   memory_free(&s->prisms);

@@ -106,18 +106,36 @@ static enum status write_count(struct h5_file *file, const char *name, uint64_t 
   return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
 }
 
+/* m/s along x and z, and b of i = v / K + b v |v|, of soil whose steady flow is that of Darcy's and
+ * Forchheimer's law along the axes; else NAN. */
+static void find_law(const struct scene *scene, const struct region *region, double permeability,
+                     double law[3]) {
+  const double e = region->porosity, *v = region->soil_velocity;
+  const bool turned = region->anisotropic && region->anisotropy[2] != 0;
+  const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0;
+  law[0] = law[1] = law[2] = NAN;
+  if (turned || moves || scene->isph.form == FORM_M15) return;
+  law[0] = permeability * (region->anisotropic ? region->anisotropy[0] : 1);
+  law[1] = permeability * (region->anisotropic ? region->anisotropy[5] : 1);
+  law[2] = region->beta > 0
+               ? region->beta * (1 - e) / (e * e * e * region->grain_size * GRAVITY_STANDARD)
+               : 0;
+}
+
 /* Regions as the scene has them, for analyses of what happens in soil and at walls. */
 static enum status write_regions(const struct scene *scene, struct h5_file *file) {
   enum status status = STATUS_OK;
   const size_t n = scene->region_count, shape[2] = {n, 6};
   const double nu = scene->fluid.viscosity / scene->fluid.density;
   const char **types = NULL;
-  double *boxes = NULL, *porosity = NULL, *permeability = NULL;
+  const size_t laws[2] = {n, 3};
+  double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL;
   if (n == 0) return STATUS_OK;
   TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
   TRY(memory_allocate(&boxes, n, 6 * sizeof *boxes, "the regions"));
   TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
   TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
+  TRY(memory_allocate(&law, n, 3 * sizeof *law, "the regions"));
   for (size_t k = 0; k < n; k++) {
     const struct region *region = &scene->regions[k];
     const double e = region->porosity, d = region->grain_size;
@@ -128,11 +146,14 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
     permeability[k] =
         soil ? GRAVITY_STANDARD * e * e * e * d * d / (region->alpha * nu * (1 - e) * (1 - e))
              : NAN;
+    law[3 * k] = law[3 * k + 1] = law[3 * k + 2] = NAN;
+    if (soil) find_law(scene, region, permeability[k], law + 3 * k);
   }
   TRY(h5_write_texts(file, "/run/regions/type", n, types));
   TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));
   TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
   TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
+  TRY(h5_write(file, "/run/regions/darcy_x_z_forchheimer", H5_F64, 2, laws, law, false));
   TRY(h5_write_attribute(file, "/run/regions", "domain", H5_F64, 3, scene->domain_size));
   TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
 cleanup:
@@ -140,6 +161,28 @@ cleanup:
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);
+  memory_free(&law);
+  return status;
+}
+
+/* Where the gauges are. */
+static enum status write_gauges(const struct scene *scene, struct h5_file *file) {
+  enum status status = STATUS_OK;
+  const size_t n = scene->gauge_count, shape[2] = {n, 3};
+  const char **names = NULL;
+  double *at = NULL;
+  if (n == 0) return STATUS_OK;
+  TRY(memory_allocate(&names, n, sizeof *names, "the gauges"));
+  TRY(memory_allocate(&at, n, 3 * sizeof *at, "the gauges"));
+  for (size_t k = 0; k < n; k++) {
+    names[k] = scene->gauges[k].name;
+    memcpy(at + 3 * k, scene->gauges[k].at, sizeof scene->gauges[k].at);
+  }
+  TRY(h5_write_texts(file, "/run/gauges/name", n, names));
+  TRY(h5_write(file, "/run/gauges/position", H5_F64, 2, shape, at, false));
+cleanup:
+  memory_free(&names);
+  memory_free(&at);
   return status;
 }
 
@@ -224,6 +267,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
   TRY(write_regions(scene, file));
+  TRY(write_gauges(scene, file));
   TRY(write_planes(scene, file));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));

@@ -1,0 +1,317 @@
+#include "analyze/seepage/darcy_flow.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "analyze/seepage/grid_laplace.h"
+#include "common/memory.h"
+
+enum kind { CELL_CLOSED, CELL_SOIL, CELL_HELD, CELL_WATER, CELL_AIR };
+
+/* What stays the same on all grids: of the run's cells. */
+struct soil_cells {
+  const struct head_field *field;
+  unsigned char *kind;
+  double *conductivity[2]; /* m/s along x, z */
+};
+
+/* Whether a window, a well or a drain holds the head of a cell. */
+static bool is_held(const struct head_field *f, size_t c) {
+  const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
+  for (size_t r = 0; r < f->region_count; r++) {
+    const struct head_region *g = &f->regions[r];
+    if ((!strcmp(g->type, "inflow") || head_region_is_sink(g)) && x[0] > g->low[0] &&
+        x[0] < g->high[0] && x[1] > g->low[1] && x[1] < g->high[1])
+      return true;
+  }
+  return false;
+}
+
+/* i = q / K + b q |q| (Forchheimer 1901), at the speed that the run has there. */
+static double conductivity_of(const struct head_field *f, size_t c, int axis) {
+  const struct head_region *soil = &f->regions[f->soil[c]];
+  const double speed = hypot(f->velocity[0][c], f->velocity[1][c]);
+  return 1 / (1 / soil->conductivity[axis] + soil->forchheimer * speed);
+}
+
+static enum status mark(const struct head_field *f, struct soil_cells *cells) {
+  enum status status = STATUS_OK;
+  const size_t n = f->nx * f->nz;
+  cells->field = f;
+  TRY(memory_allocate(&cells->kind, n, sizeof *cells->kind, "cells of soil"));
+  for (int a = 0; a < 2; a++)
+    TRY(memory_allocate(&cells->conductivity[a], n, sizeof **cells->conductivity, "cells of soil"));
+  for (size_t c = 0; c < n; c++) {
+    const bool wet = !isnan(f->head[c]);
+    if (f->wall[c] != REGION_NONE) continue;
+    if (f->soil[c] == REGION_NONE) {
+      cells->kind[c] = wet ? CELL_WATER : CELL_AIR;
+    } else if (wet) {
+      cells->kind[c] = is_held(f, c) ? CELL_HELD : CELL_SOIL;
+      for (int a = 0; a < 2; a++) cells->conductivity[a][c] = conductivity_of(f, c, a);
+    }
+  }
+cleanup:
+  return status;
+}
+
+/* Cells of free water from a face of soil to where its head is read: clear of the smeared edge. */
+#define CLEAR 3
+
+/* Head that what lies beside soil cell c, along an axis on one side, holds at the face between; NAN:
+ * none. Water holds its own; where water comes out into air or a film the face has no pressure, and
+ * is `free`. */
+static double held_by(const struct soil_cells *cells, size_t c, int axis, int side, double face_z,
+                      bool *free) {
+  const struct head_field *f = cells->field;
+  size_t i = c % f->nx, k = c / f->nx;
+  double head = -INFINITY;
+  for (int n = 0; n < CLEAR; n++) {
+    size_t *at = axis == 0 ? &i : &k;
+    if (side < 0 ? *at == 0 : *at + 1 == (axis == 0 ? f->nx : f->nz)) break;
+    *at += (size_t)side; /* wraps to one less */
+    const size_t b = k * f->nx + i;
+    if (cells->kind[b] == CELL_AIR && n == 0) {
+      *free = true;
+      return side * f->velocity[axis][c] > 0 ? face_z : NAN;
+    }
+    if (cells->kind[b] != CELL_WATER) break;
+    head = f->head[b];
+  }
+  *free = head <= face_z;
+  return isfinite(head) ? fmax(head, face_z) : NAN;
+}
+
+/* A face between cell (i, k) of the grid and the next along an axis, or behind it (side -1). */
+struct face {
+  double weight; /* conductance, m/s */
+  double head;   /* m, that is held beyond it; NAN: the next cell is soil too */
+  bool free;     /* water may come out there, and none go in */
+};
+
+/* On the grid whose cells are 1 / parts of the run's along each axis. */
+struct grid {
+  const struct soil_cells *cells;
+  size_t parts;
+  struct grid_laplace laplace;
+  unsigned char *shut; /* one bit for each face of a cell: free faces that water would go in by */
+};
+
+static unsigned bit_of(int axis, int side) {
+  return 1u << (2 * axis + (side > 0));
+}
+
+static struct face face_of(const struct grid *grid, size_t i, size_t k, int axis, int side) {
+  const struct soil_cells *cells = grid->cells;
+  const size_t parts = grid->parts;
+  const struct head_field *f = cells->field;
+  const size_t c = k / parts * f->nx + i / parts;
+  const size_t place = axis == 0 ? i : k, last = parts * (axis == 0 ? f->nx : f->nz) - 1;
+  const double shape = axis == 0 ? f->dz / f->dx : f->dx / f->dz;
+  const double own = cells->conductivity[axis][c];
+  if (side < 0 ? place == 0 : place == last) return (struct face){0, NAN, false};
+  const size_t to = axis == 0 ? k / parts * f->nx + (i + (size_t)side) / parts
+                              : (k + (size_t)side) / parts * f->nx + i / parts;
+  if (cells->kind[to] == CELL_SOIL || cells->kind[to] == CELL_HELD) {
+    const double other = cells->conductivity[axis][to];
+    return (struct face){2 * shape * own * other / (own + other),
+                         cells->kind[to] == CELL_HELD ? f->head[to] : NAN, false};
+  }
+  const double z =
+      ((double)k + (axis == 0 ? 0.5 : side > 0 ? 1.0 : 0.0)) * f->dz / (double)parts;
+  bool free = false;
+  const double head = held_by(cells, c, axis, side, z, &free);
+  const bool open = !isnan(head) && !(grid->shut[k * grid->laplace.nx + i] & bit_of(axis, side));
+  return (struct face){open ? 2 * shape * own : 0, open ? head : NAN, free};
+}
+
+static bool is_soil(const struct grid *grid, size_t i, size_t k) {
+  const struct soil_cells *cells = grid->cells;
+  return cells->kind[k / grid->parts * cells->field->nx + i / grid->parts] == CELL_SOIL;
+}
+
+static void fill(struct grid *grid) {
+  struct grid_laplace *g = &grid->laplace;
+  memset(g->held, 0, g->nx * g->nz * sizeof *g->held);
+  memset(g->source, 0, g->nx * g->nz * sizeof *g->source);
+  for (size_t k = 0; k < g->nz; k++)
+    for (size_t i = 0; i < g->nx; i++) {
+      if (!is_soil(grid, i, k)) continue;
+      const size_t n = k * g->nx + i;
+      for (int axis = 0; axis < 2; axis++)
+        for (int side = -1; side <= 1; side += 2) {
+          const struct face face = face_of(grid, i, k, axis, side);
+          if (!isnan(face.head)) {
+            g->held[n] += face.weight;
+            g->source[n] += face.weight * face.head;
+          } else if (side > 0) {
+            (axis == 0 ? g->along : g->upward)[n] = face.weight;
+          }
+        }
+    }
+}
+
+/* Shuts free faces that water goes in by; how many. */
+static size_t shut_free_faces(struct grid *grid, const double *x) {
+  size_t count = 0;
+  for (size_t n = 0; n < grid->laplace.nx * grid->laplace.nz; n++)
+    for (int axis = 0; axis < 2; axis++)
+      for (int side = -1; side <= 1; side += 2) {
+        const size_t i = n % grid->laplace.nx, k = n / grid->laplace.nx;
+        if (!is_soil(grid, i, k)) continue;
+        const struct face face = face_of(grid, i, k, axis, side);
+        if (!face.free || !(face.weight > 0) || x[n] >= face.head) continue;
+        grid->shut[n] = (unsigned char)(grid->shut[n] | bit_of(axis, side)), count++;
+      }
+  return count;
+}
+
+/* Adds up what flows through the faces of the run's cells. */
+static void add_fluxes(const struct grid *grid, const double *x, struct face_flux *flux) {
+  const struct grid_laplace *g = &grid->laplace;
+  const size_t nx = grid->cells->field->nx, parts = grid->parts;
+  for (size_t k = 0; k < g->nz; k++)
+    for (size_t i = 0; i < g->nx; i++) {
+      if (!is_soil(grid, i, k)) continue;
+      const size_t n = k * g->nx + i;
+      for (int axis = 0; axis < 2; axis++)
+        for (int side = -1; side <= 1; side += 2) {
+          const size_t place = (axis == 0 ? i : k) + (side > 0 ? 1 : 0);
+          if (place % parts != 0) continue;
+          const struct face face = face_of(grid, i, k, axis, side);
+          if (!(face.weight > 0) || (isnan(face.head) && side < 0)) continue;
+          const double next = isnan(face.head) ? x[axis == 0 ? n + 1 : n + g->nx] : face.head;
+          const double out = side * face.weight * (x[n] - next);
+          if (axis == 0)
+            flux->u[k / parts * (nx + 1) + place / parts] += out;
+          else
+            flux->w[place / parts * nx + i / parts] += out;
+        }
+    }
+}
+
+/* Times that free faces are found anew. */
+#define ROUNDS_MOST 8
+
+static enum status solve(const struct soil_cells *cells, size_t parts, struct face_flux *flux,
+                         double **head) {
+  enum status status = STATUS_OK;
+  const struct head_field *f = cells->field;
+  const double each = 1.0 / (double)(parts * parts);
+  struct grid grid = {.cells = cells, .parts = parts};
+  struct grid_laplace *g = &grid.laplace;
+  double *x = NULL;
+  TRY(grid_laplace_create(parts * f->nx, parts * f->nz, g));
+  TRY(memory_allocate(&grid.shut, g->nx * g->nz, sizeof *grid.shut, "heads of soil"));
+  TRY(memory_allocate(&x, g->nx * g->nz, sizeof *x, "heads of soil"));
+  TRY(memory_allocate(head, f->nx * f->nz, sizeof **head, "heads of soil"));
+  TRY(memory_allocate(&flux->u, (f->nx + 1) * f->nz, sizeof *flux->u, "flow through soil"));
+  TRY(memory_allocate(&flux->w, f->nx * (f->nz + 1), sizeof *flux->w, "flow through soil"));
+  for (size_t n = 0; n < g->nx * g->nz; n++) {
+    const size_t i = n % g->nx, k = n / g->nx;
+    if (is_soil(&grid, i, k)) x[n] = f->head[k / parts * f->nx + i / parts];
+  }
+  for (int round = 0; round < ROUNDS_MOST; round++) {
+    fill(&grid);
+    TRY(grid_laplace_solve(g, 1e-8, x));
+    if (shut_free_faces(&grid, x) == 0) break;
+  }
+  for (size_t n = 0; n < g->nx * g->nz; n++)
+    (*head)[n / g->nx / parts * f->nx + n % g->nx / parts] += each * x[n];
+  for (size_t c = 0; c < f->nx * f->nz; c++)
+    if (cells->kind[c] != CELL_SOIL) (*head)[c] = cells->kind[c] == CELL_HELD ? f->head[c] : NAN;
+  add_fluxes(&grid, x, flux);
+cleanup:
+  grid_laplace_free(g);
+  memory_free(&grid.shut);
+  memory_free(&x);
+  return status;
+}
+
+static bool is_darcy(const struct head_field *f) {
+  for (size_t r = 0; r < f->region_count; r++) {
+    const struct head_region *g = &f->regions[r];
+    if (!strcmp(g->type, "rain")) return false;
+    if (!strcmp(g->type, "porous") && !(g->conductivity[0] > 0 && g->conductivity[1] > 0))
+      return false;
+  }
+  return true;
+}
+
+enum status darcy_flow_find(const struct head_field *f, struct darcy_flow *flow) {
+  enum status status = STATUS_OK;
+  struct soil_cells cells = {0};
+  *flow = (struct darcy_flow){.known = is_darcy(f), .field = f};
+  if (!flow->known) return STATUS_OK;
+  TRY(mark(f, &cells));
+  for (size_t n = 0; n < 2; n++)
+    TRY(solve(&cells, n + 1, &flow->level[n].flux, &flow->level[n].head));
+cleanup:
+  memory_free(&cells.kind);
+  for (int a = 0; a < 2; a++) memory_free(&cells.conductivity[a]);
+  if (status != STATUS_OK) darcy_flow_free(flow);
+  return status;
+}
+
+void darcy_flow_free(struct darcy_flow *flow) {
+  for (size_t n = 0; n < 2; n++) {
+    memory_free(&flow->level[n].flux.u);
+    memory_free(&flow->level[n].flux.w);
+    memory_free(&flow->level[n].head);
+  }
+}
+
+/* What cells of half the size leave of an error that goes with the size: by the corners of walls
+ * and the edges of soil, whatever the order elsewhere. */
+static struct darcy_value extrapolated(double coarse, double fine) {
+  return (struct darcy_value){2 * fine - coarse, fabs(fine - coarse)};
+}
+
+struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size_t c) {
+  const size_t nx = flow->field->nx, left = c / nx * (nx + 1) + c % nx;
+  double mean[2];
+  if (!flow->known) return (struct darcy_value){NAN, NAN};
+  for (size_t n = 0; n < 2; n++) {
+    const struct face_flux *flux = &flow->level[n].flux;
+    mean[n] = axis == 0 ? 0.5 * (flux->u[left] + flux->u[left + 1])
+                        : 0.5 * (flux->w[c] + flux->w[c + nx]);
+  }
+  return extrapolated(mean[0], mean[1]);
+}
+
+struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, double place) {
+  const struct head_field *f = flow->field;
+  const size_t faces = axis == 0 ? f->nx : f->nz, along = axis == 0 ? f->nz : f->nx;
+  const double at = place / (axis == 0 ? f->dx : f->dz);
+  double sum[2] = {0};
+  if (!flow->known || !(at >= 0 && at <= (double)faces)) return (struct darcy_value){NAN, NAN};
+  const size_t low = at < (double)faces ? (size_t)at : faces - 1;
+  const double t = at - (double)low;
+  for (int n = 0; n < 2; n++)
+    for (size_t m = 0; m < along; m++)
+      for (size_t s = 0; s < 2; s++)
+        sum[n] += (s == 0 ? 1 - t : t) *
+                  (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
+                             : flow->level[n].flux.w[(low + s) * f->nx + m]);
+  return extrapolated(sum[0], sum[1]);
+}
+
+struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]) {
+  const struct head_field *f = flow->field;
+  const double x = at[0] / f->dx - 0.5, z = at[1] / f->dz - 0.5;
+  double sum[2] = {0}, weight = 0;
+  if (!flow->known || !(x > -0.5 && z > -0.5)) return (struct darcy_value){NAN, NAN};
+  const size_t home = (size_t)(z + 0.5) * f->nx + (size_t)(x + 0.5);
+  if (x + 0.5 >= (double)f->nx || z + 0.5 >= (double)f->nz || isnan(flow->level[0].head[home]))
+    return (struct darcy_value){NAN, NAN};
+  for (int n = 0; n < 4; n++) {
+    const double i = floor(x) + n % 2, k = floor(z) + n / 2;
+    if (!(i >= 0 && k >= 0 && i < (double)f->nx && k < (double)f->nz)) continue;
+    const size_t c = (size_t)k * f->nx + (size_t)i;
+    const double w = (1 - fabs(x - i)) * (1 - fabs(z - k));
+    if (!(w > 0) || isnan(flow->level[0].head[c])) continue;
+    for (int l = 0; l < 2; l++) sum[l] += w * flow->level[l].head[c];
+    weight += w;
+  }
+  return extrapolated(sum[0] / weight, sum[1] / weight);
+}
