@@ -190,11 +190,15 @@ static void add_fluxes(const struct grid *grid, const double *x, struct face_flu
     }
 }
 
+/* Of the residual; fluxes are then known to some 1e-4. */
+#define GOAL 1e-7
+
 /* Times that free faces are found anew. */
 #define ROUNDS_MOST 8
 
-static enum status solve(const struct soil_cells *cells, size_t parts, struct face_flux *flux,
-                         double **head) {
+/* From heads `first` on the run's cells. */
+static enum status solve(const struct soil_cells *cells, size_t parts, const double *first,
+                         struct face_flux *flux, double **head) {
   enum status status = STATUS_OK;
   const struct head_field *f = cells->field;
   const double each = 1.0 / (double)(parts * parts);
@@ -209,11 +213,11 @@ static enum status solve(const struct soil_cells *cells, size_t parts, struct fa
   TRY(memory_allocate(&flux->w, f->nx * (f->nz + 1), sizeof *flux->w, "flow through soil"));
   for (size_t n = 0; n < g->nx * g->nz; n++) {
     const size_t i = n % g->nx, k = n / g->nx;
-    if (is_soil(&grid, i, k)) x[n] = f->head[k / parts * f->nx + i / parts];
+    if (is_soil(&grid, i, k)) x[n] = first[k / parts * f->nx + i / parts];
   }
   for (int round = 0; round < ROUNDS_MOST; round++) {
     fill(&grid);
-    TRY(grid_laplace_solve(g, 1e-8, x));
+    TRY(grid_laplace_solve(g, GOAL, x));
     if (shut_free_faces(&grid, x) == 0) break;
   }
   for (size_t n = 0; n < g->nx * g->nz; n++)
@@ -245,7 +249,8 @@ enum status darcy_flow_find(const struct head_field *f, struct darcy_flow *flow)
   if (!flow->known) return STATUS_OK;
   TRY(mark(f, &cells));
   for (size_t n = 0; n < 2; n++)
-    TRY(solve(&cells, n + 1, &flow->level[n].flux, &flow->level[n].head));
+    TRY(solve(&cells, n + 1, n == 0 ? f->head : flow->level[0].head, &flow->level[n].flux,
+              &flow->level[n].head));
 cleanup:
   memory_free(&cells.kind);
   for (int a = 0; a < 2; a++) memory_free(&cells.conductivity[a]);

@@ -182,7 +182,8 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       json_put_number(entry, "error95", half);
     }
     char text[80];
-    if (half == 0) /* a rate that was given */
+    if (isnan(half)) note = ", too few values in time for a +-";
+    if (half == 0 || isnan(half)) /* 0: a rate that was given */
       snprintf(text, sizeof text, "%.4g", mean);
     else
       value_with_error(text, sizeof text, mean, half, "+-");

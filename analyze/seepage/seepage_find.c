@@ -146,22 +146,28 @@ static void find_phreatic(struct seepage *s) {
   }
 }
 
-/* Range of the head and of psi in the soil. */
-static void find_ranges(struct seepage *s) {
+static void find_head_range(struct seepage *s) {
   const struct head_field *f = &s->field;
-  double high = -INFINITY, least = INFINITY, most = -INFINITY;
+  double high = -INFINITY;
   s->low = INFINITY;
+  for (size_t c = 0; c < f->nx * f->nz; c++)
+    if (is_soil(f, c % f->nx, c / f->nx))
+      s->low = fmin(s->low, f->head[c]), high = fmax(high, f->head[c]);
+  s->drop = fmax(0, high - s->low);
+}
+
+/* Range of psi in the soil. */
+static void find_flow(struct seepage *s) {
+  const struct head_field *f = &s->field;
+  double least = INFINITY, most = -INFINITY;
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++) {
       if (!is_soil(f, i, k)) continue;
-      s->low = fmin(s->low, f->head[k * f->nx + i]);
-      high = fmax(high, f->head[k * f->nx + i]);
       for (size_t c = 0; c < 4; c++) {
         const double psi = s->psi[(k + c / 2) * (f->nx + 1) + i + c % 2];
         least = fmin(least, psi), most = fmax(most, psi);
       }
     }
-  s->drop = fmax(0, high - s->low);
   s->flow = fmax(0, most - least);
 }
 
@@ -264,7 +270,8 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   TRY(memory_allocate(&s->prisms, 2 * f->region_count, sizeof *s->prisms, "walls"));
   TRY(memory_allocate(&s->loads, f->region_count, sizeof *s->loads, "walls"));
   TRY(memory_allocate(&s->phreatic, f->nx, sizeof *s->phreatic, "the phreatic line"));
-  find_ranges(s);
+  find_head_range(s);
+  find_flow(s);
   for (size_t r = 0; r < f->region_count; r++)
     s->sinks = s->sinks || head_region_is_sink(&f->regions[r]);
   for (size_t c = 0; s->sinks && c < (f->nx + 1) * (f->nz + 1); c++) s->psi[c] = NAN;
@@ -290,16 +297,17 @@ cleanup:
 }
 
 enum status seepage_applies(const struct run *run, bool *applies) {
-  struct seepage seepage;
+  struct seepage seepage = {.run = run};
   *applies = false;
   if (strcmp(run->method, "isph") != 0 || run->dimensions != 2 || run->snapshot_count == 0)
     return STATUS_OK;
-  enum status status = seepage_find(run, NAN, &seepage);
+  enum status status = head_field_read(run, &seepage.field);
   if (status == STATUS_INPUT) { /* of an older version, or with gravity along x */
     error_clear();
     return STATUS_OK;
   }
   if (status != STATUS_OK) return status;
+  find_head_range(&seepage);
   *applies = seepage.drop > seepage.field.dz;
   seepage_free(&seepage);
   return STATUS_OK;
