@@ -172,8 +172,7 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
   *plane = "";
   json_object_foreach(taken, name, sink) {
     *flow += json_number_or_nan(sink, "mean");
-    *error += 2 * json_number_or_nan(sink, "standard_error");
-    *error += json_number_or_nan(sink, "drift_error");
+    *error += json_number_or_nan(sink, "error95");
   }
   *where = "taken out of the soil by wells and drains";
   if (json_object_size(taken) > 0) return;

@@ -15,13 +15,13 @@ struct soil_cells {
   double *conductivity[2]; /* m/s along x, z */
 };
 
-/* Whether a window, a well or a drain holds the head of a cell. */
+/* Whether a well or a drain holds the head of a cell. */
 static bool is_held(const struct head_field *f, size_t c) {
   const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
   for (size_t r = 0; r < f->region_count; r++) {
     const struct head_region *g = &f->regions[r];
-    if ((!strcmp(g->type, "inflow") || head_region_is_sink(g)) && x[0] > g->low[0] &&
-        x[0] < g->high[0] && x[1] > g->low[1] && x[1] < g->high[1])
+    if (head_region_is_sink(g) && x[0] > g->low[0] && x[0] < g->high[0] && x[1] > g->low[1] &&
+        x[1] < g->high[1])
       return true;
   }
   return false;
@@ -82,6 +82,18 @@ static double held_by(const struct soil_cells *cells, size_t c, int axis, int si
   return isfinite(head) ? fmax(head, face_z) : NAN;
 }
 
+/* Head that a window holds at the side of the domain beside soil cell c, as the run's heads reach
+ * it; NAN: that side is closed there. */
+static double held_by_side(const struct soil_cells *cells, size_t c, int axis, int side) {
+  const struct head_field *f = cells->field;
+  const double at[2] = {head_field_x(f, c % f->nx) + (axis == 0 ? 0.5 * side * f->dx : 0),
+                        head_field_z(f, c / f->nx) + (axis == 1 ? 0.5 * side * f->dz : 0)};
+  const size_t inner = axis == 0 ? c - (size_t)side : c - (size_t)side * f->nx; /* wraps to more */
+  if (!head_field_is_open(f, at[0], at[1])) return NAN;
+  if ((axis == 0 ? f->nx : f->nz) < 2 || cells->kind[inner] != CELL_SOIL) return f->head[c];
+  return 1.5 * f->head[c] - 0.5 * f->head[inner];
+}
+
 /* A face between cell (i, k) of the grid and the next along an axis, or behind it (side -1). */
 struct face {
   double weight; /* conductance, m/s */
@@ -109,7 +121,10 @@ static struct face face_of(const struct grid *grid, size_t i, size_t k, int axis
   const size_t place = axis == 0 ? i : k, last = parts * (axis == 0 ? f->nx : f->nz) - 1;
   const double shape = axis == 0 ? f->dz / f->dx : f->dx / f->dz;
   const double own = cells->conductivity[axis][c];
-  if (side < 0 ? place == 0 : place == last) return (struct face){0, NAN, false};
+  if (side < 0 ? place == 0 : place == last) {
+    const double outside = held_by_side(cells, c, axis, side);
+    return (struct face){isnan(outside) ? 0 : 2 * shape * own, outside, false};
+  }
   const size_t to = axis == 0 ? k / parts * f->nx + (i + (size_t)side) / parts
                               : (k + (size_t)side) / parts * f->nx + i / parts;
   if (cells->kind[to] == CELL_SOIL || cells->kind[to] == CELL_HELD) {
@@ -130,8 +145,10 @@ static bool is_soil(const struct grid *grid, size_t i, size_t k) {
   return cells->kind[k / grid->parts * cells->field->nx + i / grid->parts] == CELL_SOIL;
 }
 
-static void fill(struct grid *grid) {
+/* Whether a face holds a head. */
+static bool fill(struct grid *grid) {
   struct grid_laplace *g = &grid->laplace;
+  bool any = false;
   memset(g->held, 0, g->nx * g->nz * sizeof *g->held);
   memset(g->source, 0, g->nx * g->nz * sizeof *g->source);
   for (size_t k = 0; k < g->nz; k++)
@@ -144,11 +161,13 @@ static void fill(struct grid *grid) {
           if (!isnan(face.head)) {
             g->held[n] += face.weight;
             g->source[n] += face.weight * face.head;
+            any = true;
           } else if (side > 0) {
             (axis == 0 ? g->along : g->upward)[n] = face.weight;
           }
         }
     }
+  return any;
 }
 
 /* Shuts free faces that water goes in by; how many. */
@@ -196,9 +215,9 @@ static void add_fluxes(const struct grid *grid, const double *x, struct face_flu
 /* Times that free faces are found anew. */
 #define ROUNDS_MOST 8
 
-/* From heads `first` on the run's cells. */
+/* From heads `first` on the run's cells; `known`: something holds a head. */
 static enum status solve(const struct soil_cells *cells, size_t parts, const double *first,
-                         struct face_flux *flux, double **head) {
+                         struct face_flux *flux, double **head, bool *known) {
   enum status status = STATUS_OK;
   const struct head_field *f = cells->field;
   const double each = 1.0 / (double)(parts * parts);
@@ -216,7 +235,8 @@ static enum status solve(const struct soil_cells *cells, size_t parts, const dou
     if (is_soil(&grid, i, k)) x[n] = first[k / parts * f->nx + i / parts];
   }
   for (int round = 0; round < ROUNDS_MOST; round++) {
-    fill(&grid);
+    *known = fill(&grid);
+    if (!*known) break;
     TRY(grid_laplace_solve(g, GOAL, x));
     if (shut_free_faces(&grid, x) == 0) break;
   }
@@ -248,9 +268,9 @@ enum status darcy_flow_find(const struct head_field *f, struct darcy_flow *flow)
   *flow = (struct darcy_flow){.known = is_darcy(f), .field = f};
   if (!flow->known) return STATUS_OK;
   TRY(mark(f, &cells));
-  for (size_t n = 0; n < 2; n++)
+  for (size_t n = 0; n < 2 && flow->known; n++)
     TRY(solve(&cells, n + 1, n == 0 ? f->head : flow->level[0].head, &flow->level[n].flux,
-              &flow->level[n].head));
+              &flow->level[n].head, &flow->known));
 cleanup:
   memory_free(&cells.kind);
   for (int a = 0; a < 2; a++) memory_free(&cells.conductivity[a]);
@@ -299,6 +319,33 @@ struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, d
                   (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
                              : flow->level[n].flux.w[(low + s) * f->nx + m]);
   return extrapolated(sum[0], sum[1]);
+}
+
+static bool is_in_drain(const struct head_field *f, size_t c, const char *name) {
+  const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
+  for (size_t r = 0; r < f->region_count; r++) {
+    const struct head_region *g = &f->regions[r];
+    if (!strcmp(g->type, "drain") && g->name != NULL && !strcmp(g->name, name) &&
+        x[0] > g->low[0] && x[0] < g->high[0] && x[1] > g->low[1] && x[1] < g->high[1])
+      return true;
+  }
+  return false;
+}
+
+struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *name) {
+  const struct head_field *f = flow->field;
+  double sum[2] = {0};
+  size_t cells = 0;
+  for (size_t c = 0; flow->known && c < f->nx * f->nz; c++) {
+    if (f->soil[c] == REGION_NONE || !is_in_drain(f, c, name)) continue;
+    const size_t left = c / f->nx * (f->nx + 1) + c % f->nx;
+    for (int n = 0; n < 2; n++) {
+      const struct face_flux *flux = &flow->level[n].flux;
+      sum[n] += flux->u[left] - flux->u[left + 1] + flux->w[c] - flux->w[c + f->nx];
+    }
+    cells++;
+  }
+  return cells > 0 ? extrapolated(sum[0], sum[1]) : (struct darcy_value){NAN, NAN};
 }
 
 struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]) {

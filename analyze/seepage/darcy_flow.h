@@ -37,6 +37,8 @@ void darcy_flow_free(struct darcy_flow *flow);
 /* m^2/s along an axis (0 x, 1 z) through the middle of cell c; through the plane at `place` (m). */
 struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size_t c);
 struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, double place);
+/* m^2/s into the drain of that name. */
+struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *name);
 /* m, at a place (x, z) in wet soil. */
 struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]);
 

@@ -1,7 +1,6 @@
 #include "analyze/seepage/flow_net.h"
 
 #include <math.h>
-#include <string.h>
 
 #include "analyze/seepage/grid_laplace.h"
 #include "common/memory.h"
@@ -15,17 +14,6 @@
 struct face {
   double flux, weight;
 };
-
-static bool is_open(const struct head_field *f, double x, double z) {
-  const double near = 1e-3 * fmin(f->dx, f->dz);
-  for (size_t r = 0; r < f->region_count; r++) {
-    const struct head_region *g = &f->regions[r];
-    if (!strcmp(g->type, "inflow") && x >= g->low[0] - near && x <= g->high[0] + near &&
-        z >= g->low[1] - near && z <= g->high[1] + near)
-      return true;
-  }
-  return false;
-}
 
 /* Between cell a and cell b, SIZE_MAX beyond a side; `open`: that side is. */
 static struct face face_of(const struct head_field *f, size_t a, size_t b, int axis, bool open,
@@ -55,14 +43,14 @@ static void find_faces(const struct head_field *f, struct grid_laplace *net) {
       if (k < f->nz) {
         const struct face face =
             face_of(f, i > 0 ? k * f->nx + i - 1 : SIZE_MAX, i < f->nx ? k * f->nx + i : SIZE_MAX,
-                    0, is_open(f, x, z + 0.5 * f->dz), f->dz);
+                    0, head_field_is_open(f, x, z + 0.5 * f->dz), f->dz);
         net->upward[c] = face.weight;
         net->source[c + net->nx] += face.flux, net->source[c] -= face.flux;
       }
       if (i < f->nx) {
         const struct face face =
             face_of(f, k > 0 ? (k - 1) * f->nx + i : SIZE_MAX, k < f->nz ? k * f->nx + i : SIZE_MAX,
-                    1, is_open(f, x + 0.5 * f->dx, z), -f->dx);
+                    1, head_field_is_open(f, x + 0.5 * f->dx, z), -f->dx);
         net->along[c] = face.weight;
         net->source[c + 1] += face.flux, net->source[c] -= face.flux;
       }

@@ -12,8 +12,8 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
                                 double domain[3]) {
   enum status status = STATUS_OK;
   double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, gravity[3];
-  char **types = NULL;
-  size_t dims[2], n = 0;
+  char **types = NULL, **names = NULL;
+  size_t dims[2], n = 0, named = 0;
   if (!h5_exists(file, "/run/regions"))
     TRY_FAIL(STATUS_INPUT, "%s: the run keeps no regions (%s); run it again with this version",
              run->path,
@@ -22,6 +22,11 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
   f->region_count = n;
   TRY(memory_allocate(&f->regions, n, sizeof *f->regions, "regions"));
   for (size_t k = 0; k < n; k++) f->regions[k].type = types[k], types[k] = NULL;
+  if (h5_exists(file, "/run/regions/name")) {
+    TRY(h5_read_texts(file, "/run/regions/name", &named, &names));
+    if (named != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/name is damaged", run->path);
+    for (size_t k = 0; k < n; k++) f->regions[k].name = names[k], names[k] = NULL;
+  }
   dims[0] = n, dims[1] = 6;
   TRY(h5_read(file, "/run/regions/box", H5_F64, 2, dims, &boxes));
   if (dims[0] != n || dims[1] != 6)
@@ -54,8 +59,8 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
              run->path, gravity[0], gravity[1], gravity[2]);
   f->gravity = -gravity[2];
 cleanup:
-  for (size_t k = 0; types != NULL && k < n; k++) memory_free(&types[k]);
-  memory_free(&types);
+  h5_free_texts(n, &types);
+  h5_free_texts(named, &names);
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);
@@ -69,6 +74,17 @@ bool head_region_is_sink(const struct head_region *region) {
 
 bool head_region_is_source(const struct head_region *region) {
   return head_region_is_sink(region) || !strcmp(region->type, "rain");
+}
+
+bool head_field_is_open(const struct head_field *f, double x, double z) {
+  const double near = 1e-3 * fmin(f->dx, f->dz);
+  for (size_t r = 0; r < f->region_count; r++) {
+    const struct head_region *g = &f->regions[r];
+    if (!strcmp(g->type, "inflow") && x >= g->low[0] - near && x <= g->high[0] + near &&
+        z >= g->low[1] - near && z <= g->high[1] + near)
+      return true;
+  }
+  return false;
 }
 
 /* Later regions overwrite earlier ones; water and soil share their place. */
@@ -236,7 +252,7 @@ cleanup:
 
 void head_field_free(struct head_field *f) {
   for (size_t k = 0; f->regions != NULL && k < f->region_count; k++)
-    memory_free(&f->regions[k].type);
+    memory_free(&f->regions[k].type), memory_free(&f->regions[k].name);
   memory_free(&f->regions);
   memory_free(&f->soil);
   memory_free(&f->wall);

@@ -12,6 +12,7 @@
 
 struct head_region {
   char *type;             /* "water", "porous", "wall", "inflow", "empty" */
+  char *name;             /* of walls, wells and drains that have one; else "", or NULL: not kept */
   double low[2], high[2]; /* m: x, z */
   double porosity;        /* of soil, else NAN */
   double permeability;    /* of soil, m/s by linear drag, of beds the mean; else NAN */
@@ -39,6 +40,9 @@ struct head_field {
 /* Water comes in or goes out of such a region inside the soil or over its top. */
 bool head_region_is_source(const struct head_region *region);
 bool head_region_is_sink(const struct head_region *region); /* wells, drains */
+
+/* Whether a place (m) lies in a window. */
+bool head_field_is_open(const struct head_field *field, double x, double z);
 
 /* Means over the snapshots of the run's second half, at least the last. An input error for runs
  * that have no such field: other methods, 3-D, no gravity along -z. */

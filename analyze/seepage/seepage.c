@@ -177,6 +177,12 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     char law[80] = "";
     if (!strcmp(word, "flux"))
       half = flux_error(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
+    if (!strcmp(word, "taken")) {
+      half = hypot(2 * error, put_darcy(darcy_flow_taken(&s->darcy, column->name + strlen(prefix)),
+                                        mean, entry)) +
+             drift;
+      json_put_number(entry, "error95", half);
+    }
     if (!strcmp(word, "head")) {
       half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
       json_put_number(entry, "error95", half);

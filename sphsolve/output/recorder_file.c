@@ -127,11 +127,12 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   enum status status = STATUS_OK;
   const size_t n = scene->region_count, shape[2] = {n, 6};
   const double nu = scene->fluid.viscosity / scene->fluid.density;
-  const char **types = NULL;
+  const char **types = NULL, **names = NULL;
   const size_t laws[2] = {n, 3};
   double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL;
   if (n == 0) return STATUS_OK;
   TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
+  TRY(memory_allocate(&names, n, sizeof *names, "the regions"));
   TRY(memory_allocate(&boxes, n, 6 * sizeof *boxes, "the regions"));
   TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
   TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
@@ -141,6 +142,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
     const double e = region->porosity, d = region->grain_size;
     const bool soil = region->type == REGION_POROUS;
     types[k] = region_type_names[region->type];
+    names[k] = region->name;
     memcpy(boxes + 6 * k, region->box, sizeof region->box);
     porosity[k] = soil ? e : NAN;
     permeability[k] =
@@ -150,6 +152,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
     if (soil) find_law(scene, region, permeability[k], law + 3 * k);
   }
   TRY(h5_write_texts(file, "/run/regions/type", n, types));
+  TRY(h5_write_texts(file, "/run/regions/name", n, names));
   TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));
   TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
   TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
@@ -158,6 +161,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
 cleanup:
   memory_free(&types);
+  memory_free(&names);
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);

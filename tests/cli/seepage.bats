@@ -532,6 +532,33 @@ assert "darcy" not in run["heads_m"]["heel"] and run["fluxes_m2_per_s"]["mid"]["
   grep -q 'is not resolved' even.html
 }
 
+@test "the +- of what a drain takes holds its exact flow; soil between windows has it to a thousandth" {
+  cat > strip.cfg <<'END'
+scene = { name = "strip"; method = "isph"; end_time = "12 s"; };
+domain = { size = ["2 m", "1 m"]; spacing = "4 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0", "0", "2 m", "1 m"]; porosity = 0.4; permeability = "1 cm/s"; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "1 m"]; head = "1.5 m"; }, { type = "inflow"; box = ["1.99 m", "0", "2 m", "1 m"]; head = "1.5 m"; },
+  { type = "drain"; name = "pipe"; centre = ["1 m", "0.5 m"]; radius = "12 cm"; head = "1.2 m"; } );
+force = { gravity = ["0", "-9.80665 m/s^2"]; };
+planes = ( { name = "mid"; x = "1.5 m"; } );
+output = { interval = "2 s"; };
+END
+  sphsolve run strip.cfg -o strip --quiet
+  analyze seepage strip.hdf --json > strip.json
+  sed -e 's/1.99 m", "0", "2 m", "1 m"\]; head = "1.5 m"/1.99 m", "0", "2 m", "1 m"]; head = "1.4 m"/' -e '/pipe/s/.*/  { type = "water"; box = ["0", "0", "2 m", "1 m"]; } );/' -e 's/"12 s"/"1 s"/' strip.cfg > between.cfg
+  sphsolve run between.cfg -o between --quiet
+  analyze seepage between.hdf --json > between.json
+  /usr/bin/python3 - <<'END'
+import json, math
+taken = json.load(open("strip.json"))["taken_m2_per_s"]["pipe"]
+exact = 2 * math.pi * 1e-2 * 0.3 / (math.pi + math.log(1 / (2 * math.pi * 0.12))) # images up and down
+assert 0.01 * exact < abs(taken["mean"] - exact) < taken["error95"] < 0.06 * exact, (taken, exact)
+mid = json.load(open("between.json"))["fluxes_m2_per_s"]["mid"]
+assert abs(mid["darcy"] / 5e-4 - 1) < 2e-3 and abs(mid["mean"] - 5e-4) < mid["error95"] < 5e-6, mid
+END
+}
+
 @test "a well: planes on either side have half of its rate, and there is no flow net" {
   cat > sink.cfg <<'END'
 scene = { name = "sink"; method = "isph"; end_time = "2 s"; };
