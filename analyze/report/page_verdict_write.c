@@ -186,6 +186,14 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
   *error = json_number_or_nan(through, "error95");
 }
 
+/* Of an exit gradient or a prism, where it is less than that found before. */
+static void find_factor(const json_t *entry, double *factor, double *least) {
+  const double own = json_number_or_nan(entry, "factor_of_safety");
+  if (!(own < *factor)) return;
+  *factor = own;
+  *least = json_number_or_nan(entry, "factor_of_safety_least");
+}
+
 /* Where there is no k: what flows through the soil, and how far its surface is from being lifted.
  */
 static void write_seepage(const json_t *seepage, FILE *out) {
@@ -193,9 +201,10 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   const char *where, *plane;
   size_t i;
   double flow, error;
-  double least = json_number_or_nan(json_object_get(seepage, "exit"), "factor_of_safety");
-  json_array_foreach(json_object_get(seepage, "heave"), i, prism) least =
-      fmin(least, json_number_or_nan(prism, "factor_of_safety")); /* NAN: the other */
+  double factor = INFINITY, least = NAN; /* the smallest, and the least that its error allows */
+  find_factor(json_object_get(seepage, "exit"), &factor, &least);
+  json_array_foreach(json_object_get(seepage, "heave"), i, prism)
+      find_factor(prism, &factor, &least);
   find_flow(seepage, &flow, &error, &where, &plane);
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
   const double drift = plane[0] == '\0' ? json_number_or_nan(seepage, "flow_drift_m2_per_s")
@@ -215,15 +224,17 @@ static void write_seepage(const json_t *seepage, FILE *out) {
     fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
             uptake > 0 ? "fills with" : "drains of", fabs(uptake));
   if (drift > 0.1 * flow) fputs(". The velocities in it still go one way: run longer", out);
-  if (isfinite(least))
-    fprintf(out, ". Against its being lifted the soil has a factor of %.3g: %s", least,
-            seepage_judge(least));
+  if (isfinite(factor)) {
+    fprintf(out, ". Against its being lifted the soil has a factor of %.3g", factor);
+    if (isfinite(least)) fprintf(out, ", %.3g at least", least);
+    fprintf(out, ": %s", seepage_judge(isfinite(least) ? least : factor));
+  }
   const double resolves =
       json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
   if (isfinite(resolves))
     fprintf(out,
-            "; but beside a wall as shallow as here the exit gradient is not resolved: take a "
-            "spacing of %.2g&nbsp;m",
+            "; but gradients beside a wall as shallow as here are not resolved: take a spacing of "
+            "%.2g&nbsp;m",
             resolves);
   fputs(".</p></article></section>\n", out);
 }

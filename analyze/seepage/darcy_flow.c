@@ -286,10 +286,8 @@ void darcy_flow_free(struct darcy_flow *flow) {
   }
 }
 
-/* What cells of half the size leave of an error that goes with the size: by the corners of walls
- * and the edges of soil, whatever the order elsewhere. */
-static struct darcy_value extrapolated(double coarse, double fine) {
-  return (struct darcy_value){2 * fine - coarse, fabs(fine - coarse)};
+struct darcy_value darcy_value_of(double coarse, double fine) {
+  return (struct darcy_value){2 * fine - coarse, 1.5 * fabs(fine - coarse)};
 }
 
 struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size_t c) {
@@ -301,7 +299,7 @@ struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size
     mean[n] = axis == 0 ? 0.5 * (flux->u[left] + flux->u[left + 1])
                         : 0.5 * (flux->w[c] + flux->w[c + nx]);
   }
-  return extrapolated(mean[0], mean[1]);
+  return darcy_value_of(mean[0], mean[1]);
 }
 
 struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, double place) {
@@ -318,7 +316,7 @@ struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, d
         sum[n] += (s == 0 ? 1 - t : t) *
                   (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
                              : flow->level[n].flux.w[(low + s) * f->nx + m]);
-  return extrapolated(sum[0], sum[1]);
+  return darcy_value_of(sum[0], sum[1]);
 }
 
 static bool is_in_drain(const struct head_field *f, size_t c, const char *name) {
@@ -345,7 +343,7 @@ struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *n
     }
     cells++;
   }
-  return cells > 0 ? extrapolated(sum[0], sum[1]) : (struct darcy_value){NAN, NAN};
+  return cells > 0 ? darcy_value_of(sum[0], sum[1]) : (struct darcy_value){NAN, NAN};
 }
 
 struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]) {
@@ -365,5 +363,5 @@ struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double a
     for (int l = 0; l < 2; l++) sum[l] += w * flow->level[l].head[c];
     weight += w;
   }
-  return extrapolated(sum[0] / weight, sum[1] / weight);
+  return darcy_value_of(sum[0] / weight, sum[1] / weight);
 }

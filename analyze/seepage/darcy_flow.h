@@ -27,6 +27,11 @@ struct darcy_value {
   double value, error; /* NAN: not known */
 };
 
+/* Of a value on both grids: an error that goes with the size of the cells is taken out. Beside the
+ * foot of a wall it goes with its root, 1 / (2^.5 - 1) of the difference and not one; the
+ * uncertainty, 1.5 of it, holds both. */
+struct darcy_value darcy_value_of(double coarse, double fine);
+
 /* Of a field as head_field_read gives it, which has to live as long. Not known where soil moves, is
  * anisotropic in directions that are no axes, or takes up rain, where the equations' form is not
  * Darcy's in steady flow (m15), and of runs of older versions. Free with darcy_flow_free, also after

@@ -2,6 +2,7 @@
 #ifndef TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
 #define TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -48,6 +49,12 @@ bool head_field_is_open(const struct head_field *field, double x, double z);
  * that have no such field: other methods, 3-D, no gravity along -z. */
 enum status head_field_read(const struct run *run, struct head_field *field);
 void head_field_free(struct head_field *field);
+
+/* Whether a cell is wet soil; not beyond the last. */
+static inline bool head_field_is_soil(const struct head_field *f, size_t i, size_t k) {
+  return i < f->nx && k < f->nz && f->soil[k * f->nx + i] != REGION_NONE &&
+         !isnan(f->head[k * f->nx + i]);
+}
 
 /* A cell's centre, m; z is the elevation. */
 static inline double head_field_x(const struct head_field *f, size_t i) {

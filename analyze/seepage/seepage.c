@@ -204,62 +204,81 @@ const char *seepage_judge(double factor) {
   return factor < 1 ? "the soil is lifted" : factor < 1.5 ? "little is in hand" : "it stays";
 }
 
+/* A gradient with its error, its critical value and the factor of safety between: a line's end, and
+ * an entry. The judgement is that of the least factor that the error allows. */
+static void show_gradient(double gradient, double error, double critical, bool resolved,
+                          json_t *entry, char text[128], char factor[80]) {
+  const double least = critical / (gradient + (isfinite(error) ? error : 0));
+  json_put_number(entry, "gradient", gradient);
+  json_put_number(entry, "critical", critical);
+  json_put_number(entry, "factor_of_safety", critical / gradient);
+  if (isfinite(error)) {
+    json_put_number(entry, "error95", error);
+    json_put_number(entry, "factor_of_safety_least", least);
+    value_with_error(text, 128, gradient, error, "+-");
+    snprintf(factor, 80, "factor %.3g, %.3g at least: %s", critical / gradient, least,
+             seepage_judge(least));
+  } else {
+    snprintf(text, 128, "%.3g", gradient);
+    snprintf(factor, 80, "factor %.3g, %s", critical / gradient,
+             resolved ? seepage_judge(least) : "not resolved");
+  }
+}
+
 static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
-  const struct seepage_exit *e = &s->exit;
+  const struct lifting_exit *e = &s->lifting.exit;
   if (!e->found) return;
   json_t *entry = json_object();
   json_put_number(entry, "x_m", e->x);
   json_put_number(entry, "z_m", e->z);
   json_put_number(entry, "depth_m", e->depth);
-  json_put_number(entry, "gradient", e->gradient);
-  json_put_number(entry, "critical", e->critical);
-  json_put_number(entry, "factor_of_safety", e->critical / e->gradient);
-  /* The gradient grows towards the foot of a wall: what is taken below it does with finer spacing.
-   */
-  double shallow = INFINITY;
-  for (size_t n = 0; n < s->prism_count; n++) shallow = fmin(shallow, s->prisms[n].depth);
-  const double resolves = s->field.dz * 0.5 * shallow / e->depth;
-  if (e->depth > 0.5 * shallow) json_put_number(entry, "spacing_that_resolves_m", resolves);
+  char text[128], factor[80];
+  show_gradient(e->gradient, e->error, e->critical, true, entry, text, factor);
+  const double resolves = lifting_resolving_spacing(&s->lifting);
+  if (isfinite(resolves)) json_put_number(entry, "spacing_that_resolves_m", resolves);
   json_object_set_new(json, "exit", entry);
   fprintf(summary,
-          "exit       gradient %.3g at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: factor "
-          "%.3g, %s\n",
-          e->gradient, e->x, e->z, e->depth, e->critical, e->critical / e->gradient,
-          seepage_judge(e->critical / e->gradient));
-  if (e->depth > 0.5 * shallow)
+          "exit       gradient %s at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: %s\n",
+          text, e->x, e->z, e->depth, e->critical, factor);
+  if (isfinite(resolves))
     fprintf(summary,
-            "coarse     a wall goes %.3g m into the soil, and the exit gradient is taken %.3g m "
-            "deep: it grows with finer spacing; domain.spacing = \"%.2g m\" resolves it\n",
-            shallow, e->depth, resolves);
+            "coarse     a wall goes into the soil by less than four of its particles: gradients "
+            "beside its foot grow with finer spacing; domain.spacing = \"%.2g m\" resolves them\n",
+            resolves);
 }
 
 static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
   json_t *list = json_array();
-  for (size_t n = 0; n < s->prism_count; n++) {
-    const struct seepage_prism *p = &s->prisms[n];
-    const double factor = p->critical / p->gradient;
+  for (size_t n = 0; n < s->lifting.prism_count; n++) {
+    const struct lifting_prism *p = &s->lifting.prisms[n];
+    char text[128], factor[80];
     json_t *entry = json_object();
     json_object_set_new(entry, "wall", json_integer((json_int_t)p->wall));
     json_object_set_new(entry, "side", json_string(p->side < 0 ? "low x" : "high x"));
     json_put_number(entry, "depth_m", p->depth);
     json_put_number(entry, "width_m", p->width);
-    json_put_number(entry, "gradient", p->gradient);
-    json_put_number(entry, "critical", p->critical);
-    json_put_number(entry, "factor_of_safety", factor);
+    show_gradient(p->gradient, p->error, p->critical, p->resolved, entry, text, factor);
     json_array_append_new(list, entry);
     fprintf(summary,
-            "heave      beside the wall regions[%zu], %s x: mean gradient %.3g in a prism %.3g m "
-            "deep, %.3g m wide; critical %.3g: factor %.3g, %s\n",
-            p->wall, p->side < 0 ? "lower" : "higher", p->gradient, p->depth, p->width, p->critical,
-            factor, seepage_judge(factor));
+            "heave      beside the wall regions[%zu], %s x: mean gradient %s in a prism %.3g m "
+            "deep, %.3g m wide; critical %.3g: %s\n",
+            p->wall, p->side < 0 ? "lower" : "higher", text, p->depth, p->width, p->critical,
+            factor);
   }
   json_object_set_new(json, "heave", list);
 }
 
+static void show_force(double force, double error, char text[128]) {
+  if (error > 0)
+    value_with_error(text, 128, force, error, "+-");
+  else
+    snprintf(text, 128, "%.4g", force);
+}
+
 static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
   json_t *list = json_array();
-  for (size_t n = 0; n < s->load_count; n++) {
-    const struct seepage_load *l = &s->loads[n];
+  for (size_t n = 0; n < s->lifting.load_count; n++) {
+    const struct lifting_load *l = &s->lifting.loads[n];
     json_t *entry = json_object();
     json_object_set_new(entry, "wall", json_integer((json_int_t)l->wall));
     json_put_number(entry, "force_x_N_per_m", l->force[0]);
@@ -267,10 +286,17 @@ static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
     json_put_number(entry, "uplift_N_per_m", l->uplift);
     json_put_number(entry, "uplift_pressure_Pa", l->pressure);
     json_array_append_new(list, entry);
-    fprintf(summary, "water      on the wall regions[%zu]: %.4g N/m along x, %.4g N/m along z",
-            l->wall, l->force[0], l->force[1]);
-    if (l->length > 0)
-      fprintf(summary, "; under it %.4g Pa, %.4g N/m upwards", l->pressure, l->uplift);
+    char text[3][128];
+    for (int c = 0; c < 2; c++) show_force(l->force[c], l->force_error[c], text[c]);
+    show_force(l->uplift, l->uplift_error, text[2]);
+    if (isfinite(l->uplift_error)) {
+      json_put_number(entry, "force_x_error95", l->force_error[0]);
+      json_put_number(entry, "force_z_error95", l->force_error[1]);
+      json_put_number(entry, "uplift_error95", l->uplift_error);
+    }
+    fprintf(summary, "water      on the wall regions[%zu]: %s N/m along x, %s N/m along z", l->wall,
+            text[0], text[1]);
+    if (l->length > 0) fprintf(summary, "; under it %.4g Pa, %s N/m upwards", l->pressure, text[2]);
     fputc('\n', summary);
   }
   json_object_set_new(json, "walls", list);

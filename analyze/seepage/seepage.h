@@ -7,31 +7,7 @@
 #include "analyze/run_file.h"
 #include "analyze/seepage/darcy_flow.h"
 #include "analyze/seepage/head_field.h"
-
-/* Where water leaves soil upwards. */
-struct seepage_exit {
-  bool found;
-  size_t soil;  /* its region */
-  double x, z;  /* m, on its upper face */
-  double depth; /* m below it: middle of what the gradient is taken over */
-  double gradient, critical;
-};
-
-/* Terzaghi's prism beside a wall (Terzaghi 1922): as deep as the wall goes into the soil, half as
- * wide. */
-struct seepage_prism {
-  size_t wall;
-  int side; /* -1: on the side of low x */
-  double depth, width, gradient, critical;
-};
-
-/* Water's pressure on a wall, N per m along y. */
-struct seepage_load {
-  size_t wall;
-  double force[2];         /* x, z; of all faces */
-  double uplift, pressure; /* N/m upwards on its lower face; its mean pressure, Pa */
-  double length;           /* m of the lower face that is wet */
-};
+#include "analyze/seepage/lifting.h"
 
 struct seepage {
   const struct run *run;
@@ -46,19 +22,13 @@ struct seepage {
   double uptake;     /* m^2/s: that the soil fills with, below 0 drains of; NAN: not known */
   double drop;       /* m: of head in the soil */
   double low;        /* m: least head in soil */
-  struct seepage_exit exit;
-  size_t prism_count, load_count;
-  struct seepage_prism *prisms; /* two for each region at most */
-  struct seepage_load *loads;
+  struct lifting lifting;
   double *phreatic; /* [nx] m; NAN where there is no surface */
 };
 
 /* grain_density in kg/m^3, NAN: 2650. Free with seepage_free, also after a failure. */
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *seepage);
 void seepage_free(struct seepage *seepage);
-
-/* (Gs - 1) / (1 + e), the gradient at which water carries the grains (Terzaghi 1922). */
-double seepage_critical(double grain_density, double density, double porosity);
 
 /* Whether the soil fills or drains so fast that what flows in it is no flow through it. */
 bool seepage_is_filling(double flow, double error, double uptake);

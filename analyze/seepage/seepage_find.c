@@ -6,130 +6,9 @@
 #include "analyze/seepage/seepage.h"
 #include "common/memory.h"
 
-double seepage_critical(double grain_density, double density, double porosity) {
-  return (grain_density / density - 1) * (1 - porosity); /* 1 / (1 + e) = 1 - porosity */
-}
-
-static bool is_soil(const struct head_field *f, size_t i, size_t k) {
-  return i < f->nx && k < f->nz && f->soil[k * f->nx + i] != REGION_NONE &&
-         !isnan(f->head[k * f->nx + i]);
-}
-
 static bool is_dry(const struct head_field *f, size_t i, size_t k) {
   return i < f->nx && k < f->nz && f->soil[k * f->nx + i] != REGION_NONE &&
          isnan(f->head[k * f->nx + i]);
-}
-
-/* Head in soil at an elevation between two cells of a column, NAN elsewhere. */
-static double head_at(const struct head_field *f, size_t i, double z) {
-  const double row = z / f->dz - 0.5;
-  if (!(row >= 0)) return is_soil(f, i, 0) ? f->head[i] : NAN;
-  const size_t k = (size_t)row, above = is_soil(f, i, k + 1) ? k + 1 : k;
-  const double t = row - (double)k;
-  if (!is_soil(f, i, k)) return NAN;
-  return (1 - t) * f->head[k * f->nx + i] + t * f->head[above * f->nx + i];
-}
-
-/* Head over the upper face of soil whose topmost cell is k: of the water there, clear of the
- * smeared edge, else its elevation. */
-static double head_over(const struct head_field *f, size_t i, size_t k) {
-  for (size_t up = 3; up >= 1; up--) {
-    const size_t c = (k + up) * f->nx + i;
-    bool free = true;
-    for (size_t b = k + 1; b <= k + up; b++)
-      free = free && b < f->nz && f->wall[b * f->nx + i] == REGION_NONE &&
-             f->soil[b * f->nx + i] == REGION_NONE;
-    if (free && !isnan(f->head[c])) return f->head[c];
-  }
-  return (double)(k + 1) * f->dz;
-}
-
-/* Whether cell k is the topmost of soil under water or air. */
-static bool is_top(const struct head_field *f, size_t i, size_t k) {
-  const size_t above = (k + 1) * f->nx + i;
-  return is_soil(f, i, k) && k + 1 < f->nz && f->soil[above] == REGION_NONE &&
-         f->wall[above] == REGION_NONE;
-}
-
-/* The exit gradient is taken over one size of the soil's particles, in a depth of so many sizes
- * below the soil's upper face: above it the kernel smears the face, and below it the gradient
- * grows. */
-#define EXIT_SIZES 2.0
-
-static void find_exit(struct seepage *s) {
-  const struct head_field *f = &s->field;
-  for (size_t i = 0; i < f->nx; i++)
-    for (size_t k = 0; k < f->nz; k++) {
-      if (!is_top(f, i, k)) continue;
-      const size_t soil = f->soil[k * f->nx + i];
-      const double porosity = f->regions[soil].porosity, z = (double)(k + 1) * f->dz;
-      const double size = f->dz / sqrt(porosity), depth = EXIT_SIZES * size;
-      const double gradient =
-          (head_at(f, i, z - depth - 0.5 * size) - head_at(f, i, z - depth + 0.5 * size)) / size;
-      const double critical = seepage_critical(s->grain_density, f->density, porosity);
-      if (!(gradient > 0) ||
-          (s->exit.found && gradient / critical <= s->exit.gradient / s->exit.critical))
-        continue;
-      s->exit = (struct seepage_exit){true, soil, head_field_x(f, i), z, depth, gradient, critical};
-    }
-}
-
-/* The prism beside a wall that ends in soil; false where there is none, or the water goes down. */
-static bool find_prism(const struct seepage *s, size_t wall, int side,
-                       struct seepage_prism *prism) {
-  const struct head_field *f = &s->field;
-  const struct head_region *w = &f->regions[wall];
-  const double face = side < 0 ? w->low[0] - 0.5 * f->dx : w->high[0] + 0.5 * f->dx;
-  if (!(face > 0) || !(w->low[1] > 0)) return false;
-  const size_t first = (size_t)(face / f->dx), base = (size_t)(w->low[1] / f->dz);
-  size_t top = base, columns = 0;
-  if (!is_soil(f, first, base)) return false;
-  while (is_soil(f, first, top) && !is_top(f, first, top)) top++;
-  if (!is_top(f, first, top)) return false;
-  const double depth = (double)(top + 1) * f->dz - w->low[1];
-  const size_t wanted = (size_t)fmax(1, round(0.5 * depth / f->dx));
-  double below = 0, above = 0;
-  for (size_t n = 0; n < wanted; n++) {
-    const size_t i = side < 0 ? first - n : first + n;
-    if ((side < 0 && n > first) || !is_top(f, i, top)) break;
-    const double head = head_at(f, i, w->low[1]);
-    if (isnan(head)) break;
-    below += head, above += head_over(f, i, top), columns++;
-  }
-  if (columns == 0 || !(below > above)) return false;
-  const size_t soil = f->soil[top * f->nx + first];
-  *prism = (struct seepage_prism){
-      .wall = wall,
-      .side = side,
-      .depth = depth,
-      .width = (double)columns * f->dx,
-      .gradient = (below - above) / (double)columns / depth,
-      .critical = seepage_critical(s->grain_density, f->density, f->regions[soil].porosity)};
-  return true;
-}
-
-/* Pressure on each wet face between a wall's cell and one of water or soil; at the face, by the
- * head of the cell before it. */
-static void load_wall(struct seepage *s, size_t i, size_t k) {
-  const struct head_field *f = &s->field;
-  static const int step[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
-  struct seepage_load *load = NULL;
-  const size_t wall = f->wall[k * f->nx + i];
-  for (size_t n = 0; n < s->load_count; n++)
-    if (s->loads[n].wall == wall) load = &s->loads[n];
-  for (int n = 0; n < 4; n++) {
-    const size_t a = i + (size_t)step[n][0], b = k + (size_t)step[n][1]; /* wraps below 0 */
-    if (a >= f->nx || b >= f->nz || isnan(f->head[b * f->nx + a])) continue;
-    const double z = head_field_z(f, k) + 0.5 * step[n][1] * f->dz;
-    const double pressure = fmax(0, f->density * f->gravity * (f->head[b * f->nx + a] - z));
-    const double length = step[n][0] != 0 ? f->dz : f->dx;
-    if (load == NULL) {
-      load = &s->loads[s->load_count++];
-      *load = (struct seepage_load){.wall = wall};
-    }
-    for (int c = 0; c < 2; c++) load->force[c] -= step[n][c] * pressure * length;
-    if (step[n][1] < 0) load->uplift += pressure * length, load->length += length;
-  }
 }
 
 static void find_phreatic(struct seepage *s) {
@@ -151,7 +30,7 @@ static void find_head_range(struct seepage *s) {
   double high = -INFINITY;
   s->low = INFINITY;
   for (size_t c = 0; c < f->nx * f->nz; c++)
-    if (is_soil(f, c % f->nx, c / f->nx))
+    if (head_field_is_soil(f, c % f->nx, c / f->nx))
       s->low = fmin(s->low, f->head[c]), high = fmax(high, f->head[c]);
   s->drop = fmax(0, high - s->low);
 }
@@ -162,7 +41,7 @@ static void find_flow(struct seepage *s) {
   double least = INFINITY, most = -INFINITY;
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++) {
-      if (!is_soil(f, i, k)) continue;
+      if (!head_field_is_soil(f, i, k)) continue;
       for (size_t c = 0; c < 4; c++) {
         const double psi = s->psi[(k + c / 2) * (f->nx + 1) + i + c % 2];
         least = fmin(least, psi), most = fmax(most, psi);
@@ -237,7 +116,7 @@ static double find_uptake(const struct head_field *f, const double *psi) {
     if (!strcmp(f->regions[r].type, "rain")) return NAN;
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++) {
-      if (!is_soil(f, i, k)) continue;
+      if (!head_field_is_soil(f, i, k)) continue;
       const double *p = psi + k * corners + i;
       if (is_dry(f, i + 1, k)) sum += p[corners + 1] - p[1];
       if (i > 0 && is_dry(f, i - 1, k)) sum -= p[corners] - p[0];
@@ -262,13 +141,12 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
              s->grain_density);
   TRY(head_field_read(run, f));
   bool soil = false;
-  for (size_t c = 0; c < f->nx * f->nz; c++) soil = soil || is_soil(f, c % f->nx, c / f->nx);
+  for (size_t c = 0; c < f->nx * f->nz; c++)
+    soil = soil || head_field_is_soil(f, c % f->nx, c / f->nx);
   if (!soil)
     TRY_FAIL(STATUS_INPUT, "%s: no water in soil between %g and %g s, so nothing seeps", run->path,
              f->from, f->to);
   TRY(flow_net_stream(f, &s->psi));
-  TRY(memory_allocate(&s->prisms, 2 * f->region_count, sizeof *s->prisms, "walls"));
-  TRY(memory_allocate(&s->loads, f->region_count, sizeof *s->loads, "walls"));
   TRY(memory_allocate(&s->phreatic, f->nx, sizeof *s->phreatic, "the phreatic line"));
   find_head_range(s);
   find_flow(s);
@@ -280,17 +158,9 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(f, &s->darcy)); /* NAN: sinks */
   s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
-  find_exit(s);
   find_phreatic(s);
-  for (size_t r = 0; r < f->region_count; r++)
-    for (int side = -1; side <= 1; side += 2)
-      if (!strcmp(f->regions[r].type, "wall") && find_prism(s, r, side, &s->prisms[s->prism_count]))
-        s->prism_count++;
-  for (size_t k = 0; k < f->nz; k++)
-    for (size_t i = 0; i < f->nx; i++)
-      if (f->wall[k * f->nx + i] != REGION_NONE) load_wall(s, i, k);
-  for (size_t n = 0; n < s->load_count; n++)
-    if (s->loads[n].length > 0) s->loads[n].pressure = s->loads[n].uplift / s->loads[n].length;
+  TRY(lifting_find(f, s->grain_density, &s->lifting));
+  TRY(lifting_hold_against(&s->darcy, s->grain_density, &s->lifting));
 cleanup:
   if (status != STATUS_OK) seepage_free(s);
   return status;
@@ -317,7 +187,6 @@ void seepage_free(struct seepage *s) {
   darcy_flow_free(&s->darcy);
   head_field_free(&s->field);
   memory_free(&s->psi);
-  memory_free(&s->prisms);
-  memory_free(&s->loads);
+  lifting_free(&s->lifting);
   memory_free(&s->phreatic);
 }
