@@ -15,12 +15,12 @@ struct soil_cells {
   double *conductivity[2]; /* m/s along x, z */
 };
 
-/* Whether a well or a drain holds the head of a cell. */
+/* Whether a drain holds the head of a cell. */
 static bool is_held(const struct head_field *f, size_t c) {
   const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
   for (size_t r = 0; r < f->region_count; r++) {
     const struct head_region *g = &f->regions[r];
-    if (head_region_is_sink(g) && x[0] > g->low[0] && x[0] < g->high[0] && x[1] > g->low[1] &&
+    if (!strcmp(g->type, "drain") && x[0] > g->low[0] && x[0] < g->high[0] && x[1] > g->low[1] &&
         x[1] < g->high[1])
       return true;
   }
@@ -252,10 +252,30 @@ cleanup:
   return status;
 }
 
+/* Where water ends in soil, or under air, the surface is known to half a cell, on both grids alike:
+ * of the height that water flows in there, times the share of columns that have such a surface. */
+static double surface_share(const struct soil_cells *cells) {
+  const struct head_field *f = cells->field;
+  double columns = 0, free = 0;
+  for (size_t i = 0; i < f->nx; i++) {
+    size_t wet = 0, top = f->nz;
+    for (size_t k = 0; k < f->nz; k++)
+      if (cells->kind[k * f->nx + i] == CELL_SOIL) wet++, top = k;
+    if (wet == 0) continue;
+    columns++;
+    if (top + 1 >= f->nz || f->wall[(top + 1) * f->nx + i] != REGION_NONE ||
+        cells->kind[(top + 1) * f->nx + i] == CELL_WATER)
+      continue;
+    const double porosity = f->regions[f->soil[top * f->nx + i]].porosity;
+    free += 0.5 / sqrt(porosity) / (double)wet;
+  }
+  return columns > 0 ? free / columns : 0;
+}
+
 static bool is_darcy(const struct head_field *f) {
   for (size_t r = 0; r < f->region_count; r++) {
     const struct head_region *g = &f->regions[r];
-    if (!strcmp(g->type, "rain")) return false;
+    if (!strcmp(g->type, "rain") || !strcmp(g->type, "well")) return false;
     if (!strcmp(g->type, "porous") && !(g->conductivity[0] > 0 && g->conductivity[1] > 0))
       return false;
   }
@@ -268,6 +288,7 @@ enum status darcy_flow_find(const struct head_field *f, struct darcy_flow *flow)
   *flow = (struct darcy_flow){.known = is_darcy(f), .field = f};
   if (!flow->known) return STATUS_OK;
   TRY(mark(f, &cells));
+  flow->surface = surface_share(&cells);
   for (size_t n = 0; n < 2 && flow->known; n++)
     TRY(solve(&cells, n + 1, n == 0 ? f->head : flow->level[0].head, &flow->level[n].flux,
               &flow->level[n].head, &flow->known));
@@ -290,24 +311,32 @@ struct darcy_value darcy_value_of(double coarse, double fine) {
   return (struct darcy_value){2 * fine - coarse, 1.5 * fabs(fine - coarse)};
 }
 
+/* With what the surface leaves open of a flux. */
+static struct darcy_value flux_of(const struct darcy_flow *flow, const double grids[2]) {
+  struct darcy_value flux = darcy_value_of(grids[0], grids[1]);
+  flux.error = hypot(flux.error, flow->surface * flux.value);
+  return flux;
+}
+
 struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size_t c) {
+  if (!flow->known) return (struct darcy_value){NAN, NAN};
   const size_t nx = flow->field->nx, left = c / nx * (nx + 1) + c % nx;
   double mean[2];
-  if (!flow->known) return (struct darcy_value){NAN, NAN};
   for (size_t n = 0; n < 2; n++) {
     const struct face_flux *flux = &flow->level[n].flux;
     mean[n] = axis == 0 ? 0.5 * (flux->u[left] + flux->u[left + 1])
                         : 0.5 * (flux->w[c] + flux->w[c + nx]);
   }
-  return darcy_value_of(mean[0], mean[1]);
+  return flux_of(flow, mean);
 }
 
 struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, double place) {
+  if (!flow->known) return (struct darcy_value){NAN, NAN};
   const struct head_field *f = flow->field;
   const size_t faces = axis == 0 ? f->nx : f->nz, along = axis == 0 ? f->nz : f->nx;
   const double at = place / (axis == 0 ? f->dx : f->dz);
   double sum[2] = {0};
-  if (!flow->known || !(at >= 0 && at <= (double)faces)) return (struct darcy_value){NAN, NAN};
+  if (!(at >= 0 && at <= (double)faces)) return (struct darcy_value){NAN, NAN};
   const size_t low = at < (double)faces ? (size_t)at : faces - 1;
   const double t = at - (double)low;
   for (int n = 0; n < 2; n++)
@@ -316,7 +345,7 @@ struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, d
         sum[n] += (s == 0 ? 1 - t : t) *
                   (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
                              : flow->level[n].flux.w[(low + s) * f->nx + m]);
-  return darcy_value_of(sum[0], sum[1]);
+  return flux_of(flow, sum);
 }
 
 static bool is_in_drain(const struct head_field *f, size_t c, const char *name) {
@@ -331,10 +360,11 @@ static bool is_in_drain(const struct head_field *f, size_t c, const char *name) 
 }
 
 struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *name) {
+  if (!flow->known) return (struct darcy_value){NAN, NAN};
   const struct head_field *f = flow->field;
   double sum[2] = {0};
   size_t cells = 0;
-  for (size_t c = 0; flow->known && c < f->nx * f->nz; c++) {
+  for (size_t c = 0; c < f->nx * f->nz; c++) {
     if (f->soil[c] == REGION_NONE || !is_in_drain(f, c, name)) continue;
     const size_t left = c / f->nx * (f->nx + 1) + c % f->nx;
     for (int n = 0; n < 2; n++) {
@@ -343,14 +373,15 @@ struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *n
     }
     cells++;
   }
-  return cells > 0 ? darcy_value_of(sum[0], sum[1]) : (struct darcy_value){NAN, NAN};
+  return cells > 0 ? flux_of(flow, sum) : (struct darcy_value){NAN, NAN};
 }
 
 struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]) {
+  if (!flow->known) return (struct darcy_value){NAN, NAN};
   const struct head_field *f = flow->field;
   const double x = at[0] / f->dx - 0.5, z = at[1] / f->dz - 0.5;
   double sum[2] = {0}, weight = 0;
-  if (!flow->known || !(x > -0.5 && z > -0.5)) return (struct darcy_value){NAN, NAN};
+  if (!(x >= -0.5 && z >= -0.5)) return (struct darcy_value){NAN, NAN};
   const size_t home = (size_t)(z + 0.5) * f->nx + (size_t)(x + 0.5);
   if (x + 0.5 >= (double)f->nx || z + 0.5 >= (double)f->nz || isnan(flow->level[0].head[home]))
     return (struct darcy_value){NAN, NAN};
@@ -363,5 +394,7 @@ struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double a
     for (int l = 0; l < 2; l++) sum[l] += w * flow->level[l].head[c];
     weight += w;
   }
-  return darcy_value_of(sum[0] / weight, sum[1] / weight);
+  struct darcy_value head = darcy_value_of(sum[0] / weight, sum[1] / weight);
+  head.error += flow->surface > 0 ? 0.5 * f->dz : 0;
+  return head;
 }

@@ -17,6 +17,7 @@ struct face_flux {
 struct darcy_flow {
   bool known; /* else nothing else is */
   const struct head_field *field;
+  double surface; /* share of a flux that a free surface in soil leaves open; 0: there is none */
   struct {
     struct face_flux flux; /* for each metre along y */
     double *head;          /* [nz][nx] m, of wet soil; NAN elsewhere */
@@ -33,9 +34,9 @@ struct darcy_value {
 struct darcy_value darcy_value_of(double coarse, double fine);
 
 /* Of a field as head_field_read gives it, which has to live as long. Not known where soil moves, is
- * anisotropic in directions that are no axes, or takes up rain, where the equations' form is not
- * Darcy's in steady flow (m15), and of runs of older versions. Free with darcy_flow_free, also after
- * a failure. */
+ * anisotropic in directions that are no axes, takes up rain or gives to a well, where the
+ * equations' form is not Darcy's in steady flow (m15), and of runs of older versions. Free with
+ * darcy_flow_free, also after a failure. */
 enum status darcy_flow_find(const struct head_field *field, struct darcy_flow *flow);
 void darcy_flow_free(struct darcy_flow *flow);
 

@@ -181,7 +181,6 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       half = hypot(2 * error, put_darcy(darcy_flow_taken(&s->darcy, column->name + strlen(prefix)),
                                         mean, entry)) +
              drift;
-      json_put_number(entry, "error95", half);
     }
     if (!strcmp(word, "head")) {
       half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
@@ -189,7 +188,9 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     }
     char text[80];
     if (isnan(half)) note = ", too few values in time for a +-";
-    if (half == 0 || isnan(half)) /* 0: a rate that was given */
+    if (half <= 1e-12 * fabs(mean)) half = 0; /* a rate that was given */
+    if (!strcmp(word, "taken")) json_put_number(entry, "error95", half);
+    if (half == 0 || isnan(half))
       snprintf(text, sizeof text, "%.4g", mean);
     else
       value_with_error(text, sizeof text, mean, half, "+-");
