@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "common/interrupt.h"
 #include "common/memory.h"
@@ -387,6 +388,29 @@ cleanup:
   return status;
 }
 
+/* Refuses to replace a finished run by one from the start, where more of it was asked for. */
+static enum status refuse_finished(const char *prefix) {
+  enum status status = STATUS_OK;
+  struct h5_file *file = NULL;
+  char path[4096], *ended = NULL;
+  snprintf(path, sizeof path, "%s.hdf", prefix);
+  if (access(path, F_OK) != 0) return STATUS_OK;
+  if (h5_open(path, &file) != STATUS_OK ||
+      h5_read_attribute_text(file, "/run", "status", &ended) != STATUS_OK) {
+    error_clear(); /* no run: what may be replaced is asked elsewhere */
+    goto cleanup;
+  }
+  if (!strcmp(ended, "end_time") || !strcmp(ended, "budget"))
+    TRY_FAIL(STATUS_USAGE,
+             "%s: this run is finished and left no checkpoint to go on from; leave out --resume to "
+             "run it anew, with checkpoint.interval = \"10 min\" if it may be given more",
+             path);
+cleanup:
+  memory_free(&ended);
+  h5_close(file);
+  return status;
+}
+
 enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   enum status status = STATUS_OK;
   size_t shape[2], count = 0, times = 0;
@@ -397,6 +421,7 @@ enum status recorder_resume(struct recorder *recorder, struct h5_file **file) {
   if (!recorder->resume) return STATUS_OK;
   TRY(checkpoint_open(recorder->prefix, file));
   if (*file == NULL) {
+    TRY(refuse_finished(recorder->prefix));
     log_info("no checkpoint %s.ckpt.hdf yet: starting anew", recorder->prefix);
     return STATUS_OK;
   }

@@ -191,3 +191,22 @@ END
     resumable_same whole-$method full
   done
 }
+
+@test "a finished run that left no checkpoint is not replaced by --resume" {
+  cat > over.cfg <<'END'
+scene = { name = "over"; method = "isph"; end_time = "20 ms"; };
+domain = { size = ["20 cm", "10 cm"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "20 cm", "8 cm"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  sphsolve run over.cfg -o over --quiet
+  sum=$(sha256sum < over.hdf)
+  run -2 --separate-stderr sphsolve run over.cfg -o over --set 'scene.end_time="40 ms"' --resume
+  [[ "$stderr" == "sphsolve: over.hdf: this run is finished and left no checkpoint to go on from; leave out --resume"* ]]
+  [ "$sum" = "$(sha256sum < over.hdf)" ]
+  # One that left checkpoints goes on.
+  sphsolve run over.cfg -o kept --quiet --set 'checkpoint.interval="1 ms"'
+  sphsolve run over.cfg -o kept --set 'scene.end_time="40 ms"' --resume > said 2>&1
+  run ! grep "starting anew" said
+}
