@@ -395,12 +395,12 @@ static enum status refuse_finished(const char *prefix) {
   char path[4096], *ended = NULL;
   snprintf(path, sizeof path, "%s.hdf", prefix);
   if (access(path, F_OK) != 0) return STATUS_OK;
-  if (h5_open(path, &file) != STATUS_OK ||
+  if (h5_open_output(path, &file) != STATUS_OK ||
       h5_read_attribute_text(file, "/run", "status", &ended) != STATUS_OK) {
     error_clear(); /* no run: what may be replaced is asked elsewhere */
     goto cleanup;
   }
-  if (!strcmp(ended, "end_time") || !strcmp(ended, "budget"))
+  if (!strcmp(ended, "end_time"))
     TRY_FAIL(STATUS_USAGE,
              "%s: this run is finished and left no checkpoint to go on from; leave out --resume to "
              "run it anew, with checkpoint.interval = \"10 min\" if it may be given more",

@@ -17,8 +17,11 @@ static void put_number(FILE *stream, const char *name, double value) {
   put(stream, name, &value, 1);
 }
 
-static void put_region(FILE *stream, const struct region *r) {
-  fprintf(stream, "regions[%zu] = type %d,", r->number, (int)r->type);
+/* `part`: of those that a polygon or a body is cut into. */
+static void put_region(FILE *stream, const struct region *r, size_t part) {
+  fprintf(stream, "regions[%zu]", r->number);
+  if (part > 0) fprintf(stream, ".part[%zu]", part);
+  fprintf(stream, " = type %d,", (int)r->type);
   const double values[] = {r->porosity,
                            r->grain_size,
                            r->alpha,
@@ -73,7 +76,10 @@ static void put_all(FILE *stream, const struct scene *s) {
   put_number(stream, "fluids.density (kg/m^3)", s->fluid.density);
   put_number(stream, "fluids.viscosity (Pa s)", s->fluid.viscosity);
   put_number(stream, "fluids.surface_tension (N/m)", s->fluid.surface_tension);
-  for (size_t i = 0; i < s->region_count; i++) put_region(stream, &s->regions[i]);
+  for (size_t i = 0, part = 0; i < s->region_count; i++) {
+    part = i > 0 && s->regions[i].number == s->regions[i - 1].number ? part + 1 : 0;
+    put_region(stream, &s->regions[i], part);
+  }
   put(stream, "force.gravity (m/s^2)", s->gravity, 3);
   put(stream, "force.body_acceleration (m/s^2)", s->body_acceleration, 3);
   put(stream, "force.pressure_gradient (Pa/m)", s->pressure_gradient, 3);

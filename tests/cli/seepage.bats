@@ -618,8 +618,10 @@ output = { history_interval = "0.25 s"; };
 END
   sphsolve explain beach.cfg | grep -q '^regions    3; 2 polygons and circles as '
   sphsolve run beach.cfg -o beach --quiet > beach.txt
-  sphsolve run beach.cfg -o part --quiet --set 'scene.end_time="0.5 s"' > part.txt
-  sphsolve run beach.cfg -o part --quiet --resume --force > part.txt
+  /usr/bin/python3 "$BATS_TEST_DIRNAME/kill_at.py" part checkpoint 3 0.02 \
+    sphsolve run beach.cfg -o part --quiet --set 'checkpoint.interval="1 ms"'
+  sphsolve run beach.cfg -o part --resume > part.txt 2>&1
+  run ! grep "starting anew" part.txt
   /usr/bin/python3 - <<'END'
 import h5py, numpy as np
 with h5py.File("beach.hdf") as whole, h5py.File("part.hdf") as part:
