@@ -104,6 +104,9 @@ static void write_symmetry(const struct tensor *t, FILE *stream) {
       between = ", ";
     }
   if (*between) fputs(": the terms off the diagonal with that axis are zero. ", stream);
+  if (t->principal_low[0] <= t->principal_high[2])
+    fputs("No two principal values differ by more than their errors: the axes mean little. ",
+          stream);
   if (!isfinite(t->asymmetry)) return;
   fputs("Mirrored terms (xy and yx, ...) differ by ", stream);
   write_percent(stream, t->asymmetry);
