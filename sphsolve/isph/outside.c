@@ -14,21 +14,33 @@
 /* Particles whose bulk volumes differ by less are as far apart as those of the column. */
 #define SAME_SPACING 0.2
 
-/* The column behind which x has left in a step of dt goes on from there, unless the water is of
- * another spacing; isph_open_move still moves it by that step. */
+/* What has left in a step of dt at x becomes the foremost of a column, which goes on from there: of
+ * its own, or in soil, where rows leave with another number of particles than there are columns, of
+ * the nearest within a pitch that waits for one. None where the water is of another spacing;
+ * isph_open_move still moves the column by that step. */
 static void follow(struct isph *s, int k, const double x[3], double volume, double dt) {
   const struct isph_open_side *side = &s->sides[k];
-  int at[3];
-  for (int a = 0; a < 3; a++) {
-    double cell = (x[a] - side->low[a]) / side->pitch[a];
-    at[a] = (int)fmin(fmax(0, floor(cell)), side->cells[a] - 1);
+  const size_t end = side->first + (size_t)(side->cells[0] * side->cells[1] * side->cells[2]);
+  const double reach = s->on.soil ? 1 : 0.5;
+  double nearest = INFINITY;
+  size_t found = end;
+  for (size_t c = side->first; c < end; c++) {
+    const struct isph_column *column = &s->columns[c];
+    bool beside = s->column_front[c] > 0.5 * column->pitch;
+    double square = 0;
+    for (int a = 0; a < 3; a++) {
+      if (a == side->axis || !isph_uses_axis(s, a)) continue;
+      const double off = x[a] - column->at[a];
+      beside = beside && fabs(off) <= reach * side->pitch[a];
+      square += off * off;
+    }
+    if (beside && square < nearest) nearest = square, found = c;
   }
-  size_t row = (size_t)at[2] * (size_t)side->cells[1] + (size_t)at[1];
-  size_t c = row * (size_t)side->cells[0] + (size_t)at[0];
-  const struct isph_column *column = &s->columns[side->first + c];
-  double *front = &s->column_front[side->first + c];
-  if (fabs(volume / column->volume - 1) < SAME_SPACING && *front > 0.5 * column->pitch)
-    *front = fmin(fabs(x[side->axis] - side->edge), column->pitch) + column->speed * dt;
+  if (found == end) return;
+  const struct isph_column *column = &s->columns[found];
+  if (fabs(volume / column->volume - 1) < SAME_SPACING)
+    s->column_front[found] =
+        fmin(fabs(x[side->axis] - side->edge), column->pitch) + column->speed * dt;
 }
 
 static bool is_outside(const struct isph *s, const double x[3]) {

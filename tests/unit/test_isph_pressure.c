@@ -268,6 +268,29 @@ static void columns_go_on_from_what_has_left(void **state) {
   assert_true(worst < .01);
 }
 
+/* A head falls through soil onto a window, where rows of two and of three particles leave between
+ * three columns. What leaves becomes the foremost of one that waits for it: with columns that went
+ * on by themselves all pressures jumped by 4 %, and the head fell 9 % late. */
+static void heads_fall_through_windows_smoothly(void **state) {
+  (void)state;
+  static const double at[3] = {.03, 0, .04};
+  struct run run;
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"99 s\"; };\n"
+        "domain = { size = [\"6 cm\", \"24 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+        "false]; };\n"
+        "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"6 cm\", \"22 cm\"]; },\n"
+        "{ type = \"porous\"; box = [\"0\", \"0\", \"6 cm\", \"8 cm\"]; porosity = 0.25; "
+        "grain_size = \"4 mm\"; },\n"
+        "{ type = \"inflow\"; box = [\"0\", \"0\", \"6 cm\", \"1 cm\"]; head = \"0.1 m\"; } );\n"
+        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  const double worst = largest_jump(&run, at, 1, 20);
+  print_message("largest jump %.2g %%, %zu have left\n", 100 * worst, run.s.left_count);
+  assert_true(run.s.left_count > 20);
+  finish(&run);
+  assert_true(worst < .02);
+}
+
 /* Rows of a front in soil of low porosity are drawn apart, and nothing disorders them between
  * periodic sides: it goes on as a plug does, (H + C_r s) q' = g (H + s) - s (a q + b q^2). */
 static void fronts_in_tight_soil_go_on(void **state) {
@@ -317,7 +340,7 @@ static void edges_of_walls_are_passed_unnoticed(void **state) {
   const double worst = largest_jump(&run, at, 1, 4);
   print_message("largest jump %.2g %%\n", 100 * worst);
   finish(&run);
-  assert_true(worst < .03);
+  assert_true(worst < .02);
 }
 
 int main(void) {
@@ -328,6 +351,7 @@ int main(void) {
       cmocka_unit_test(pressure_does_not_alternate),
       cmocka_unit_test(windows_come_and_go_unnoticed),
       cmocka_unit_test(columns_go_on_from_what_has_left),
+      cmocka_unit_test(heads_fall_through_windows_smoothly),
       cmocka_unit_test(fronts_in_tight_soil_go_on),
       cmocka_unit_test(edges_of_walls_are_passed_unnoticed),
   };
