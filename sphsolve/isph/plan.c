@@ -1,4 +1,5 @@
 /* What method isph will take: memory, steps, time, and the error of k. */
+#include "common/log.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/method.h"
@@ -149,12 +150,34 @@ static void expect_isph(struct plan *plan) {
   }
 }
 
+/* Rows of a front in soil stand 1/eps spacings apart, and see each other over eps^(-1/dimensions)
+ * times the support: below this porosity so little, or not at all, that nothing tells a front from
+ * what is behind it. Fronts 30 and 40 cm deep, in 2-D, were off by 10 % at .25 and by 7 and 20 % at
+ * .2; a finer spacing draws the rows apart alike. */
+#define FRONT_POROSITY 0.3
+
+/* Says so where water will enter such soil. */
+static void warn_of_fronts(const struct effect_context *context) {
+  const struct lattice *l = context->lattice;
+  const struct region *regions = context->scene->regions;
+  for (size_t p = 0; p < l->count && l->region != NULL; p++) {
+    if (l->kind[p] != SITE_EMPTY || l->region[p] == 0) continue;
+    const struct region *soil = &regions[l->region[p] - 1];
+    if (soil->type != REGION_POROUS || !(soil->porosity < FRONT_POROSITY)) continue;
+    log_warning("%s:%d: fronts of water in dry soil of porosity %g come early or late by up to a "
+                "fifth, at any spacing; from a porosity of %g on by some 5 %%",
+                context->scene->path, soil->line, soil->porosity, FRONT_POROSITY);
+    return;
+  }
+}
+
 enum status isph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
   double n = (double)context->lattice->fluid_count;
   enum status status = isph_refuse(context);
   if (status != STATUS_OK) return status;
+  warn_of_fronts(context);
   double neighbours = isph_neighbours(scene);
   /* In that time what starts at rest falls half a spacing. */
   double fall = sqrt(context->spacing / context->driving);

@@ -123,6 +123,19 @@ END
   grep -q "^verdict    known to .* %, resolution not counted; most of it" said || { cat said; false; }
 }
 
+@test "fronts in dry soil of low porosity are announced as not to be trusted" {
+  soil() { echo "$WATER, { type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; porosity = $1; grain_size = \"5 mm\"; saturated = $2; }"; }
+  DRY='{ type = "water"; box = ["0", "0.1 m", "0.2 m", "0.2 m"]; }'
+  WATER=$DRY
+  run sphsolve explain "$TANK" --set "regions=($(soil 0.2 false))"
+  [[ "$output" == *"dry soil of porosity 0.2 come early or late by up to a fifth, at any spacing"* ]]
+  for wet in "0.3 false" "0.2 true"; do
+    run sphsolve explain "$TANK" --set "regions=($(soil $wet))"
+    [ "$status" -eq 0 ]
+    [[ "$output" != *warning* ]]
+  done
+}
+
 @test "saturated = false holds where soil would start full by itself; a spacing of nothing is refused" {
   run sphsolve explain "$ROOT/data-samples/scenes/seepage-column.cfg" --set 'regions.[0].saturated=false'
   [ "$status" -eq 3 ]
