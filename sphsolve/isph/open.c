@@ -392,7 +392,7 @@ enum status isph_open_move(struct isph *s, double dt) {
      * of the water as into the columns. A column that went on by itself stood beside water that was
      * still there, and held it back: heads fell up to 9 % late through soil of porosity .3. */
     if (*front > 1.1 * column->pitch)
-      *front = s->on.soil ? 1.1 * column->pitch : *front - column->pitch;
+      *front = s->sides[column->side].porosity < 1 ? 1.1 * column->pitch : *front - column->pitch;
     if (*front <= 0) {
       enum status status = admit(s, c);
       if (status != STATUS_OK) return status;

@@ -21,7 +21,7 @@
 static void follow(struct isph *s, int k, const double x[3], double volume, double dt) {
   const struct isph_open_side *side = &s->sides[k];
   const size_t end = side->first + (size_t)(side->cells[0] * side->cells[1] * side->cells[2]);
-  const double reach = s->on.soil ? 1 : 0.5;
+  const double reach = side->porosity < 1 ? 1 : 0.5;
   double nearest = INFINITY;
   size_t found = end;
   for (size_t c = side->first; c < end; c++) {
