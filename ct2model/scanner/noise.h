@@ -1,4 +1,4 @@
-/* Noise inside the pores of a window of the scan, where no grain is near. */
+/* Noise inside the pores or the grains of a window of the scan, where no surface is near. */
 #ifndef TOSUI_CT2MODEL_SCANNER_NOISE_H
 #define TOSUI_CT2MODEL_SCANNER_NOISE_H
 

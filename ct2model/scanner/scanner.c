@@ -21,7 +21,9 @@ static const double ENOUGH = 500.0; /* voxels, for a mean grey */
 /* Neighbours that are near look like a fringe up to so much, before it is corrected. */
 static const double CLEAR = 0.3;
 /* For the noise, of which some tens of voxels are alike where it is correlated over one. */
-static const double PAIRS = 5000.0;
+static const double PAIRS = 5000.0, FEW = 2000.0;
+/* Noise of grains over that of pores from which on more than chance sets them apart. */
+static const double LESS = 0.97;
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
  * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
 static const double SOFT = 0.1;
@@ -60,34 +62,52 @@ static double farthest(double noise_ratio) {
   return fmax(0.5, 4.5 / noise_ratio);
 }
 
+/* Of voxels deep in one phase, as deep as leaves enough of them. */
+static struct noise_sums sum_noise(const struct windows *all, double noise_ratio,
+                                   const struct edge_fit *fit, bool grain, double end) {
+  struct noise_sums sums = {0};
+  for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < PAIRS; depth -= 0.5) {
+    sums = (struct noise_sums){.end = end};
+    for (size_t i = 0; i < all->count; i++)
+      noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
+                fmax(depth * fit->deviation, 1.5), grain ? -1.0 : 1.0,
+                grain ? fit->grain : fit->pore, farthest(noise_ratio), &sums);
+  }
+  return sums;
+}
+
+/* Of the axes, m; NAN where there are no pairs. */
+static double mean_length(const struct noise_sums *sums, const double voxel[3]) {
+  double length = 0.0, axes = 0.0;
+  for (int a = 0; a < 3; a++) {
+    if (sums->pairs[a] < 30.0) continue;
+    length += noise_length(sums, a) * voxel[a];
+    axes += 1.0;
+  }
+  return axes > 0.0 ? length / axes : NAN;
+}
+
 /* As it is seen in `scanner`, for scans made up that are to look alike; over what it was before the
- * scan was cut off is returned. */
+ * scan was cut off is returned. Seen in pores; but fines that the blur hides there look like noise,
+ * so that grains may have clearly less of it, texture and all. */
 static double measure_noise(struct windows *all, double noise_ratio, const struct edge_fit *fit,
                             struct scanner *scanner) {
-  struct noise_sums sums = {0};
-  const double levels[2] = {fit->pore, fit->grain}, most = farthest(noise_ratio);
+  const double contrast = all->grain - all->pore, *voxel = all->region->voxel;
   double ends[2];
   windows_find_ends(all, ends);
   windows_bound_depth(all);
-  for (int phase = 0; phase < 2 && sums.count < 2000.0; phase++)
-    for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < PAIRS; depth -= 0.5) {
-      sums = (struct noise_sums){.end = ends[phase]};
-      for (size_t i = 0; i < all->count; i++)
-        noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
-                  fmax(depth * fit->deviation, 1.5), phase ? -1.0 : 1.0, levels[phase], most,
-                  &sums);
-    }
-  const double contrast = all->grain - all->pore;
-  double length = 0.0, axes = 0.0;
-  for (int a = 0; a < 3; a++) {
-    if (sums.pairs[a] < 30.0) continue;
-    length += noise_length(&sums, a) * all->region->voxel[a];
-    axes += 1.0;
-  }
-  scanner->noise = noise_deviation(&sums) * contrast;
-  scanner->noise_correlation = axes > 0.0 ? length / axes : NAN;
+  struct noise_sums sums = sum_noise(all, noise_ratio, fit, false, ends[0]);
+  const struct noise_sums grain = sum_noise(all, noise_ratio, fit, true, ends[1]);
+  if (sums.count < FEW) sums = grain;
+  const double left = noise_left(&sums);
+  const double seen = noise_deviation(&sums), other = noise_deviation(&grain);
+  const bool less = grain.apart_pairs >= PAIRS && other / noise_left(&grain) * left < LESS * seen;
+  scanner->noise = contrast * (less ? other / noise_left(&grain) * left : seen);
+  scanner->noise_correlation = mean_length(&sums, voxel);
+  if (less)
+    scanner->noise_correlation = fmin(scanner->noise_correlation, mean_length(&grain, voxel));
   scanner->contrast_to_noise = (fit->grain - fit->pore) * contrast / scanner->noise;
-  return noise_left(&sums);
+  return left;
 }
 
 /* Neighbours, curvature and surfaces that noise has moved bend the response. How much is seen on a
