@@ -26,14 +26,19 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
 /* The error of the flux goes with the square of the residual (with the residual itself where walls
  * move, as there is no adjoint correction then). Let a round leave the fraction q of that: the flux
  * has changed by (1 - q) of its error before the round, and the change still to come is
- *   q / (1 - q) times that of the round. */
+ *   q / (1 - q) times that of the round. A round may by chance leave the flux where it was, though:
+ * the first one from another lattice's solution does so with a flux twice the true one. Of a
+ * residual spread over the pores like the force the square is the flux's own share, of what is left
+ * in rocks 5 to 100 times it (docs/notes/2026-11-26-twenty-first-hour.md): the error is no less. */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
   const double left = s->residual_now / s->residual_before;
   const double q = s->walls_move ? left : left * left;
   /* Where all of the flux is in soil, its part of the first residual may be small. */
   const double exact = s->operator.soil ? RESIDUAL_ROUNDING : RESIDUAL_EXACT;
   if (s->residual_now <= exact) return fmin(s->change, RESIDUAL_EXACT);
-  return s->change < 1.0 && q < 1.0 ? MEAN_SAFETY * s->change * q / (1.0 - q) : INFINITY;
+  const double least = s->walls_move ? s->residual_now : s->residual_now * s->residual_now;
+  return s->change < 1.0 && q < 1.0 ? fmax(least, MEAN_SAFETY * s->change * q / (1.0 - q))
+                                    : INFINITY;
 }
 
 /* Below this fraction of the first residual the single precision of the Krylov vectors is felt: the
