@@ -26,28 +26,32 @@ static size_t list_values(const struct uncertainty *u, double *h, double *k) {
   return (size_t)n;
 }
 
-/* Whether k [n], the finest first, does not yet come nearer to a limit: from lattice to lattice it
- * goes up and down, or no less than before, by more than the error asked for. Then the coarsest
- * miss throats that the finer ones have, and four say nothing of how k goes on. */
-static bool wanders(const struct cascade *c, const double *k, size_t n) {
+/* Whether k [n] at h [n], the finest first, does not yet come nearer to a limit: from lattice to
+ * lattice it goes up and down, or in steps that shrink by less than the first order makes them, and
+ * at that order more than the error asked for is left. Then the coarsest miss throats that the
+ * finer ones have, and four say nothing of how k goes on: in sandstones the limit from them is up
+ * to twice its error off (docs/notes/2026-11-26-twenty-first-hour.md). */
+static bool wanders(const struct cascade *c, const double *h, const double *k, size_t n) {
   for (size_t i = 0; i + 2 < n; i++) {
     const double now = log(k[i] / k[i + 1]), before = log(k[i + 1] / k[i + 2]);
-    if (fmax(fabs(now), fabs(before)) > c->wanted && !(now / before > 0.0 && now / before < 1.0))
+    const double shrinks = h[i + 1] / h[i];
+    if (fmax(fabs(now), fabs(before)) > c->wanted * (shrinks - 1.0) &&
+        !(now / before > 0.0 && now / before < 1.0 / shrinks))
       return true;
   }
   return false;
 }
 
-/* Lattices that an estimate needs which has k [n], the finest first. */
-static size_t lattices_wanted(const struct cascade *c, const double *k, size_t n) {
+/* Lattices that an estimate needs which has k [n] at h [n], the finest first. */
+static size_t lattices_wanted(const struct cascade *c, const double *h, const double *k, size_t n) {
   const size_t enough = (size_t)cascade_enough(c->pores_across);
-  return n == CASCADE_ENOUGH && c->fixed == 0 && wanders(c, k, n) ? CASCADE_ENOUGH_MOST : enough;
+  return n == CASCADE_ENOUGH && c->fixed == 0 && wanders(c, h, k, n) ? CASCADE_ENOUGH_MOST : enough;
 }
 
 static bool is_enough(const struct cascade *c) {
   double h[ERROR_LEVELS_MAX], k[ERROR_LEVELS_MAX];
   const size_t n = list_values(&c->uncertainty, h, k);
-  return n >= lattices_wanted(c, k, n);
+  return n >= lattices_wanted(c, h, k, n);
 }
 
 /* The limit of k [n] at h [n], the finest first. */
@@ -59,7 +63,7 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
   const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
-  if (few && n < lattices_wanted(c, k, n) && !c->plan->shape.flat) {
+  if (few && n < lattices_wanted(c, h, k, n) && !c->plan->shape.flat) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
   }
