@@ -469,6 +469,27 @@ END
   [[ "$stderr" == *"lies near a peak"* ]]
 }
 
+@test "a threshold within the greys of one phase is told of" {
+  cd "$WORK"
+  # Greys cut off at 0, pores of a wide spread about 57, grains at 182: as of a felt, e about 6.
+  /usr/bin/python3 - <<'P'
+import random
+r = random.Random(5)
+blocks = {(x, y, z): r.random() < 0.15 for z in range(6) for y in range(12) for x in range(12)}
+open("felt.raw", "wb").write(bytes(min(max(round(r.gauss(182, 20) if blocks[x // 4, y // 4, z // 4] else r.gauss(57, 33)), 0), 255)
+                                   for z in range(24) for y in range(48) for x in range(48)))
+P
+  for e in 0.4 0.5; do
+    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e -o felt.hdf
+    [ "$status" -eq 0 ]
+    [[ "$stderr" == *"lies beyond the histogram's two peaks"*"the void ratio or the region"* ]] || { echo "$e: $stderr"; false; }
+  done
+  for e in 5 6 8; do
+    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e -o felt.hdf
+    [[ "$stderr" != *"lies beyond"* ]] || { echo "$e: $stderr"; false; }
+  done
+}
+
 @test "sweep writes a table that rises and holds the match" {
   cd "$WORK"
   run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o sweep.csv --json

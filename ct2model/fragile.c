@@ -1,0 +1,108 @@
+#include "ct2model/fragile.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "common/log.h"
+#include "ct2model/scan/denoising.h"
+
+/* What denoising would do, measured on a part of one slice; "" where it would do nothing. */
+static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
+  struct denoise_effect effect;
+  double e = pipeline->void_ratio_original;
+  text[0] = '\0';
+  if (pipeline->region.denoise != DENOISE_NONE) return;
+  if (!(pipeline->survey.phases.contrast_to_noise > 0.0)) return;
+  if (denoise_effect_measure(&pipeline->survey, pipeline->survey_size, DENOISE_NLM, e / (1.0 + e),
+                             1, 512, &effect) != STATUS_OK)
+    error_clear();
+  else if (effect.surface < 0.95)
+    snprintf(text, size, "; --denoise nlm would take %.0f %% of the surface away as noise",
+             100.0 * (1.0 - effect.surface));
+}
+
+static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
+  const struct grey_phases *phases = &pipeline->phases;
+  char advice[100];
+  bool unimodal = phases->valley_depth > 0.9;
+  /* A peak at the threshold is of edges: a contrast from there to the next says nothing. */
+  const bool low = phases->contrast_to_noise < 5.0 && !near_peak;
+  if (!unimodal && (!low || pipeline->restoring)) return;
+  advise_denoising(pipeline, advice, sizeof advice);
+  if (unimodal)
+    log_warning("the histogram shows no valley between pore and grain: the void ratio fixes how "
+                "much is grain, but not where; compare the model with the slices%s",
+                advice);
+  else
+    log_warning("contrast is only %.1f times the noise: at full resolution the grain surface is "
+                "rough, so specific surface and wall distances are unsure%s%s",
+                phases->contrast_to_noise,
+                phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "",
+                advice);
+}
+
+/* A voxel's average over itself alone is a blur of 1 / sqrt(12) = .29 voxels. */
+#define BLUR_LEAST 0.2
+
+static void warn_of_sharpness(const struct scanner *scanner) {
+  const double blur = scanner->blur / scanner->unit, error = scanner->blur_error / scanner->unit;
+  if (scanner->known && blur + 2.0 * error < BLUR_LEAST) /* 95 % sure */
+    log_warning("the edges are sharper (%.2g voxels) than a voxel's average: the image was "
+                "sharpened, or made of labels; where its surface lies between voxels is lost, and "
+                "no part of k's error holds that: give the scan as it was, or the labels",
+                blur);
+}
+
+/* Peaks that stand apart by less than this, in deviations of the lower one, are of one phase. */
+#define APART_LEAST 1.5
+/* Whether a threshold lies among the greys of one phase: it has a peak on either side, as any grey
+ * has, but no valley to speak of, where the histogram parts pore and grain elsewhere (`own`). */
+static bool is_within_phase(const struct grey_phases *phases, const struct grey_phases *own,
+                            double threshold) {
+  return own->valley_depth < VALLEY_SURE &&
+         (threshold < own->pore_peak || threshold > own->grain_peak) &&
+         (phases->valley_depth > VALLEY_SURE || phases->contrast_to_noise < APART_LEAST);
+}
+
+void fragile_warn(struct pipeline *pipeline) {
+  const struct grey_phases *phases = &pipeline->phases;
+  const struct request *request = pipeline->request;
+  if (phases->levels <= 2) return;
+  double threshold = pipeline->threshold_original, e = pipeline->void_ratio_original;
+  double contrast = phases->grain_peak - phases->pore_peak;
+  warn_of_sharpness(&pipeline->scanner);
+  const double position = (threshold - phases->pore_peak) / contrast;
+  const bool near_peak = position < 0.15 || position > 0.85;
+  struct grey_phases own;
+  warn_of_contrast(pipeline, near_peak);
+  grey_histogram_phases(&pipeline->calibration, pipeline->otsu, &own);
+  if (is_within_phase(phases, &own, threshold))
+    log_warning("the threshold %.4g lies beyond the histogram's two peaks (pore %.4g, grain %.4g), "
+                "within one of them: the void ratio or the region is not the specimen's (--crop "
+                "auto leaves a container out)",
+                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, own.pore_peak),
+                pipeline_grey(pipeline, own.grain_peak));
+  else if (near_peak)
+    log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
+                "pores or grains are so narrow that blur leaves them no grey of their own, or the "
+                "void ratio or the region is not the specimen's (--crop auto leaves a container "
+                "out)",
+                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
+                pipeline_grey(pipeline, phases->grain_peak));
+  /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */
+  double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
+  double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
+  if (request->rule == THRESHOLD_AUTO && shift > 0.1)
+    log_warning("the match is steep: %.2g in the void ratio moves the threshold by %.0f %% of the "
+                "contrast",
+                error, 100.0 * shift);
+  bool sure = pipeline->survey.beam_error < 0.5 * fabs(pipeline->survey.beam);
+  if (fabs(pipeline->survey.beam) > 0.1 && sure && !pipeline->correction.beam)
+    log_warning("the grain is %.0f %% of the contrast %s at the rim than in the middle (beam "
+                "hardening?): one threshold does not fit both; --correct beam levels it",
+                100.0 * fabs(pipeline->survey.beam),
+                pipeline->survey.beam > 0.0 ? "brighter" : "darker");
+  if (pipeline->survey.rings > 0.05 && !pipeline->correction.rings)
+    log_warning("rings of %.0f %% of the contrast; --correct rings takes them out",
+                100.0 * pipeline->survey.rings);
+}
