@@ -73,6 +73,7 @@ cleanup:
  * Mech. 222, 647), and Forchheimer's line fits badly: the line's k is then that of no gradient. */
 static void warn_of_inertia(const double *gradient, const double *velocity, const double *error,
                             size_t n, const struct darcy_fit *fit, const char *run) {
+  char text[32];
   size_t low = 0, high = 0;
   for (size_t i = 1; i < n; i++) {
     if (gradient[i] < gradient[low]) low = i;
@@ -82,10 +83,9 @@ static void warn_of_inertia(const double *gradient, const double *velocity, cons
   const double fall = 1.0 - velocity[high] / gradient[high] / (velocity[low] / gradient[low]);
   const double both = hypot(error[low] / velocity[low], error[high] / velocity[high]);
   if (fall > 0.01 && fall > both)
-    log_warning(
-        "%s: k falls by %.2g %% from a gradient of %.4g to %.4g, more than the runs' errors: "
-        "inertia is felt there; Darcy's k is that of the lower gradients alone",
-        run, 100.0 * fall, gradient[low], gradient[high]);
+    log_warning("%s: k falls by %s %% from a gradient of %.4g to %.4g, more than the runs' errors: "
+                "inertia is felt there; Darcy's k is that of the lower gradients alone",
+                run, percent_format(fall, text), gradient[low], gradient[high]);
 }
 
 static enum status fit_group(struct darcy_table *table, size_t g) {

@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/statistics.h"
+#include "common/units.h"
 
 /* Columns every run has; all others were added by the scene (gauges, planes, volumes). */
 bool history_is_standard(const char *column) {
@@ -155,8 +156,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
           "+- 95 %", "max density", "status");
   for (size_t i = 0; i < n; i++) {
     const struct run_history *h = &table[i];
-    char end[32], from[32] = "drifts", density[32] = "-", error[32] = "unknown";
-    const double percent = 100.0 * h->average.error95 / fabs(h->average.mean);
+    char end[32], from[32] = "drifts", density[32] = "-", error[40] = "unknown", text[32];
     snprintf(end, sizeof end, h->stationary ? "%.4g iterations" : "%.4g s", h->times[h->rows - 1]);
     if (h->stationary)
       snprintf(from, sizeof from, "stationary");
@@ -166,8 +166,11 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
     if (h->average.mean == 0)
       snprintf(error, sizeof error, "-");
+    else if (h->average.error95 > fabs(h->average.mean)) /* it sloshes about nothing */
+      snprintf(error, sizeof error, "over 100 %%");
     else if (isfinite(h->average.error95))
-      snprintf(error, sizeof error, percent < 100.0 ? "%.2g %%" : "%.0f %%", percent);
+      snprintf(error, sizeof error, "%s %%",
+               percent_format(h->average.error95 / fabs(h->average.mean), text));
     fprintf(stream, "  %-26.60s %14s %14s %14.6g %9s %12s %11s\n", h->run->name, end, from,
             h->average.mean, error, density, h->run->status);
   }

@@ -295,7 +295,7 @@ const struct analysis slice_analysis = {
                  "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"}},
     .heading = "Slice",
     .contents = "Slice",
-    .caption = "Velocity in the plane over the grains (grey), half-way through the body.",
+    .caption = "Velocity in the plane, half-way through the body; grains and walls are grey.",
     .applies = applies,
     .analyze = analyze,
     .showing = showing};

@@ -118,15 +118,31 @@ cleanup:
   return status;
 }
 
+/* What a name may have been meant for: its file with the ending that the programs give it. */
+#define HINT (OUTPUT_NAME_MAX + 20)
+static const char *hint_at(const char *path, char text[HINT]) {
+  size_t length = strlen(path);
+  while (length > 1 && path[length - 1] == '/') length--;
+  if (length + 5 > OUTPUT_NAME_MAX) return "";
+  const int start = snprintf(text, HINT, "; ");
+  snprintf(text + start, HINT - (size_t)start, "%.*s.hdf", (int)length, path);
+  if (access(text + start, R_OK) != 0) return "";
+  strcat(text, " is there");
+  return text;
+}
+
 static enum status open_file(const char *path, bool try_first, struct h5_file **result) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   struct stat info;
+  char hint[HINT];
   TRY(new_file(path, false, &file));
   if (*path == '\0') TRY_FAIL(STATUS_INPUT, "'': the name of a file is wanted");
-  if (access(path, R_OK) != 0 || stat(path, &info) != 0)
-    TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  if (!S_ISREG(info.st_mode)) TRY_FAIL(STATUS_INPUT, "%s: is no file", path);
+  if (access(path, R_OK) != 0 || stat(path, &info) != 0) {
+    const char *why = strerror(errno);
+    TRY_FAIL(STATUS_INPUT, "%s: %s%s", path, why, hint_at(path, hint));
+  }
+  if (!S_ISREG(info.st_mode)) TRY_FAIL(STATUS_INPUT, "%s: is no file%s", path, hint_at(path, hint));
   if (try_first && !idle()) TRY(h5_try(path));
   file->id = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file->id < 0)

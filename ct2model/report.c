@@ -312,7 +312,7 @@ static void print_pores(const struct pipeline *pipeline) {
 static void print_morphology(const struct pipeline *pipeline) {
   const struct morphology *m = &pipeline->morphology;
   const double spacing = pipeline->model.spacing[0];
-  char length[40];
+  char length[40], text[32];
   print_pores(pipeline);
   if (isfinite(m->correlation_length)) {
     quantity_format(m->correlation_length, "m", length, sizeof length);
@@ -325,9 +325,9 @@ static void print_morphology(const struct pipeline *pipeline) {
   printf("representative    ");
   for (size_t i = 0; i < m->window_count; i++) {
     quantity_format((double)m->window[i] * spacing, "m", length, sizeof length);
-    const double percent = 100.0 * m->window_deviation[i] / m->window_mean[i];
     if (m->window_places[i] > 1)
-      printf(percent < 99.5 ? "%s +-%.2g %%, " : "%s +-%.0f %%, ", length, percent);
+      printf("%s +-%s %%, ", length,
+             percent_format(m->window_deviation[i] / m->window_mean[i], text));
   }
   printf("void ratio from one window of this size to the next\n");
 }
@@ -361,6 +361,7 @@ static void print_grey(const char *name, double grey, double error) {
 }
 
 static void print_micro(const struct grey_soil *greys) {
+  char text[32];
   print_grey("greys             soil from ", greys->low, greys->low_error);
   print_grey(" to ", greys->high, greys->high_error);
   printf(", pore and grain beyond");
@@ -372,9 +373,7 @@ static void print_micro(const struct grey_soil *greys) {
   if (!(greys->porosity_error > 0.0)) return;
   printf("greys unsure      leave porosity of soil +- %.2g", greys->porosity_error);
   if (greys->permeability_error > 0.0)
-    printf(greys->permeability_error < 0.1 ? ", its permeability +- %.2g %%"
-                                           : ", its permeability +- %.0f %%",
-           100.0 * greys->permeability_error);
+    printf(", its permeability +- %s %%", percent_format(greys->permeability_error, text));
   if (greys->void_ratio_error > 0.0)
     printf(", void ratio, by the bounds, +- %.2g", greys->void_ratio_error);
   printf(" (95 %%)\n");

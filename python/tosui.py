@@ -350,6 +350,8 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
     goal = []
     if error is not None:
         goal = ["--error", error if isinstance(error, str) else f"{100 * _number('error', error):g}%"]
+        if not isinstance(error, str) and float(error) > 1:
+            raise TosuiError(f"error {error!r}: a share of k is wanted; error={float(error) / 100:g} is {float(error):g} %")
     common = ["--threads", threads] if threads else []
     at = _path("folder", folder) if folder is not None else None
     with tempfile.TemporaryDirectory(prefix="tosui-") as own:

@@ -272,7 +272,7 @@ static void judge_advice(json_t *result, double scanned) {
   const bool model = strcmp(needs, "model") == 0, scan = strcmp(needs, "scan") == 0;
   double resolution = json_number_or_nan(parts, "resolution"), rest = 0.0, most = 0.0;
   size_t largest = 0;
-  char text[300] = "";
+  char text[300] = "", one[32], all[32];
   if (json_number_or_nan(result, "k_m_per_s") == 0) {
     json_object_set_new(result, "advice",
                         json_string("Resolve the throats with smaller voxels, or look at the "
@@ -294,16 +294,15 @@ static void judge_advice(json_t *result, double scanned) {
     text[0] = '\0';
   else if (rest >= LATTICE_MOST * wanted)
     snprintf(text, sizeof text,
-             most > 0.95 * rest
-                 ? "For 5 %%: %s%s%s (%.2g %% by the %s alone)."
-                 : "For 5 %%: %s%s%s (%.2g %% by the %s, %.2g %% by all that no finer "
-                   "lattice lessens).",
+             most > 0.95 * rest ? "For 5 %%: %s%s%s (%s %% by the %s alone)."
+                                : "For 5 %%: %s%s%s (%s %% by the %s, %s %% by all that no finer "
+                                  "lattice lessens).",
              resolution <= rest ? ""
              : model            ? "a model with smaller voxels, and "
              : scan             ? "a scan with smaller voxels, and "
                                 : "a finer lattice, and ",
-             remedies[largest].remedy, more ? " more precisely" : "", 100.0 * most,
-             largest == 3 ? "void ratio" : remedies[largest].part, 100.0 * rest);
+             remedies[largest].remedy, more ? " more precisely" : "", percent_format(most, one),
+             largest == 3 ? "void ratio" : remedies[largest].part, percent_format(rest, all));
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));

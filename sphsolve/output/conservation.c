@@ -8,6 +8,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/units.h"
 
 void conservation_integrate(struct conservation *conservation, size_t rows,
                             const struct conservation_row *row, const double acceleration[3]) {
@@ -240,14 +241,14 @@ __attribute__((format(printf, 2, 3))) static void print_piece(int *column, const
 }
 
 static void print_budget(const struct budget *budget) {
+  char text[32], energy[32];
   double open[3] = {0}, energy_open, largest = 0;
   double momentum_share = budget_momentum_open(budget, open);
   double energy_share = budget_energy_open(budget, &energy_open);
   if (log_level() < LOG_VERBOSE) {
-    printf(
-        "           momentum, energy: of the largest term %.2g %%, %.2g %% are not accounted for "
-        "(-v: all terms)\n",
-        100 * momentum_share, 100 * energy_share);
+    printf("           momentum, energy: of the largest term %s %%, %s %% are not accounted for "
+           "(-v: all terms)\n",
+           percent_format(momentum_share, text), percent_format(energy_share, energy));
     return;
   }
   const double(*p)[3] = budget->momentum;
@@ -262,8 +263,8 @@ static void print_budget(const struct budget *budget) {
       print_piece(&column, "%s (%.4g, %.4g, %.4g),", words_of(budget, t), given[0], given[1],
                   given[2]);
   }
-  print_piece(&column, "not accounted for %.2g %% of the largest%s", 100 * momentum_share,
-              budget->momentum_error > 0 ? "," : "");
+  print_piece(&column, "not accounted for %s %% of the largest%s",
+              percent_format(momentum_share, text), budget->momentum_error > 0 ? "," : "");
   if (budget->momentum_error > 0)
     print_piece(&column, "samples may miss %.2g", budget->momentum_error);
   putchar('\n');
@@ -274,18 +275,19 @@ static void print_budget(const struct budget *budget) {
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(budget, t) && fabs(budget->sums.work[t]) > PRINTED * largest)
       print_piece(&column, "%s %.4g,", words_of(budget, t), budget->sums.work[t]);
-  print_piece(&column, "not accounted for %.2g, %.2g %% of the largest%s", energy_open,
-              100 * energy_share, budget->energy_error > 0 ? "," : "");
+  print_piece(&column, "not accounted for %.2g, %s %% of the largest%s", energy_open,
+              percent_format(energy_share, text), budget->energy_error > 0 ? "," : "");
   if (budget->energy_error > 0) print_piece(&column, "samples may miss %.2g", budget->energy_error);
   putchar('\n');
 }
 
 void conservation_print(const struct conservation *c) {
+  char text[32];
   if (c->steady)
-    printf("budget     mass: the flux is the same through all planes across the flow to %.2g %%\n"
+    printf("budget     mass: the flux is the same through all planes across the flow to %s %%\n"
            "           momentum: walls and pressure balance what drives the flow to %.2g\n"
            "           energy: friction takes what drives the flow gives, to %.2g\n",
-           100 * c->flux_open, c->force_open, c->power_open);
+           percent_format(c->flux_open, text), c->force_open, c->power_open);
   if (!c->known) return;
   int64_t open = conservation_particles_open(c);
   double mass_open = conservation_mass_open(c);

@@ -109,6 +109,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   print_part(", threshold", u->threshold);
   print_part(", soil below the voxel", u->micro);
   putchar('\n');
+  char text[32];
   if (u->level_count > 1) {
     const struct error_level *finest = &u->levels[u->level_count - 1];
     printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M sites), which "
@@ -123,14 +124,15 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
            "assumed\n",
            1e6 * u->blur_assumed);
   if (isfinite(u->void_ratio) && isfinite(u->slope_void_ratio) && isnan(u->threshold))
-    printf("           the void ratio was given without its +-: each 0.01 is %.2g %% of k, not "
+    printf("           the void ratio was given without its +-: each 0.01 is %s %% of k, not "
            "counted\n",
-           fabs(u->slope_void_ratio));
+           percent_format(0.01 * fabs(u->slope_void_ratio), text));
   if (isfinite(u->sides_closed) && log_level() >= LOG_VERBOSE)
     printf("           in a tube with the sample's sides k changes by %+.2g %% (solved)\n",
            100.0 * expm1(u->sides_closed));
   if (isfinite(u->slope_void_ratio) && log_level() >= LOG_VERBOSE) {
-    printf("           0.01 of void ratio moves k by %.2g %% (solved)", u->slope_void_ratio);
+    printf("           0.01 of void ratio moves k by %s %% (solved)",
+           percent_format(0.01 * u->slope_void_ratio, text));
     print_part(", one grey level of the threshold by", u->slope_threshold);
     putchar('\n');
   }

@@ -208,7 +208,7 @@ static double in_unit(const struct tensor *t, size_t u, double k) {
 }
 
 static void print_symmetry(const struct tensor *t) {
-  char axes[16] = "";
+  char axes[16] = "", text[32];
   for (int a = 0; a < 3; a++)
     if (t->mirrored[a]) sprintf(axes + strlen(axes), "%s%c", *axes ? ", " : "", "xyz"[a]);
   if (*axes) {
@@ -217,10 +217,9 @@ static void print_symmetry(const struct tensor *t) {
            count > 1 ? "all terms off the diagonal" : "the terms off the diagonal with it");
   }
   if (isfinite(t->asymmetry))
-    printf(
-        "           k_ij and k_ji differ by %.2g %% of the mean at most (Onsager: not at all)%s\n",
-        100 * t->asymmetry,
-        t->asymmetry > 0.01 ? "; solve to a smaller scene.steady_tolerance" : "");
+    printf("           k_ij and k_ji differ by %s %% of the mean at most (Onsager: not at all)%s\n",
+           percent_format(t->asymmetry, text),
+           t->asymmetry > 0.01 ? "; solve to a smaller scene.steady_tolerance" : "");
 }
 
 void tensor_print(const struct tensor *t) {

@@ -149,8 +149,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   else
     printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
   if (isfinite(plan->expected_scan))
-    printf("           and about %.2g %% by the scan itself: its voxels, blur and noise\n",
-           100 * plan->expected_scan);
+    printf("           and about %s %% by the scan itself: its voxels, blur and noise\n",
+           percent_format(plan->expected_scan, text));
   print_levels(plan);
 }
 

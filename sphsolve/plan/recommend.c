@@ -121,14 +121,15 @@ cleanup:
 }
 
 static void print_candidate(const struct candidate *c) {
-  char spacing[40], support[40], time[40];
+  char spacing[40], support[40], time[40], error[32];
   quantity_format(c->spacing, "m", spacing, sizeof spacing);
   quantity_format(c->support, "m", support, sizeof support);
   duration_format(c->seconds, time, sizeof time);
   printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", c->method->name,
          wall_scheme_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
   if (c->sound_speed > 0) printf(", sound %.4g m/s", c->sound_speed);
-  printf(": error about %.2g %%, %s, %.0f MB\n", 100 * c->error, time, c->bytes / 1e6);
+  printf(": error about %s %%, %s, %.0f MB\n", percent_format(c->error, error), time,
+         c->bytes / 1e6);
 }
 
 void recommend_print(const struct plan *plan, const struct recommendation *recommended) {

@@ -5,6 +5,7 @@
 #include <stdio.h>
 
 #include "common/json_number.h"
+#include "common/units.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
@@ -102,6 +103,7 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
     json_decref(object);
     goto cleanup;
   }
+  char text[32], moving[32];
   printf("scene      %s (%s)\n", scene->name, scene->path);
   printf("method     solute: the scene names a flow that is solved already\n");
   printf("flow       %s: %d x %d x %d cells of %.4g m, porosity %.4f, U about %.2g m/s\n",
@@ -109,8 +111,8 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   printf("length     %.4g m%s, of Pe = U length / D\n", length,
          isnan(given) ? " (6 grain volume / grain surface)" : "");
   if (walks)
-    printf("walk       %zu walkers at each Peclet number, to %.2g %%, in about %.2g s\n", walkers,
-           100 * wanted, walking / threads);
+    printf("walk       %zu walkers at each Peclet number, to %s %%, in about %.2g s\n", walkers,
+           percent_format(wanted, text), walking / threads);
   if (closes)
     printf(
         "closure    on the flow's cells and on those twice as large, %d Peclet number%s and none\n",
@@ -118,10 +120,10 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   printf("memory     %.3g MB\n", 1e-6 * bytes);
   printf("time       about %.2g s on %d thread%s\n", seconds, threads, threads == 1 ? "" : "s");
   if (closes && isfinite(error))
-    printf(
-        "error      about %.2g %% of D* without flow, %.2g %% of D_L at Pe %.3g: %.3g cells across "
-        "a grain; the flow's own is not in it\n",
-        100 * still, 100 * error, largest, flow.grain_size / spacing);
+    printf("error      about %s %% of D* without flow, %s %% of D_L at Pe %.3g: %.3g cells across "
+           "a grain; the flow's own is not in it\n",
+           percent_format(still, text), percent_format(error, moving), largest,
+           flow.grain_size / spacing);
 cleanup:
   solute_flow_free(&flow);
   return status;

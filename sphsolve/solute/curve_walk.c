@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/log.h"
+#include "common/units.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 
@@ -33,7 +34,7 @@ static enum status walk_once(const struct walk_cells *cells, const struct walk_s
   static struct walk walk; /* as large as a small stack */
   struct walk_verdict verdict;
   uint64_t next = FIRST_LOOK;
-  char note[80];
+  char note[80], error[32];
   bool found;
   memset(&walk, 0, sizeof walk);
   snprintf(note, sizeof note, "Pe %.3g", peclet);
@@ -48,8 +49,8 @@ static enum status walk_once(const struct walk_cells *cells, const struct walk_s
     if (walk.moments.intervals < next) continue;
     if (walk_done(&walk, &verdict)) break;
     if (verdict.lag >= 0)
-      snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g +- %.2g %%", peclet, verdict.longitudinal,
-               100 * verdict.longitudinal_error);
+      snprintf(note, sizeof note, "Pe %.3g: D_L/D %.4g +- %s %%", peclet, verdict.longitudinal,
+               percent_format(verdict.longitudinal_error, error));
     next += next / 4;
   }
   TRY(walk_record(&walk, record));
@@ -109,6 +110,7 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
   TRY(walk_cells_make(flow, &cells));
   for (; *count < r->count; *done += weight) {
     const int i = *count;
+    char along[32], across[32];
     const double started = clock_processor_seconds();
     struct walk_settings settings = {.peclet = r->peclet[i] * flow->spacing[0] / r->length,
                                      .direction = {0, 0, 1},
@@ -127,11 +129,11 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
     take(record, w);
     ++*count;
     w->seconds = clock_processor_seconds() - started;
-    log_verbose("walk: cells of %.3g m, Pe %.3g: D_L/D %.4g +- %.2g %%, D_T/D %.4g +- %.2g %%; "
+    log_verbose("walk: cells of %.3g m, Pe %.3g: D_L/D %.4g +- %s %%, D_T/D %.4g +- %s %%; "
                 "%.0f walkers, %.0f steps, %.3g s, %.3g M steps a second",
                 flow->spacing[0], r->peclet[i], w->value.longitudinal,
-                100 * w->value.longitudinal_error, w->value.transverse,
-                100 * w->value.transverse_error, w->walkers, w->steps, w->seconds,
+                percent_format(w->value.longitudinal_error, along), w->value.transverse,
+                percent_format(w->value.transverse_error, across), w->walkers, w->steps, w->seconds,
                 1e-6 * w->walkers * w->steps / w->seconds);
   }
 cleanup:

@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
+#include "common/units.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/solute/closure.h"
@@ -55,6 +56,7 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
   const double wanted = scene->solute.error;
   int missed = 0, worst = 0;
   double most = 0;
+  char text[32];
   for (int i = 0; i < r->count; i++) {
     const double error = fmax(r->best[i].longitudinal_error,
                               walk_error_unit(r->best[i].transverse) > r->best[i].transverse
@@ -65,8 +67,8 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
   }
   if (missed > 0)
     log_warning("--error: %d of %d Peclet numbers are known less well than %.3g %%, Pe %.4g to "
-                "%.2g %%; a flow on a finer lattice, or solute.way = \"both\", brings it down",
-                missed, r->count, 100 * wanted, r->peclet[worst], 100 * most);
+                "%s %%; a flow on a finer lattice, or solute.way = \"both\", brings it down",
+                missed, r->count, 100 * wanted, r->peclet[worst], percent_format(most, text));
 }
 
 /* Where cells are too large for the closure problem. */

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "common/json_number.h"
+#include "common/units.h"
 #include "sphsolve/solute/result.h"
 
 /* D_L / U, m; NAN without flow. */
@@ -121,13 +122,14 @@ static double flow_length(const struct solute_flow *flow) {
 
 void solute_result_print(const struct scene *scene, const struct solute_flow *flow,
                          const struct solute_result *r, const char *prefix) {
+  char text[32];
   printf(
       "flow       %s: U = %.4g m/s in pores of porosity %.4f, of cells that neither gain nor lose "
       "water\n",
       scene->flow_path, flow->speed, flow->porosity);
   if (isfinite(r->formation))
-    printf("formation  F = %.4g +- %.2g %%: D*/D = %.4g without flow\n", r->formation,
-           100 * r->formation_error, 1 / r->tortuosity);
+    printf("formation  F = %.4g +- %s %%: D*/D = %.4g without flow\n", r->formation,
+           percent_format(r->formation_error, text), 1 / r->tortuosity);
   printf("length     %.4g m, of Pe = U length / D\n", r->length);
   if (isfinite(r->correlation[0]))
     printf("sample     %.3g mm along the flow; its velocity forgets itself in %.2g mm, across in "

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/kernel.h"
+#include "common/units.h"
 #include "sphsolve/wcsph/effects/advection.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/method.h"
@@ -84,7 +85,7 @@ enum status wcsph_scales(struct plan *plan) {
   /* A sound speed below this gains no time step: viscous diffusion then limits it. */
   double creep = 2 * context->kinematic_viscosity / context->smoothing_length;
   if (lattice->wall_count == 0) creep = 0;
-  char *why = context->sound_why;
+  char *why = context->sound_why, text[32];
   if (!isnan(scene->wcsph.sound_speed)) {
     context->sound_speed = scene->wcsph.sound_speed;
     /* One a little too small is the watchdog's to stop; one so small has a wrong unit. */
@@ -100,7 +101,8 @@ enum status wcsph_scales(struct plan *plan) {
     snprintf(why, EFFECT_WHY, "ten times the largest velocity expected, %.3g m/s", speed);
     if (context->inertia > 0.01 && lattice->wall_count > 0)
       snprintf(why + strlen(why), EFFECT_WHY - strlen(why),
-               " (Ergun: inertia takes %.2g %% of the force)", 100 * context->inertia);
+               " (Ergun: inertia takes %s %% of the force)",
+               percent_format(context->inertia, text));
   } else {
     context->sound_speed = fmax(head, creep);
     snprintf(why, EFFECT_WHY,

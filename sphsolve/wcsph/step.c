@@ -1,5 +1,6 @@
 /* One step of a run, and what falls due after it: the watch, a row of the history, a snapshot, a
  * sample of the Darcy velocity. The particles' own part is engine/engine_step.c. */
+#include "common/units.h"
 #include "sphsolve/wcsph/internal.h"
 
 #include <math.h>
@@ -25,11 +26,12 @@ static void sample_of(const struct wcsph_run *run, const struct wcsph_totals *to
 static void show_progress(const struct wcsph_run *run, double velocity,
                           const struct monitor_verdict *verdict,
                           const struct wcsph_totals *totals) {
-  char note[128], error[32] = "";
+  char note[128], error[40] = "", text[32];
   const double mean = verdict->mean[0], tolerance = run->scene->steady_tolerance;
   const double *s = run->state.engine.seconds;
   const double seconds = s[PHASE_DENSITY] + s[PHASE_WALL] + s[PHASE_FORCE] + s[PHASE_CONTINUITY];
-  if (isfinite(verdict->error)) snprintf(error, sizeof error, " +- %.2g %%", 100 * verdict->error);
+  if (isfinite(verdict->error))
+    snprintf(error, sizeof error, " +- %s %%", percent_format(verdict->error, text));
   const char *trend = !(fabs(velocity - mean) > verdict->error * fabs(mean)) ? ""
                       : velocity > mean                                      ? " rising"
                                                                              : " falling";

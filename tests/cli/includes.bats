@@ -32,6 +32,11 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
   [ -z "$failed" ]
 }
 
+@test "per cents are printed by one rule, which has no exponents" {
+  run grep -rnE '%\.[0-2]g %%' common ct2model sphsolve analyze --include='*.c'
+  [ "$status" -eq 1 ] || { echo "$output"; false; }
+}
+
 @test "no file of ours is over 500 lines" {
   run awk 'FNR == 501 { print FILENAME }' $(git ls-files '*.c' '*.h' '*.cc' 2>/dev/null || find common ct2model sphsolve analyze -name '*.[ch]')
   [ -z "$output" ] || { echo "$output"; false; }

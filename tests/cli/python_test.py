@@ -87,6 +87,8 @@ class Module(unittest.TestCase):
         with self.assertRaises(tosui.TosuiError) as caught:
             tosui.permeability(np.ones((4, 4, 4), int) * np.arange(4), 1e-6, void_ratio=-1)
         self.assertEqual(caught.exception.code, 2)
+        with self.assertRaisesRegex(tosui.TosuiError, r"error 15: .*error=0.15 is 15 %"):
+            tosui.permeability(self.grain, 1e-6, pore=False, error=15)
 
     def test_arrays_that_are_no_image(self):
         grain = self.grain.astype(np.uint8)
