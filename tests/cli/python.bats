@@ -21,7 +21,7 @@ setup() { /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3
   [ -s page.py ]
   PYTHONPATH="$ROOT/python" /usr/bin/python3 page.py > said
   grep -q "m^2" said
-  grep -q "^(24, 24, 24) 5.6 mm/s at most" said
+  grep -q "^(24, 24, 24) 5.5 mm/s at most" said
   ! command -v gnuplot || { [ -s surface/pictures/slice.png ] && [ -s surface/pictures/pdf.png ]; }
 }
 
