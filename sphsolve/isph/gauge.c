@@ -33,12 +33,32 @@ static bool solve_small(int n, double m[4][4], double b[4]) {
   return true;
 }
 
-/* Separation of x from the nearest image of particle i, in units of its support; r < 1 counts. */
-static double scaled_separation(const struct isph *s, size_t i, const double point[3],
-                                double r[3]) {
+/* The images, by their codes, that a gauge sees of a particle: the particle, and where a side that
+ * reflects is nearer than a support its reflections. With them the gradient across the side is
+ * that of water at rest, as it is along a wall (Dv/Dt = 0 across it); a fit to the water before it
+ * alone goes on beyond the last particles as they happen to stand. */
+static int images_at(const struct isph *s, const double point[3], size_t code[8]) {
+  static const size_t along[3] = {1, 3, 9};
+  int n = 1;
+  code[0] = IMAGE_NONE;
+  for (int a = 0; a < 3; a++) {
+    const double below = point[a] - s->low[a], above = s->high[a] - point[a];
+    const bool low = below < above;
+    if (!s->reflects[a] || !(fmin(below, above) < s->support_now)) continue;
+    for (int k = 0; k < n; k++) code[n + k] = low ? code[k] - along[a] : code[k] + along[a];
+    n *= 2;
+  }
+  return n;
+}
+
+/* Separation of x from an image of particle i, round a periodic axis the nearest, in units of its
+ * support; r < 1 counts. */
+static double scaled_separation(const struct isph *s, size_t i, const struct isph_image *image,
+                                const double point[3], double r[3]) {
   double square = 0;
   for (int a = 0; a < 3; a++) {
-    r[a] = s->position[i][a] - point[a];
+    const double x = s->position[i][a];
+    r[a] = (image->turn[a] < 0 ? image->shift[a] - x : x) - point[a];
     if (s->dimensions == 2 && a == 1) r[a] = 0;
     if (s->periodic[a]) {
       double length = s->high[a] - s->low[a];
@@ -55,18 +75,27 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   enum { VALUES = 4, RIGHT = 16, WEIGHT = RIGHT + 4 * VALUES, FILLED, COUNT };
   _Static_assert(COUNT <= SUMS, "a gauge's sums");
   double total[COUNT];
-  int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
+  const int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
+  size_t code[8];
+  const int images = images_at(s, point, code);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
-    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double r[3], w, slope, length = scaled_separation(s, i, point, r);
+    const size_t first = s->chunks[c].begin, whole = s->chunks[c].end - first;
+    for (size_t k = 0; k < whole * (size_t)images; k++) {
+      const size_t i = first + k / (size_t)images;
+      const struct isph_image *image = &s->image[code[k % (size_t)images]];
+      double r[3], w, slope, length = scaled_separation(s, i, image, point, r);
       if (length >= 1) continue;
       isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
-      const double *v = s->velocity[i];
-      double basis[4] = {1};
+      const double *v = s->velocity[i], *x = s->position[i];
+      double basis[4] = {1}, values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
       for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]];
-      const double values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
+      for (int a = 0; a < 3; a++) { /* of the reflection: isph/reflection.h */
+        if (!(image->turn[a] < 0)) continue;
+        values[0] += s->density * s->force[a] * (image->shift[a] - 2 * x[a]);
+        values[a + 1] = -v[a];
+      }
       for (int p = 0; p < n; p++) {
         for (int f = 0; f < VALUES; f++) sum[RIGHT + 4 * f + p] += w * basis[p] * values[f];
         for (int q = 0; q < n; q++) sum[4 * p + q] += w * basis[p] * basis[q];
@@ -124,7 +153,7 @@ static double level_at(const struct isph *s, const double point[3], const double
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double r[3], along = 0, square = 0, height = 0, size = pow(s->volume[i], 1.0 / s->dimensions);
-      scaled_separation(s, i, point, r);
+      scaled_separation(s, i, &s->image[IMAGE_NONE], point, r);
       for (int a = 0; a < 3; a++) {
         r[a] *= s->support[i];
         along += r[a] * up[a], square += r[a] * r[a], height += s->position[i][a] * up[a];

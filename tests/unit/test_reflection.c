@@ -82,6 +82,30 @@ static void a_side_carries_the_weight(void **state) {
   finish(&run);
 }
 
+/* A gauge on a side, and in a corner, sees the images too: no water flows through there, however
+ * the particles before it move, and hydrostatic pressure is exact. */
+static void a_gauge_on_a_side_sees_images(void **state) {
+  struct run run;
+  (void)state;
+  wave(&run, false);
+  struct isph *s = &run.s;
+  double number[GAUGE_NUMBERS];
+  for (size_t i = 0; i < s->count; i++) {
+    double *x = s->position[i];
+    x[0] += 1e-3 * sin(1e3 * (double)i), x[2] += 1e-3 * cos(7e2 * (double)i);
+    s->velocity[i][0] = sin(3e2 * (double)i), s->velocity[i][2] = 1;
+    s->pressure[i] = 9810 * (0.2 - x[2]);
+  }
+  assert_int_equal(isph_refresh(s), STATUS_OK);
+  isph_read_gauge(s, (double[3]){0, 0, 0.1}, number);
+  assert_true(fabs(number[0] / 981 - 1) < 1e-12);
+  assert_true(fabs(number[1]) < 1e-12 && fabs(number[3] - 1) < 1e-12);
+  isph_read_gauge(s, (double[3]){0.2, 0, 0}, number);
+  assert_true(fabs(number[0] / 1962 - 1) < 1e-12);
+  assert_true(fabs(number[1]) < 1e-12 && fabs(number[3]) < 1e-12);
+  finish(&run);
+}
+
 /* Sides too close for one image, and sides beside windows, have walls of particles. */
 static void narrow_domains_do_not_reflect(void **state) {
   struct run run;
@@ -99,6 +123,7 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(a_side_is_a_plane_of_symmetry),
       cmocka_unit_test(a_side_carries_the_weight),
+      cmocka_unit_test(a_gauge_on_a_side_sees_images),
       cmocka_unit_test(narrow_domains_do_not_reflect),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
