@@ -3,6 +3,7 @@
 #define TOSUI_SPHSOLVE_ISPH_SYMMETRIC_H
 
 #include <math.h>
+#include <stdbool.h>
 
 /* Where xx, yy and zz stand. */
 static const int symmetric_diagonal[3] = {0, 3, 5};
@@ -30,6 +31,23 @@ static inline void symmetric_inverse(const double t[6], double inverse[6]) {
                zz = t[0] * t[3] - t[1] * t[1];
   inverse[0] = xx * scale, inverse[1] = xy * scale, inverse[2] = xz * scale;
   inverse[3] = yy * scale, inverse[4] = yz * scale, inverse[5] = zz * scale;
+}
+
+/* The least eigenvalue of t, or one bound below it that is no less than `enough` (of Gershgorin's
+ * circles, which most neighbourhoods have far from 0). The roots of the cubic after Smith (1961,
+ * Commun. ACM 4). In 2-D the axis across the plane takes the mean of the two others. */
+static inline double symmetric_least(const double t[6], bool plane, double enough) {
+  const double xx = t[0], yy = plane ? 0.5 * (t[0] + t[5]) : t[3], zz = t[5];
+  const double xy = fabs(t[1]), xz = fabs(t[2]), yz = fabs(t[4]);
+  const double bound = fmin(fmin(xx - xy - xz, yy - xy - yz), zz - xz - yz);
+  if (bound >= enough) return bound;
+  const double mean = (xx + yy + zz) / 3, a = xx - mean, b = yy - mean, c = zz - mean;
+  const double size = sqrt((a * a + b * b + c * c + 2 * (xy * xy + xz * xz + yz * yz)) / 6);
+  if (!(size > 0)) return mean;
+  const double determinant =
+      a * b * c + 2 * t[1] * t[2] * t[4] - a * t[4] * t[4] - b * t[2] * t[2] - c * t[1] * t[1];
+  const double angle = acos(fmax(-1, fmin(1, 0.5 * determinant / (size * size * size)))) / 3;
+  return mean + 2 * size * cos(angle + 2 * M_PI / 3);
 }
 
 /* The root of a positive definite t: X <- (X + t X^-1)/2, which keeps X a function of t. */

@@ -12,7 +12,55 @@
 
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/permeameter.h"
+#include "sphsolve/isph/symmetric.h"
 #include "tests/unit/isph_scene.h"
+
+/* A sheet of one row that an impact has squeezed to two thirds of its length stays a surface, in
+ * 2-D and, a row across, in 3-D: neighbours above and below are missing, whatever the kernel sum.
+ */
+static void a_squeezed_sheet_is_a_surface(void **state) {
+  (void)state;
+  static const char *const texts[] = {
+      "domain = { size = [\"40 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, false]; "
+      "};\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"10 cm\", \"40 cm\", \"11 cm\"]; } );\n",
+      "domain = { size = [\"20 cm\", \"10 cm\", \"10 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+      "true, false]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"5 cm\", \"20 cm\", \"10 cm\", "
+      "\"6 cm\"]; } );\n"};
+  for (int k = 0; k < 2; k++) {
+    struct run run;
+    char text[1024];
+    double dense = 0;
+    snprintf(text, sizeof text,
+             "%sscene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+             "force = { gravity = [%s\"0\", \"-9.81 m/s^2\"]; };\n",
+             texts[k], k == 1 ? "\"0\", " : "");
+    start(&run, text);
+    for (size_t i = 0; i < run.s.count; i++) run.s.position[i][0] *= k == 0 ? .66 : .5;
+    assert_int_equal(isph_refresh(&run.s), STATUS_OK);
+    for (size_t i = 0; i < run.s.count; i++) {
+      dense = fmax(dense, run.s.kernel_sum[i]);
+      assert_true(run.s.surface[i] == 1);
+    }
+    assert_true(dense > .8); /* by which alone it would be inside */
+    finish(&run);
+  }
+}
+
+/* The least eigenvalue of Q diag(.3, .7, 1) Q, Q a reflection. */
+static void the_least_moment_is_found(void **state) {
+  (void)state;
+  const double n[3] = {2. / 7, 3. / 7, 6. / 7}, of[3] = {.3, .7, 1};
+  double t[6] = {0};
+  for (int e = 0; e < 3; e++)
+    for (int a = 0, k = 0; a < 3; a++)
+      for (int b = a; b < 3; b++, k++)
+        t[k] += of[e] * ((a == e) - 2 * n[a] * n[e]) * ((b == e) - 2 * n[b] * n[e]);
+  assert_true(fabs(symmetric_least(t, false, 2) - .3) < 1e-12);
+  assert_true(symmetric_least((double[6]){.9, .1, 0, .8, .1, 1}, false, .5) >= .5);
+  assert_true(fabs(symmetric_least((double[6]){.5, 0, .2, 0, 0, .8}, true, 2) - .4) < 1e-12);
+}
 
 /* Tanks side by side, one full to its lid: it has no surface, and its pressure begins at nothing
  * under the lid; and one that wants four particles to be full, which no surface particle that comes
@@ -347,6 +395,8 @@ int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(soils_that_differ_much_stay_still),
       cmocka_unit_test(a_pond_seeps_away_as_it_should),
+      cmocka_unit_test(a_squeezed_sheet_is_a_surface),
+      cmocka_unit_test(the_least_moment_is_found),
       cmocka_unit_test(full_water_is_still),
       cmocka_unit_test(pressure_does_not_alternate),
       cmocka_unit_test(windows_come_and_go_unnoticed),

@@ -33,6 +33,7 @@ static inline double surface_asymmetry(const struct isph *s, double support,
   return length * support / (trace * s->asymmetry_top);
 }
 
+#define SURFACE_MOMENT 0.4    /* one whose moment is less in some direction too: a sheet */
 #define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface */
 #define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
 
@@ -45,7 +46,13 @@ static inline double surface_asymmetry(const struct isph *s, double support,
  * Sheets one particle thick and drops, which are symmetric, are recognised by a kernel sum below .8
  * to .72 (the outermost layer of a level surface has .79). Walls above the water level make a
  * neighbourhood more symmetric: in a tank's corner the asymmetry is a quarter, and the kernel sum
- * .87, of which walls have .45 (`walls`); so .35 of the walls' part is not counted. */
+ * .87, of which walls have .45 (`walls`); so .35 of the walls' part is not counted.
+ *
+ * In free water a sheet or a jet is also told by the least eigenvalue of the moment sum V slope r
+ * r, 1 in the bulk: the weight is 1 below .2, 0 above .4. The outermost layer of a level surface
+ * has .5 (and its asymmetry), disorder no less; less means that neighbours are missing on both
+ * sides. An impact squeezes the sheet that runs up a wall to kernel sums above .8, and symmetric as
+ * it is it passed for inner water, with four times the pressure that stops it. */
 static inline double surface_weight(const struct isph *s, double support, double kernel_sum,
                                     double walls, const double gradient_sum[3],
                                     const double moment[6], const double wall_moment[6]) {
@@ -54,6 +61,12 @@ static inline double surface_weight(const struct isph *s, double support, double
   if (!(trace > 0)) return 1;
   double asymmetry = (surface_asymmetry(s, support, gradient_sum, trace) - SURFACE_FROM) / 0.3;
   double thin = (0.8 + 0.35 * walls - kernel_sum) / 0.08, w = asymmetry > thin ? asymmetry : thin;
+  if (!s->on.soil && w < 1) {
+    double whole[6];
+    for (int k = 0; k < 6; k++) whole[k] = moment[k] + wall_moment[k];
+    const double least = symmetric_least(whole, s->dimensions == 2, SURFACE_MOMENT);
+    w = fmax(w, (SURFACE_MOMENT - least) / (0.5 * SURFACE_MOMENT));
+  }
   return w < 0 ? 0 : w > 1 ? 1 : w;
 }
 
