@@ -26,6 +26,11 @@ struct window {
   size_t cells[2];
 };
 
+/* Of the axes over a metre: mm for grains, m for tanks and soil. */
+static double unit_of(const struct window *w) {
+  return fmax(w->high[0] - w->low[0], w->high[1] - w->low[1]) < 1.0 ? 1e3 : 1.0;
+}
+
 /* The run's extent: half a spacing beyond the outermost sites. */
 static double extent_low(const struct run *run, int d) {
   return run->origin[d] - 0.5 * run->spacing[d];
@@ -95,11 +100,12 @@ cleanup:
 }
 
 /* Share of grain in the slab's layers (at least the one nearest the plane) as (across, up, share)
- * for `with rgbimage`, in mm. */
+ * for `with rgbimage`. */
 static void write_grains(const struct run *run, const struct window *w, FILE *stream) {
   const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
   const double last = (double)run->size[w->axis] - 1.0, spacing = run->spacing[w->axis];
   double at = (w->middle - run->origin[w->axis]) / spacing, half = 0.5 * w->thickness / spacing;
+  const double unit = unit_of(w);
   size_t first = (size_t)fmin(fmax(ceil(at - half), 0.0), last);
   size_t end = (size_t)fmin(fmax(floor(at + half), 0.0), last);
   if (end < first) first = end = (size_t)fmin(fmax(round(at), 0.0), last);
@@ -110,8 +116,8 @@ static void write_grains(const struct run *run, const struct window *w, FILE *st
       for (size_t k = first; run->solid != NULL && k <= end; k++)
         solid += run->solid[site + k * stride[w->axis]] != 0;
       fprintf(stream, "%.7g %.7g %.3g\n",
-              1e3 * (run->origin[w->across] + (double)i * run->spacing[w->across]),
-              1e3 * (run->origin[w->up] + (double)j * run->spacing[w->up]),
+              unit * (run->origin[w->across] + (double)i * run->spacing[w->across]),
+              unit * (run->origin[w->up] + (double)j * run->spacing[w->up]),
               (double)solid / (double)(end - first + 1));
     }
   }
@@ -136,17 +142,18 @@ static void write_plot(const struct run *run, const struct window *w, const stru
     error_clear();
   memory_free(&speeds);
   double scale = fast > 0 ? 1.3 * w->cell / fast : 0.0;
+  const double unit = unit_of(w), pace = fast >= 1.0 ? 1.0 : 1e3; /* m or mm, m/s or mm/s */
 
   write_grains(run, w, stream);
-  fputs("$vectors << EOD\n", stream); /* x y dx dy (mm), speed (mm/s) */
+  fputs("$vectors << EOD\n", stream); /* x y dx dy, speed */
   for (size_t i = 0; i < n; i++) {
     const struct cell *c = &cells[i];
     if (c->count == 0) continue;
     double v[2] = {c->velocity[0] / c->count, c->velocity[1] / c->count};
     double speed = hypot(v[0], v[1]), longest = fmax(speed / fmax(fast, 1e-300), 1.0);
     double d[2] = {v[0] * scale / longest, v[1] * scale / longest};
-    fprintf(stream, "%.6g %.6g %.5g %.5g %.5g\n", 1e3 * (c->at[0] / c->count - 0.5 * d[0]),
-            1e3 * (c->at[1] / c->count - 0.5 * d[1]), 1e3 * d[0], 1e3 * d[1], 1e3 * speed);
+    fprintf(stream, "%.6g %.6g %.5g %.5g %.5g\n", unit * (c->at[0] / c->count - 0.5 * d[0]),
+            unit * (c->at[1] / c->count - 0.5 * d[1]), unit * d[0], unit * d[1], pace * speed);
   }
   fputs("EOD\n", stream);
   double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
@@ -158,26 +165,28 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   double x = 90.0 / product->width, y = 75.0 / product->height;
   double dx = across / product->width, dy = up / product->height;
   fprintf(stream,
-          "set xlabel '{/:Italic %c} (mm)'\nset ylabel '{/:Italic %c} (mm)'\n"
+          "set xlabel '{/:Italic %c} (%s)'\nset ylabel '{/:Italic %c} (%s)'\n"
           "set size ratio %.8g\nset xrange [%.8g:%.8g]\nset yrange [%.8g:%.8g]\n",
-          axes[w->across], axes[w->up], height / width, 1e3 * w->low[0], 1e3 * w->high[0],
-          1e3 * w->low[1], 1e3 * w->high[1]);
-  if (across < 300.0) fprintf(stream, "set xtics %.1g\n", 0.5e3 * width); /* few, not to overlap */
-  if (up < 200.0) fprintf(stream, "set ytics %.1g\n", 0.5e3 * height);
+          axes[w->across], unit < 2 ? "m" : "mm", axes[w->up], unit < 2 ? "m" : "mm",
+          height / width, unit * w->low[0], unit * w->high[0], unit * w->low[1], unit * w->high[1]);
+  if (across < 300.0)
+    fprintf(stream, "set xtics %.1g\n", 0.5 * unit * width); /* few, not to overlap */
+  if (up < 200.0) fprintf(stream, "set ytics %.1g\n", 0.5 * unit * height);
   fprintf(stream,
           "unset grid\nunset key\nset tics out nomirror\n"
           "set lmargin at screen %.4f\nset rmargin at screen %.4f\n"
           "set bmargin at screen %.4f\nset tmargin at screen %.4f\n"
           "set palette defined (0 '#fdb42f', 0.25 '#ed7953', 0.5 '#cc4778', 0.75 '#9c179e', "
           "1 '#0d0887')\n"
-          "set cblabel 'Speed in the plane (mm/s)' offset 1.6,0\nset cbrange [0:%.5g]\n"
+          "set cblabel 'Speed in the plane (%s)' offset 1.6,0\nset cbrange [0:%.5g]\n"
           "set colorbox user origin screen %.4f, screen %.4f size screen %.4f, screen %.4f\n"
           "grain(v) = int(255 - 60*v)*65536 + int(255 - 66*v)*256 + int(255 - 77*v)\n"
           "plot $grains using 1:2:(grain($3)) with rgbimage, \\\n"
           "  $vectors using 1:2:3:4:5 with vectors head noborder size screen %.4f,18 "
           "linewidth 1.2 linecolor palette\n",
-          x, x + dx, y, y + dy, fast > 0 ? 1e3 * fast : 1.0, x + dx + 20.0 / product->width, y,
-          20.0 / product->width, dy, 0.45 * w->cell * pixels / product->width);
+          x, x + dx, y, y + dy, pace < 2 ? "m/s" : "mm/s", fast > 0 ? pace * fast : 1.0,
+          x + dx + 20.0 / product->width, y, 20.0 / product->width, dy,
+          0.45 * w->cell * pixels / product->width);
 }
 
 static enum status parse_plane(const struct options *options, struct slice_request *request) {
