@@ -392,7 +392,7 @@ const struct analysis seepage_analysis = {
     .heading = "Seepage",
     .contents = "Seepage",
     .caption =
-        "Flow net: equipotentials and streamlines in the soil, the water&rsquo;s surface, and "
-        "what the water does to soil and walls.",
+        "Flow net: equipotentials in the soil, streamlines where no well or drain takes from it, "
+        "the water&rsquo;s surface, and what the water does to soil and walls.",
     .applies = applies,
     .analyze = analyze};
