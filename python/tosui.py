@@ -209,6 +209,9 @@ def _run(name, *words):
         raise TosuiError(f"{program} was ended by {signal.Signals(-done.returncode).name}{memory}", done.returncode)
     if done.returncode != 0:
         raise TosuiError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else name, done.returncode)
+    for line in done.stderr.splitlines():
+        if line.startswith(f"{name}: warning: "):
+            warnings.warn(line, stacklevel=3)
     try:
         return json.loads(done.stdout), done.stderr
     except ValueError:

@@ -130,8 +130,9 @@ static void write_orientation(const json_t *result, FILE *out) {
   for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
     const double value = json_number_or_nan(formulas, rows[i].key);
     if (!isfinite(value)) continue;
-    fprintf(out, "<tr><th>%s</th><td>%.2g cm/s (%.2g times this k)</td></tr>\n", rows[i].name,
-            100.0 * value, value / k);
+    fprintf(out, "<tr><th>%s</th><td>%.2g cm/s", rows[i].name, 100.0 * value);
+    if (k > 0.0) fprintf(out, " (%.2g times this k)", value / k);
+    fputs("</td></tr>\n", out);
   }
   fputs("</tbody></table>\n", out);
   if (formulas != NULL)
@@ -292,6 +293,8 @@ void verdict_write(const json_t *data, const struct tensor *tensor, bool driven,
   fputs("<p class=\"k\"><var>k</var> = ", out);
   interval(out, 100.0 * k, 100.0 * json_number_or_nan(result, "k_low_m_per_s"),
            100.0 * json_number_or_nan(result, "k_high_m_per_s"), "cm/s");
+  if (json_is_true(json_object_get(json_object_get(result, "error_budget"), "sides_unknown")))
+    fputs(" <span class=\"interval\">sides not counted</span>", out);
   fputs("</p>\n<p class=\"verdict\">", out);
   write_string(result, "good_for", out);
   fputs(". ", out);

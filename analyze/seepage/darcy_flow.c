@@ -380,7 +380,8 @@ struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double a
   if (!flow->known) return (struct darcy_value){NAN, NAN};
   const struct head_field *f = flow->field;
   const double x = at[0] / f->dx - 0.5, z = at[1] / f->dz - 0.5;
-  double sum[2] = {0}, weight = 0;
+  double sum[2] = {0}, weight = 0, least = INFINITY, most = -INFINITY;
+  bool border = false;
   if (!(x >= -0.5 && z >= -0.5)) return (struct darcy_value){NAN, NAN};
   const size_t home = (size_t)(z + 0.5) * f->nx + (size_t)(x + 0.5);
   if (x + 0.5 >= (double)f->nx || z + 0.5 >= (double)f->nz || isnan(flow->level[0].head[home]))
@@ -393,8 +394,11 @@ struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double a
     if (!(w > 0) || isnan(flow->level[0].head[c])) continue;
     for (int l = 0; l < 2; l++) sum[l] += w * flow->level[l].head[c];
     weight += w;
+    least = fmin(least, flow->level[1].head[c]), most = fmax(most, flow->level[1].head[c]);
+    border = border || f->soil[c] != f->soil[home];
   }
   struct darcy_value head = darcy_value_of(sum[0] / weight, sum[1] / weight);
   head.error += flow->surface > 0 ? 0.5 * f->dz : 0;
+  if (border) head.error += 0.5 * (most - least); /* the head has a kink between soils */
   return head;
 }

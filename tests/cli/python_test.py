@@ -45,6 +45,12 @@ class Module(unittest.TestCase):
         turned = tosui.permeability(~self.grain, "26.6666667 um", pore=True, mirror=False, error=None, axis="x")
         self.assertLess(abs(turned.K * turned.run["k_finest"] / turned.k / self.exact - 1), 0.03)
 
+    def test_warnings_of_programs_are_warnings(self):
+        image = np.full((16, 16, 16), 1, np.uint8)
+        image[4:12, 4:12, 2:8] = 0  # a void that no flow passes
+        with self.assertWarnsRegex(UserWarning, "^ct2model: warning: "):
+            tosui.permeability(image, "10 um", pore=0)
+
     def test_load(self):
         model = tosui.load(os.path.join(self.folder.name, "model.hdf"))
         self.assertEqual(model.solid.shape, (12, 12, 12))

@@ -558,6 +558,31 @@ assert "darcy" not in run["heads_m"]["heel"] and run["fluxes_m2_per_s"]["mid"]["
   grep -q 'are not resolved' even.html
 }
 
+@test "a gauge on the border of two soils, where the head has a kink" {
+  cat > up.cfg <<'END'
+scene = { name = "up"; method = "isph"; end_time = "8 s"; };
+domain = { size = ["0.9 m", "1.2 m"]; spacing = "2 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.4 m", "1.1 m"]; }, { type = "water"; box = ["0.4 m", "0", "0.9 m", "0.9 m"]; },
+  { type = "wall"; box = ["0.4 m", "0.2 m", "0.5 m", "1.2 m"]; },
+  { type = "porous"; box = ["0.5 m", "0.2 m", "0.9 m", "0.5 m"]; porosity = 0.4; permeability = "2 cm/s"; },
+  { type = "porous"; box = ["0.5 m", "0.5 m", "0.9 m", "0.7 m"]; porosity = 0.4; permeability = "0.5 cm/s"; },
+  { type = "inflow"; box = ["0", "0", "2 cm", "1.1 m"]; head = "1.1 m"; },
+  { type = "inflow"; box = ["0.88 m", "0.72 m", "0.9 m", "1.1 m"]; head = "0.9 m"; } );
+force = { gravity = ["0", "-9.80665 m/s^2"]; };
+gauges = ( { name = "border"; at = ["0.7 m", "0.5 m"]; }, { name = "below"; at = ["0.7 m", "0.4 m"]; } );
+output = { history_interval = "0.1 s"; interval = "2 s"; };
+END
+  sphsolve run up.cfg -o up --quiet
+  analyze seepage up.hdf --json > up.json
+  /usr/bin/python3 - <<'END'
+import json
+heads = json.load(open("up.json"))["heads_m"]
+for name, exact, most in (("border", 1.04545, 0.012), ("below", 1.06364, 0.003)):
+    assert abs(heads[name]["mean"] - exact) < heads[name]["error95"] < most, (name, heads[name])
+END
+}
+
 @test "the +- of what a drain takes holds its exact flow; soil between windows has it to a thousandth" {
   cat > strip.cfg <<'END'
 scene = { name = "strip"; method = "isph"; end_time = "12 s"; };
