@@ -38,7 +38,7 @@ double uncertainty_parts_total(const struct uncertainty_parts *parts, double res
 }
 
 double uncertainty_share_of_sides(const double *k, int count) {
-  if (!(k[0] > 0.0)) return NAN;
+  if (!(k[0] > 0.0) || isnan(k[count - 1])) return NAN;
   double steps = 0.0;
   for (int i = 1; i < count; i++)
     if (k[i - 1] > 0.0 && k[i] > 0.0) steps = hypot(steps, k[i] / k[i - 1] - 1.0);

@@ -44,7 +44,7 @@ double uncertainty_parts_total(const struct uncertainty_parts *parts, double res
 /* Share of the sides, from k of a sample as it is wrapped and with one axis more mirrored each time
  * (0: not found). Two axes may move k by as much and cancel in their sum, which no other sample's
  * would: so it is the larger of the whole change and of the root of the sum of squares of the
- * steps. NAN: not known, as the sample as it is wrapped lets nothing through. */
+ * steps; 1 where the mirrored sample is shut. NAN: not known, as the wrapped one is. */
 double uncertainty_share_of_sides(const double *k, int count);
 /* Attributes of `group`; what is not there is NAN. */
 enum status uncertainty_parts_read(struct h5_file *file, const char *group,

@@ -159,7 +159,8 @@ static void test_sides_do_not_cancel(void **state) {
               1e-15); /* both lower it */
   assert_true(fabs(uncertainty_share_of_sides((const double[]){2.0, 0.0, 1.6}, 3) - 0.2) < 1e-15);
   assert_true(isnan(uncertainty_share_of_sides((const double[]){0.0, 1.0, 1.0}, 3)));
-  assert_true(uncertainty_share_of_sides((const double[]){1.0, 0.9, 0.0}, 3) == 1.0); /* closed */
+  assert_true(uncertainty_share_of_sides((const double[]){1.0, 0.9, 0.0}, 3) == 1.0); /* shut */
+  assert_true(isnan(uncertainty_share_of_sides((const double[]){1.0, 0.9, NAN}, 3)));
 }
 
 int main(void) {

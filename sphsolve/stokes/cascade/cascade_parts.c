@@ -32,8 +32,9 @@ double cascade_permeability(const struct stokes_solver *s) {
 /* Whether every rank has the memory that its part of a solve will take: an even part, and as much
  * again as parts are uneven and have ghosts. */
 #define RANK_SPARE 1.3
-static bool have_room(const struct lattice *lattice) {
-  const double bytes = stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count,
+static bool have_room(const struct lattice *lattice, double sites) {
+  const double share = sites / (double)lattice->count;
+  const double bytes = stokes_solver_bytes(sites, share * (double)lattice->fluid_count,
                                            lattice->micro_porosity != NULL);
   return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
 }
@@ -44,7 +45,8 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   enum status status = STATUS_OK;
   struct stokes_solver s = {0};
   *k = NAN;
-  if (ranks_count() > 1 && lattice->fluid_count > 0 && !have_room(lattice)) {
+  if (ranks_count() > 1 && lattice->fluid_count > 0 &&
+      !have_room(lattice, (double)lattice->count)) {
     log_warning("a part of the error of k is not known: memory is short for a solve of its own");
     return STATUS_OK;
   }
@@ -127,9 +129,11 @@ enum status cascade_add_sides(struct cascade *c) {
   if (!(cascade_sides_copies(c->base) > 1.0)) return STATUS_OK;
   TRY(solve_sides(c, spacing, &wrapped, k, &count));
   c->sides = uncertainty_share_of_sides(k, count);
-  while (!sides_are_settled(before, c->sides) && spacing > 1.01 * finest) {
+  while (!isnan(k[0]) && !isnan(k[count - 1]) && !sides_are_settled(before, c->sides) &&
+         spacing > 1.01 * finest) {
     const double finer = fmax(spacing * M_SQRT1_2, finest);
-    if (volume / (finer * finer * finer) > SIDES_SITES) break;
+    const double sites = volume / (finer * finer * finer);
+    if (sites > SIDES_SITES || !have_room(c->base, sites)) break;
     before = k[count - 1] > 0.0 ? c->sides : NAN;
     spacing = finer;
     lattice_free(&wrapped);
