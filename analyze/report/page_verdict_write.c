@@ -225,13 +225,15 @@ static void write_seepage(const json_t *seepage, FILE *out) {
     fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
             uptake > 0 ? "fills with" : "drains of", fabs(uptake));
   if (drift > 0.1 * flow) fputs(". The velocities in it still go one way: run longer", out);
+  const double resolves =
+      json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
   if (isfinite(factor)) {
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g", factor);
     if (isfinite(least)) fprintf(out, ", %.3g at least", least);
-    fprintf(out, ": %s", seepage_judge(isfinite(least) ? least : factor));
+    /* One beside a foot that is not resolved has no error, and no judgement. */
+    if (isfinite(least) || isnan(resolves))
+      fprintf(out, ": %s", seepage_judge(isfinite(least) ? least : factor));
   }
-  const double resolves =
-      json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
   if (isfinite(resolves))
     fprintf(out,
             "; but gradients beside a wall as shallow as here are not resolved: take a spacing of "

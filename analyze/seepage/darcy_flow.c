@@ -94,7 +94,8 @@ static double held_by_side(const struct soil_cells *cells, size_t c, int axis, i
   return 1.5 * f->head[c] - 0.5 * f->head[inner];
 }
 
-/* A face between cell (i, k) of the grid and the next along an axis, or behind it (side -1). */
+/* A face between cell (i, k) of the grid and the next along an axis, or behind it (side -1).
+ * Between two soils their resistances add: the harmonic mean (Patankar 1980, 4.2-3). */
 struct face {
   double weight; /* conductance, m/s */
   double head;   /* m, that is held beyond it; NAN: the next cell is soil too */

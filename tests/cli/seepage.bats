@@ -555,7 +555,7 @@ import json, sys
 run = json.load(sys.stdin)
 assert "darcy" not in run["heads_m"]["heel"] and run["fluxes_m2_per_s"]["mid"]["error95"] < 0.02 * 4.1e-4, run'
   analyze report even.hdf -o even.html > /dev/null
-  grep -q 'are not resolved' even.html
+  grep -q 'has a factor of 1.6[0-9]*; but gradients beside a wall as shallow as here are not resolved' even.html
 }
 
 @test "a gauge on the border of two soils, where the head has a kink" {
