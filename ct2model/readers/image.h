@@ -32,6 +32,12 @@ struct image {
       *inflated; /* compressed contiguous pixels; data_offset then counts unpacked bytes */
   struct image_dataset *dataset; /* of an HDF5 file */
   bool swap;                     /* bytes of contiguous pixels */
+  enum {
+    WIDENED_NOT,
+    WIDENED_HALF,
+    WIDENED_I64,
+    WIDENED_U64
+  } widened;                     /* stored so, read as type */
   uint64_t *page_offsets;        /* of the directories of a multi-page TIFF */
   unsigned orientation;          /* of a TIFF: where its first row and column are */
   bool invert;                   /* white is zero */

@@ -1,6 +1,7 @@
 #include "ct2model/readers/image.h"
 
 #include <errno.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -27,6 +28,9 @@ static const char *value_of(const char *header, const char *key) {
   return at + strspn(at, " ");
 }
 
+/* What no pixel type holds is widened as it is read: floats of 16 bits to 32, integers of 64 bits
+ * to floats, exact up to 2^53. image->type is that of the file's bytes until its pixels are
+ * claimed. */
 static bool read_type(const char *value, struct image *image) {
   char order, format;
   int bytes;
@@ -34,6 +38,16 @@ static bool read_type(const char *value, struct image *image) {
   if (strchr("<>|=", order) == NULL || bytes < 1 || bytes > 8) return false;
   image->swap = order == '>';
   if (format == 'b' && bytes == 1) format = 'u'; /* truth values */
+  if (format == 'f' && bytes == 2) {
+    image->widened = WIDENED_HALF;
+    image->type = PIXEL_U16;
+    return true;
+  }
+  if ((format == 'i' || format == 'u') && bytes == 8) {
+    image->widened = format == 'i' ? WIDENED_I64 : WIDENED_U64;
+    image->type = PIXEL_F64;
+    return true;
+  }
   return pixel_type_of(8 * bytes, format, &image->type);
 }
 
@@ -77,11 +91,15 @@ static enum status npy_open(const char *path, struct image *image) {
   if (fread(header, 1, length, file) != length)
     TRY_FAIL(STATUS_INPUT, "%s: ends within its header" EXPORT_AGAIN, path);
   const char *order = value_of(header, "fortran_order");
-  if (!read_type(value_of(header, "descr"), image))
+  const char *type = value_of(header, "descr");
+  if (!read_type(type, image)) {
+    char name[40] = "unknown";
+    if (type != NULL) (void)sscanf(type, "%39[^,}]", name);
     TRY_FAIL(STATUS_INPUT,
-             "%s: an array of another type; save integers of 8 to 32 bits, truth values or floats, "
-             "e.g. image.astype('uint8')",
-             path);
+             "%s: an array of type %s, which is no grey; save integers, truth values or floats of "
+             "up to 64 bits, e.g. image.astype('float32')",
+             path, name);
+  }
   if (!read_shape(value_of(header, "shape"), image))
     TRY_FAIL(STATUS_INPUT, "%s: is empty, or no array of 2 or 3 axes; save one volume as [z][y][x]",
              path);
@@ -91,11 +109,46 @@ static enum status npy_open(const char *path, struct image *image) {
   image->data_offset = at + length;
   image->plain = true;
   TRY(image_claim_pixels(image, false));
+  if (image->widened == WIDENED_HALF) image->type = PIXEL_F32;
 cleanup:
   fclose(file);
   memory_free(&header);
   return status;
 }
 
-const struct image_reader image_npy_reader = {
-    "NumPy", {".npy"}, npy_claims, npy_open, image_read_contiguous};
+/* IEEE 754 (2008), binary16: a sign, 5 bits of exponent, 10 of the fraction. */
+static float half_value(uint16_t half) {
+  const int exponent = half >> 10 & 31, fraction = half & 1023;
+  const float size = exponent == 0    ? ldexpf((float)fraction, -24)
+                     : exponent == 31 ? (fraction ? NAN : INFINITY)
+                                      : ldexpf((float)(1024 + fraction), exponent - 25);
+  return half >> 15 ? -size : size;
+}
+
+static enum status npy_read(const struct image *image, size_t page, void *out) {
+  struct image stored = *image;
+  const size_t n = image->size[0] * image->size[1];
+  /* Narrower values come to lie at the end of `out`, and are overtaken by none that is written. */
+  char *from = out;
+  if (image->widened == WIDENED_HALF) {
+    stored.type = PIXEL_U16;
+    from += n * (sizeof(float) - sizeof(uint16_t));
+  }
+  const enum status status = image_read_contiguous(&stored, page, from);
+  for (size_t i = 0; i < n && image->widened != WIDENED_NOT && status == STATUS_OK; i++) {
+    if (image->widened == WIDENED_HALF) {
+      uint16_t half;
+      memcpy(&half, from + i * sizeof half, sizeof half);
+      const float value = half_value(half);
+      memcpy((char *)out + i * sizeof value, &value, sizeof value);
+      continue;
+    }
+    uint64_t bits;
+    memcpy(&bits, from + i * sizeof bits, sizeof bits);
+    const double value = image->widened == WIDENED_I64 ? (double)(int64_t)bits : (double)bits;
+    memcpy(from + i * sizeof value, &value, sizeof value);
+  }
+  return status;
+}
+
+const struct image_reader image_npy_reader = {"NumPy", {".npy"}, npy_claims, npy_open, npy_read};

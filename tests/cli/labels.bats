@@ -195,6 +195,9 @@ z, y, x = np.mgrid[:20, :24, :28]
 v = (20000 + 9000 * np.sin(x / 4) * np.sin(y / 3) * np.cos(z / 5) + 300 * np.sin(x * y * z)).astype("u2")
 v.tofile("v.raw")
 np.save("v.npy", v), np.save("big.npy", v.astype(">u2")), np.save("fortran.npy", np.asfortranarray(v))
+np.save("wide.npy", v.astype("i8")), np.save("wider.npy", v.astype(">u8")), np.save("complex.npy", v.astype("c8"))
+np.save("tens.npy", (v // 16).astype("f4")), np.save("half.npy", (v // 16).astype("f2")), np.save("half-big.npy", (v // 16).astype(">f2"))
+np.save("labels.npy", np.where(v > 20000, 1, 0))
 np.save("float.npy", v.astype("f4")), np.save("one.npy", v[0, 0]), np.save("truth.npy", v > 20000)
 with h5py.File("v.h5", "w") as file:
     file["group/v"] = v
@@ -211,12 +214,16 @@ END
   for image in v.npy big.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
     [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
   done
-  for image in float.npy v.h5:/double; do
+  for image in float.npy wide.npy wider.npy v.h5:/double; do
     awk -v a="${raw//[^0-9.]/}" -v b="$(threshold $image | tr -cd 0-9.)" 'BEGIN { exit !((a - b)^2 < 1) }'
   done
+  raw=$(threshold tens.npy)
+  for image in half.npy half-big.npy; do [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }; done
   ct2model build truth.npy --segmented 1 --voxel-size 5um -o truth.hdf --quiet
+  ct2model build labels.npy --segmented 1 --voxel-size 5um -o labels.hdf --quiet
+  /usr/bin/python3 -c 'import h5py; truth, labels = (h5py.File(f)["model/solid"][()] for f in ("truth.hdf", "labels.hdf")); assert (truth == labels).all()'
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+  for words in "fortran.npy Fortran" "one.npy axes" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
