@@ -13,6 +13,7 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
   enum status status = STATUS_OK;
   double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, gravity[3];
   char **types = NULL, **names = NULL;
+  uint64_t *numbers = NULL;
   size_t dims[2], n = 0, named = 0;
   if (!h5_exists(file, "/run/regions"))
     TRY_FAIL(STATUS_INPUT, "%s: the run keeps no regions (%s); run it again with this version",
@@ -27,6 +28,11 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
     if (named != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/name is damaged", run->path);
     for (size_t k = 0; k < n; k++) f->regions[k].name = names[k], names[k] = NULL;
   }
+  dims[0] = n;
+  if (h5_exists(file, "/run/regions/number"))
+    TRY(h5_read(file, "/run/regions/number", H5_U64, 1, dims, &numbers));
+  if (dims[0] != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/number is damaged", run->path);
+  for (size_t k = 0; k < n; k++) f->regions[k].number = numbers != NULL ? (size_t)numbers[k] : k;
   dims[0] = n, dims[1] = 6;
   TRY(h5_read(file, "/run/regions/box", H5_F64, 2, dims, &boxes));
   if (dims[0] != n || dims[1] != 6)
@@ -61,6 +67,7 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
 cleanup:
   h5_free_texts(n, &types);
   h5_free_texts(named, &names);
+  memory_free(&numbers);
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);

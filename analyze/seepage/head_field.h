@@ -14,6 +14,7 @@
 struct head_region {
   char *type;             /* "water", "porous", "wall", "inflow", "empty" */
   char *name;             /* of walls, wells and drains that have one; else "", or NULL: not kept */
+  size_t number;          /* in the scene; boxes that one of its shapes is cut into have the same */
   double low[2], high[2]; /* m: x, z */
   double porosity;        /* of soil, else NAN */
   double permeability;    /* of soil, m/s by linear drag, of beds the mean; else NAN */

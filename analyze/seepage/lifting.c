@@ -111,13 +111,14 @@ static bool find_prism(const struct head_field *f, double grain_density, size_t 
 }
 
 /* Pressure on each wet face between a wall's cell and one of water or soil; at the face, by the
- * head of the cell before it. */
+ * head of the cell before it. The boxes of one wall of the scene are one. */
 static void load_wall(const struct head_field *f, size_t i, size_t k, struct lifting *lifting) {
   static const int step[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   struct lifting_load *load = NULL;
   const size_t wall = f->wall[k * f->nx + i];
   for (size_t n = 0; n < lifting->load_count; n++)
-    if (lifting->loads[n].wall == wall) load = &lifting->loads[n];
+    if (f->regions[lifting->loads[n].wall].number == f->regions[wall].number)
+      load = &lifting->loads[n];
   for (int n = 0; n < 4; n++) {
     const size_t a = i + (size_t)step[n][0], b = k + (size_t)step[n][1]; /* wraps below 0 */
     if (a >= f->nx || b >= f->nz || isnan(f->head[b * f->nx + a])) continue;

@@ -248,23 +248,34 @@ static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
             resolves);
 }
 
+/* As the scene calls it, else as it counts it: into an entry and a text. */
+static void put_wall(const struct seepage *s, size_t wall, json_t *entry, char text[64]) {
+  const struct head_region *region = &s->field.regions[wall];
+  json_object_set_new(entry, "wall", json_integer((json_int_t)region->number));
+  if (region->name != NULL && *region->name) {
+    json_object_set_new(entry, "name", json_text(region->name));
+    snprintf(text, 64, "%s", region->name);
+  } else {
+    snprintf(text, 64, "regions[%zu]", region->number);
+  }
+}
+
 static void show_prisms(const struct seepage *s, json_t *json, FILE *summary) {
   json_t *list = json_array();
   for (size_t n = 0; n < s->lifting.prism_count; n++) {
     const struct lifting_prism *p = &s->lifting.prisms[n];
-    char text[128], factor[80];
+    char text[128], factor[80], wall[64];
     json_t *entry = json_object();
-    json_object_set_new(entry, "wall", json_integer((json_int_t)p->wall));
+    put_wall(s, p->wall, entry, wall);
     json_object_set_new(entry, "side", json_string(p->side < 0 ? "low x" : "high x"));
     json_put_number(entry, "depth_m", p->depth);
     json_put_number(entry, "width_m", p->width);
     show_gradient(p->gradient, p->error, p->critical, p->resolved, entry, text, factor);
     json_array_append_new(list, entry);
     fprintf(summary,
-            "heave      beside the wall regions[%zu], %s x: mean gradient %s in a prism %.3g m "
-            "deep, %.3g m wide; critical %.3g: %s\n",
-            p->wall, p->side < 0 ? "lower" : "higher", text, p->depth, p->width, p->critical,
-            factor);
+            "heave      beside the wall %s, %s x: mean gradient %s in a prism %.3g m deep, %.3g m "
+            "wide; critical %.3g: %s\n",
+            wall, p->side < 0 ? "lower" : "higher", text, p->depth, p->width, p->critical, factor);
   }
   json_object_set_new(json, "heave", list);
 }
@@ -281,13 +292,13 @@ static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
   for (size_t n = 0; n < s->lifting.load_count; n++) {
     const struct lifting_load *l = &s->lifting.loads[n];
     json_t *entry = json_object();
-    json_object_set_new(entry, "wall", json_integer((json_int_t)l->wall));
+    char text[3][128], wall[64];
+    put_wall(s, l->wall, entry, wall);
     json_put_number(entry, "force_x_N_per_m", l->force[0]);
     json_put_number(entry, "force_z_N_per_m", l->force[1]);
     json_put_number(entry, "uplift_N_per_m", l->uplift);
     json_put_number(entry, "uplift_pressure_Pa", l->pressure);
     json_array_append_new(list, entry);
-    char text[3][128];
     for (int c = 0; c < 2; c++) show_force(l->force[c], l->force_error[c], text[c]);
     show_force(l->uplift, l->uplift_error, text[2]);
     if (isfinite(l->uplift_error)) {
@@ -295,8 +306,8 @@ static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
       json_put_number(entry, "force_z_error95", l->force_error[1]);
       json_put_number(entry, "uplift_error95", l->uplift_error);
     }
-    fprintf(summary, "water      on the wall regions[%zu]: %s N/m along x, %s N/m along z", l->wall,
-            text[0], text[1]);
+    fprintf(summary, "water      on the wall %s: %s N/m along x, %s N/m along z", wall, text[0],
+            text[1]);
     if (l->length > 0) fprintf(summary, "; under it %.4g Pa, %s N/m upwards", l->pressure, text[2]);
     fputc('\n', summary);
   }
@@ -317,7 +328,7 @@ static void write_cells(const struct seepage *s, FILE *csv) {
               f->velocity[0][c], f->velocity[1][c]);
       if (!s->sinks) fprintf(csv, "%.6g", psi);
       fputc(',', csv);
-      if (f->soil[c] != REGION_NONE) fprintf(csv, "%d", f->soil[c]);
+      if (f->soil[c] != REGION_NONE) fprintf(csv, "%zu", f->regions[f->soil[c]].number);
       fputc('\n', csv);
     }
 }

@@ -130,9 +130,11 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   const char **types = NULL, **names = NULL;
   const size_t laws[2] = {n, 3};
   double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL;
+  uint64_t *numbers = NULL;
   if (n == 0) return STATUS_OK;
   TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
   TRY(memory_allocate(&names, n, sizeof *names, "the regions"));
+  TRY(memory_allocate(&numbers, n, sizeof *numbers, "the regions"));
   TRY(memory_allocate(&boxes, n, 6 * sizeof *boxes, "the regions"));
   TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
   TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
@@ -143,6 +145,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
     const bool soil = region->type == REGION_POROUS;
     types[k] = region_type_names[region->type];
     names[k] = region->name;
+    numbers[k] = region->number;
     memcpy(boxes + 6 * k, region->box, sizeof region->box);
     porosity[k] = soil ? e : NAN;
     permeability[k] =
@@ -153,6 +156,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   }
   TRY(h5_write_texts(file, "/run/regions/type", n, types));
   TRY(h5_write_texts(file, "/run/regions/name", n, names));
+  TRY(h5_write(file, "/run/regions/number", H5_U64, 1, &n, numbers, false));
   TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));
   TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
   TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
@@ -162,6 +166,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
 cleanup:
   memory_free(&types);
   memory_free(&names);
+  memory_free(&numbers);
   memory_free(&boxes);
   memory_free(&porosity);
   memory_free(&permeability);
@@ -169,42 +174,26 @@ cleanup:
   return status;
 }
 
-/* Where the gauges are. */
-static enum status write_gauges(const struct scene *scene, struct h5_file *file) {
+/* Where the gauges are, or the planes whose fluxes the history has. */
+static enum status write_places(const struct scene *scene, bool planes, struct h5_file *file) {
   enum status status = STATUS_OK;
-  const size_t n = scene->gauge_count, shape[2] = {n, 3};
+  const size_t n = planes ? scene->plane_count : scene->gauge_count;
+  const size_t shape[2] = {n, planes ? 2 : 3};
   const char **names = NULL;
   double *at = NULL;
   if (n == 0) return STATUS_OK;
-  TRY(memory_allocate(&names, n, sizeof *names, "the gauges"));
-  TRY(memory_allocate(&at, n, 3 * sizeof *at, "the gauges"));
+  TRY(memory_allocate(&names, n, sizeof *names, "the places"));
+  TRY(memory_allocate(&at, n, shape[1] * sizeof *at, "the places"));
   for (size_t k = 0; k < n; k++) {
-    names[k] = scene->gauges[k].name;
-    memcpy(at + 3 * k, scene->gauges[k].at, sizeof scene->gauges[k].at);
+    names[k] = planes ? scene->planes[k].name : scene->gauges[k].name;
+    if (planes)
+      at[2 * k] = scene->planes[k].axis, at[2 * k + 1] = scene->planes[k].position;
+    else
+      memcpy(at + 3 * k, scene->gauges[k].at, sizeof scene->gauges[k].at);
   }
-  TRY(h5_write_texts(file, "/run/gauges/name", n, names));
-  TRY(h5_write(file, "/run/gauges/position", H5_F64, 2, shape, at, false));
-cleanup:
-  memory_free(&names);
-  memory_free(&at);
-  return status;
-}
-
-/* Where the planes are whose fluxes the history has. */
-static enum status write_planes(const struct scene *scene, struct h5_file *file) {
-  enum status status = STATUS_OK;
-  const size_t n = scene->plane_count, shape[2] = {n, 2};
-  const char **names = NULL;
-  double *at = NULL;
-  if (n == 0) return STATUS_OK;
-  TRY(memory_allocate(&names, n, sizeof *names, "the planes"));
-  TRY(memory_allocate(&at, n, 2 * sizeof *at, "the planes"));
-  for (size_t k = 0; k < n; k++) {
-    names[k] = scene->planes[k].name;
-    at[2 * k] = scene->planes[k].axis, at[2 * k + 1] = scene->planes[k].position;
-  }
-  TRY(h5_write_texts(file, "/run/planes/name", n, names));
-  TRY(h5_write(file, "/run/planes/axis_position", H5_F64, 2, shape, at, false));
+  TRY(h5_write_texts(file, planes ? "/run/planes/name" : "/run/gauges/name", n, names));
+  TRY(h5_write(file, planes ? "/run/planes/axis_position" : "/run/gauges/position", H5_F64, 2,
+               shape, at, false));
 cleanup:
   memory_free(&names);
   memory_free(&at);
@@ -271,8 +260,8 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
   TRY(write_regions(scene, file));
-  TRY(write_gauges(scene, file));
-  TRY(write_planes(scene, file));
+  TRY(write_places(scene, false, file));
+  TRY(write_places(scene, true, file));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
   TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,

@@ -676,6 +676,40 @@ assert sum(name.startswith("volume_in_region") for name in h) == 3
 END
 }
 
+@test "analyze seepage: a wall of many boxes is one, by its name, or by its number in the scene" {
+  cat > weir.cfg <<'END'
+scene = { name = "weir"; method = "isph"; end_time = "2 s"; };
+domain = { size = ["4 m", "2 m"]; spacing = "5 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0", "0", "4 m", "1 m"]; porosity = 0.4; permeability = "1e-3 m/s"; },
+  { type = "water"; box = ["0", "0", "2 m", "1.6 m"]; }, { type = "water"; box = ["2 m", "0", "4 m", "1.2 m"]; },
+  { type = "wall"; name = "weir"; corners = ["1.6 m", "0.6 m", "2.4 m", "0.6 m", "2.2 m", "2 m", "1.8 m", "2 m"]; },
+  { type = "wall"; box = ["3 m", "0.2 m", "3.2 m", "0.4 m"]; },
+  { type = "inflow"; box = ["0", "0", "0.1 m", "1.8 m"]; head = "1.6 m"; },
+  { type = "inflow"; box = ["3.9 m", "1 m", "4 m", "1.4 m"]; head = "1.2 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+output = { interval = "0.25 s"; };
+END
+  sphsolve run weir.cfg -o weir --quiet > weir.txt
+  analyze seepage weir.hdf -o weir-out > weir.txt
+  analyze report weir.hdf -o weir.html > report.txt
+  for said in weir.txt weir.html; do
+    [ "$(grep -c "on the wall" "$said")" -eq 2 ]
+    grep -q "beside the wall weir, higher x" "$said"
+    grep -q "on the wall regions\[4\]" "$said"
+  done
+  /usr/bin/python3 - <<'END'
+import csv, json, h5py
+walls = {wall["wall"]: wall for wall in json.load(open("weir-out/seepage.json"))["walls"]}
+assert walls[3]["name"] == "weir" and "name" not in walls[4]
+with h5py.File("weir.hdf") as run:  # the run's own force of particles on it, for the 5 cm along y
+    force = run["history/force_weir"][-1] / 0.05
+for mine, own in ((force[0], "force_x_N_per_m"), (force[2], "force_z_N_per_m")):
+    assert abs(walls[3][own] / mine - 1) < 0.1, (walls[3][own], mine)
+assert {row["soil"] for row in csv.DictReader(open("weir-out/seepage.csv"))} <= {"", "0"}
+END
+}
+
 @test "soil that is not full: no end, no k, columns, picture, report; one process" {
   sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="20 cm"' --set 'scene={ name = "recharge"; }' --set 'output={}' -o vadose --json > vadose.json
   python3 -c 'import json; r = json.load(open("vadose.json")); assert r["status"] == "steady" and r["k"] is None, r'
