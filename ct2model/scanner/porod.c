@@ -24,6 +24,12 @@
  * two blurs on: S and B are fitted from there to twice that. */
 static const double BEND = 1.0 / 64.0;
 static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2.0;
+/* Where noise and relief cannot be told apart, B tells edges and contacts from walls that are
+ * smooth all over: it is .21 and more of true sands, .23 to .3 of touching balls, .25 and less of
+ * balls that stand apart, and tubes, fibres and slits show the law in no direction alike
+ * (docs/notes/2026-11-26-smooth-sands.md). There S is the law's, and its half width holds the
+ * restored surface, too. */
+static const double APART = 0.15, TOUCHING = 0.21;
 /* S over that of the restored surface: of sands it is 1.17 at most. Where the law asks for more, as
  * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
  * up to that distance, and falls steeply from there. */
@@ -127,10 +133,10 @@ cleanup:
   return status;
 }
 
-/* S by least squares; a, which is by S, in turn. `error`: the standard error by the scatter between
- * directions. */
+/* S and B, `slope`, by least squares; a, which is by S, in turn. `error`: the standard error by the
+ * scatter between directions. */
 static double follow_back(const struct pairs vectors[VECTORS], double n, double surface,
-                          double *error) {
+                          double *slope, double *error) {
   for (int again = 0; again < 8; again++) {
     const double a = 4.0 * n * (1.0 - n) / surface;
     double uu = 0.0, ur = 0.0, rr = 0.0, uy = 0.0, ry = 0.0, yy = 0.0;
@@ -139,9 +145,10 @@ static double follow_back(const struct pairs vectors[VECTORS], double n, double 
       const double y = 2.0 / r * (double)vectors[i].differ / (double)vectors[i].count;
       uu += u * u, ur += u * r, rr += r * r, uy += u * y, ry += r * y, yy += y * y;
     }
-    const double both = uu * rr - ur * ur, slope = (uu * ry - ur * uy) / both;
+    const double both = uu * rr - ur * ur, falls = (uu * ry - ur * uy) / both;
     surface = (rr * uy - ur * ry) / both;
-    *error = sqrt(fmax(yy - surface * uy - slope * ry, 0.0) / (VECTORS - 2) * rr / both);
+    *slope = -falls * a / surface;
+    *error = sqrt(fmax(yy - surface * uy - falls * ry, 0.0) / (VECTORS - 2) * rr / both);
   }
   return surface;
 }
@@ -154,19 +161,21 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   const double a = 4.0 * n * (1.0 - n) / *surface;
   const double widest = fmax(voxel[0], fmax(voxel[1], voxel[2]));
   const double from = fmax(FROM_VOXELS * widest, fmin(FROM_BLURS * scanner->blur, FROM_MOST * a));
-  const double smooth = scanner->smooth_walls;
   const bool alone = scanner->known && !scanner->narrow;
-  *error = (alone && smooth == 1.0 ? SMOOTH : UNSEEN) * *surface;
-  if (!alone || !(smooth < 1.0)) return STATUS_OK;
+  *error = (alone && scanner->smooth_walls == 1.0 ? SMOOTH : UNSEEN) * *surface;
+  if (!alone) return STATUS_OK;
   if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
   TRY(count_all(restored, vectors));
-  double scatter;
-  const double found = follow_back(vectors, n, *surface, &scatter);
+  double slope, scatter;
+  const double found = follow_back(vectors, n, *surface, &slope, &scatter);
   if (!(found < MOST * *surface) || 2.0 * scatter > LAW * found) return STATUS_OK;
-  *surface += (1.0 - smooth) * (found - *surface);
+  const double edges = fmin(fmax((slope - APART) / (TOUCHING - APART), 0.0), 1.0);
+  const double smooth = scanner->smooth_walls, own = smooth * (1.0 - edges);
+  const double both = smooth * edges * fabs(found / *surface - 1.0);
+  *surface += (1.0 - own) * (found - *surface);
   const double blurred = LOST * pow(scanner->blur / a, 2.0);
-  const double law = hypot(hypot(LAW, 2.0 * scatter / found), blurred);
-  *error = (law + smooth * (SMOOTH - law)) * *surface;
+  const double law = hypot(hypot(LAW, 2.0 * scatter / found), hypot(blurred, both));
+  *error = (law + own * (SMOOTH - law)) * *surface;
 cleanup:
   return status;
 }
