@@ -178,6 +178,15 @@ cleanup:
   return status;
 }
 
+const char *percolation_none(const struct lattice *lattice) {
+  return lattice->micro_porosity != NULL
+             ? "no pore or soil leads through the model along the force: k is 0; resolve the "
+               "throats "
+               "with smaller voxels, or look at the greys or labels taken as soil"
+             : "no pore leads through the model along the force: k is 0; resolve the throats with "
+               "smaller voxels, or look at the threshold";
+}
+
 enum status percolation_close(struct lattice *lattice, const double driving[3], size_t *closed,
                               bool *flows) {
   enum status status = STATUS_OK;

@@ -16,6 +16,9 @@
 enum status percolation_find(const struct lattice *lattice, const double driving[3], bool corners,
                              uint8_t *flowing, bool *flows);
 
+/* What is said where nothing does, and what to do. */
+const char *percolation_none(const struct lattice *lattice);
+
 /* Collective, where something flows: pores through which nothing flows, over faces, become walls
  * without a distance to them: their fluid is at rest. *closed: how many sites that were; *flows as
  * above. */

@@ -42,6 +42,9 @@ static double with_scan(const struct plan *plan, double resolution) {
   return isfinite(plan->expected_scan) ? hypot(resolution, plan->expected_scan) : resolution;
 }
 
+/* What no forecast knows (cascade_add_sides). */
+#define SIDES_LARGE ", if the sample's sides turn out to change k by over a fifth"
+
 /* What an error costs, before anything is solved. */
 static void print_levels(const struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
@@ -64,6 +67,10 @@ static void print_levels(const struct plan *plan) {
            1e-6 * levels[i].sites, 1e-6 * levels[i].bytes,
            levels[i].few ? "; with --time alone" : "");
   }
+  if (levels[0].seconds_sides / plan->threads >= 1) {
+    duration_format(levels[0].seconds_sides / plan->threads, time, sizeof time);
+    printf("  and up to about %s more" SIDES_LARGE "\n", time);
+  }
 }
 
 /* Polygons, circles and bodies, and what is made of them. */
@@ -80,6 +87,33 @@ static void print_regions(const struct scene *scene) {
   if (bodies > 0)
     printf("regions    %zu; %zu STL bod%s as %zu boxes\n", regions, bodies,
            bodies == 1 ? "y" : "ies", of_bodies);
+}
+
+/* What it takes and gives: iterations or steps, time, error. */
+static void print_outcome(const struct plan *plan, const struct ranks_forecast *ranks) {
+  char text[512];
+  if (plan->blocked) {
+    printf("blocked    %s\n", plan->expected.why);
+    return;
+  }
+  duration_format(plan->seconds, text, sizeof text);
+  printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",
+         plan->steps, strncmp(text, "under", 5) ? "about " : "", text);
+  if (plan->seconds_sides >= 1) {
+    duration_format(plan->seconds_sides, text, sizeof text);
+    printf("           and up to about %s more" SIDES_LARGE "\n", text);
+  }
+  if (ranks != NULL) print_ranks(ranks);
+  const struct error_forecast *e = &plan->expected;
+  if (isfinite(e->error))
+    printf("error      %s %s %%: %s\n", e->least > 0 ? "about" : "at most",
+           percent_format(e->error, text), e->why);
+  else
+    printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
+  if (isfinite(plan->expected_scan))
+    printf("           and about %s %% by the scan itself: its voxels, blur and noise\n",
+           percent_format(plan->expected_scan, text));
+  print_levels(plan);
 }
 
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {
@@ -125,6 +159,8 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   if (plan->bytes_disk > 0)
     printf("           on disk, beside the results, up to %.1f MB while it runs\n",
            plan->bytes_disk / 1e6);
+  if (plan->bytes_sides > 0)
+    printf("           up to %.1f MB" SIDES_LARGE "\n", plan->bytes_sides / 1e6);
   if (plan->bytes_split > 0)
     printf("           %.1f MB after it to split the error of k\n", plan->bytes_split / 1e6);
   if (plan->dt > 0) {
@@ -138,33 +174,23 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
     printf("time step  chosen each step from %s\n",
            plan->dt_by ? plan->dt_by : "the effects' limits");
   }
-  duration_format(plan->seconds, text, sizeof text);
-  printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",
-         plan->steps, strncmp(text, "under", 5) ? "about " : "", text);
-  if (ranks != NULL) print_ranks(ranks);
-  const struct error_forecast *e = &plan->expected;
-  if (isfinite(e->error))
-    printf("error      %s %s %%: %s\n", e->least > 0 ? "about" : "at most",
-           percent_format(e->error, text), e->why);
-  else
-    printf("error      not predicted%s%s\n", *e->why ? ": " : "", e->why);
-  if (isfinite(plan->expected_scan))
-    printf("           and about %s %% by the scan itself: its voxels, blur and noise\n",
-           percent_format(plan->expected_scan, text));
-  print_levels(plan);
+  print_outcome(plan, ranks);
 }
 
 static json_t *levels_json(const struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
-  const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
+  const int count = method->levels != NULL && !plan->blocked
+                        ? method->levels(plan, PREDICTED_LEVELS_MAX, levels)
+                        : 0;
   json_t *list = json_array();
   for (int i = 0; i < count; i++)
     json_array_append_new(
-        list, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f}", "spacing", levels[i].spacing, "sites",
-                        levels[i].sites, "expected_error", levels[i].error,
+        list, json_pack("{s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "spacing", levels[i].spacing,
+                        "sites", levels[i].sites, "expected_error", levels[i].error,
                         "expected_error_with_scan", with_scan(plan, levels[i].error), "seconds",
-                        levels[i].seconds / plan->threads, "memory_bytes", levels[i].bytes));
+                        levels[i].seconds / plan->threads, "seconds_sides",
+                        levels[i].seconds_sides / plan->threads, "memory_bytes", levels[i].bytes));
   return list;
 }
 
@@ -190,7 +216,7 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
   }
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:s, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
-      "s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:o, s:s, s:o, s:o}",
+      "s:f, s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:b, s:o, s:o, s:s, s:o, s:o}",
       "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
@@ -200,15 +226,17 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
       context->sound_why, "effects", effects, "bytes_per_fluid_site", plan->bytes_fluid,
       "bytes_per_wall_site", plan->bytes_wall, "memory_bytes", plan->bytes_total,
       "memory_method_bytes", plan->bytes_method, "memory_copy_bytes", plan->bytes_copy,
-      "memory_error_split_bytes", plan->bytes_split, "disk_bytes", plan->bytes_disk, "dt",
-      json_number(plan->dt), "dt_limit", json_number(plan->dt_limit), "dt_limited_by",
-      plan->dt_limited_by, "steps", json_number(plan->steps), "seconds", json_number(plan->seconds),
-      "expected_error", json_number(plan->expected.error), "expected_error_least",
-      json_number(plan->expected.least), "expected_error_reason", plan->expected.why,
-      "expected_error_scan", json_number(plan->expected_scan), "pores", plan_pores_json(plan));
+      "memory_error_split_bytes", plan->bytes_split, "memory_sides_bytes", plan->bytes_sides,
+      "disk_bytes", plan->bytes_disk, "dt", json_number(plan->dt), "dt_limit",
+      json_number(plan->dt_limit), "dt_limited_by", plan->dt_limited_by, "steps",
+      json_number(plan->steps), "seconds", json_number(plan->seconds), "seconds_sides",
+      json_number(plan->seconds_sides), "blocked", plan->blocked, "expected_error",
+      json_number(plan->expected.error), "expected_error_least", json_number(plan->expected.least),
+      "expected_error_reason", plan->expected.why, "expected_error_scan",
+      json_number(plan->expected_scan), "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
-  if (ranks != NULL) json_object_set_new(object, "ranks", ranks_json(ranks));
+  if (ranks != NULL && !plan->blocked) json_object_set_new(object, "ranks", ranks_json(ranks));
   if (recommended != NULL) json_object_set_new(object, "cheapest", recommend_json(recommended));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');

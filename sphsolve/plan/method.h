@@ -52,6 +52,9 @@ struct method {
   /* Of one that resolves pores: its walls, and what its error has beside theirs (error_forecast.h).
    */
   enum wall_scheme (*wall)(const struct scene *scene);
+  /* Of one that resolves pores: whether its water passes edges and corners of sites, too. NULL: no.
+   */
+  bool (*joins_corners)(const struct effect_context *context);
   double error_flat;          /* of k between parallel flat walls, where all else is exact */
   const char *error_flat_why; /* what is left there, in words */
   /* More flow in pores and past grains of few sites: times (slope of ln k per spacing)^order. */

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/units.h"
+#include "sphsolve/geometry/percolation.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/plan/reynolds.h"
@@ -77,6 +78,21 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
   context->has_wall = lattice->wall_count > 0;
 }
 
+enum status plan_look_for_path(struct plan *plan) {
+  const struct effect_context *c = &plan->context;
+  const bool corners = c->method->joins_corners != NULL && c->method->joins_corners(c);
+  bool flows = true;
+  if (!c->method->resolves_pores || !(c->driving > 0)) return STATUS_OK;
+  const enum status status = percolation_find(c->lattice, c->scene->driving, corners, NULL, &flows);
+  plan->blocked = !flows;
+  if (flows) return status;
+  plan->steps = plan->seconds = plan->seconds_sides = plan->expected_scan = NAN;
+  plan->bytes_sides = 0.0;
+  plan->expected = (struct error_forecast){.error = NAN, .least = NAN};
+  snprintf(plan->expected.why, sizeof plan->expected.why, "%s", percolation_none(c->lattice));
+  return status;
+}
+
 uint32_t plan_budget(const struct plan *plan) {
   uint32_t terms = 0;
   for (size_t i = 0; i < plan->effect_count; i++)
@@ -90,6 +106,10 @@ void plan_switch(const struct plan *plan, void *settings) {
     if (effect->switches_on > 0)
       *(bool *)((char *)settings + (effect->switches_on - 1)) = plan->effects[i].on;
   }
+}
+
+static double with_program(double bytes) {
+  return PROGRAM_BYTES + (1.0 + HELD_BESIDE) * bytes;
 }
 
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
@@ -138,9 +158,10 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   }
   TRY(method->cost(plan, threads));
   plan->bytes_total =
-      PROGRAM_BYTES +
-      (1.0 + HELD_BESIDE) * fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
-                                 MODEL_BYTES * (double)lattice->model.count);
+      with_program(fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
+                        MODEL_BYTES * (double)lattice->model.count));
+  plan->bytes_sides = with_program(plan->bytes_sides);
+  if (!(plan->bytes_sides > plan->bytes_total)) plan->bytes_sides = 0.0;
   plan->seconds += PROGRAM_SECONDS;
   if (plan->steps > STEPS_MOST)
     TRY(scene_error(

@@ -63,7 +63,8 @@ struct predicted_level {
   double sites;
   double error;   /* relative, of k from all lattices up to this, as a run will state it */
   bool few;       /* too few lattices for --error to end with; --time may */
-  double seconds; /* processor time of all up to this */
+  double seconds; /* processor time of all up to this, and more where plan.seconds_sides has it */
+  double seconds_sides;
   double bytes;   /* at most until it is solved, with what the program itself takes */
 };
 #define PREDICTED_LEVELS_MAX 24
@@ -87,7 +88,11 @@ struct plan {
   double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
   double steps, seconds;          /* predicted */
+  /* Where the effect of the sides is large, as no forecast knows: seconds more, at most; bytes in
+   * all, in place of bytes_total, or 0: no more than that. */
+  double seconds_sides, bytes_sides;
   struct error_forecast expected; /* error of the headline number */
+  bool blocked;                   /* no pore leads through (plan_look_for_path): k is 0 */
   double expected_scan;           /* what the scanner adds to it; NAN: not known */
   char method_why[EFFECT_WHY];
 };
@@ -101,6 +106,9 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan);
+/* Sets plan->blocked, as a run will find it, by following the pores; no time or error is expected
+ * then. */
+enum status plan_look_for_path(struct plan *plan);
 /* What scene and lattice (may be NULL: not built yet) hold, and nothing of a method. */
 void plan_context(const struct scene *scene, const struct lattice *lattice,
                   struct effect_context *context);

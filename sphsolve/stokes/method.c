@@ -8,6 +8,7 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/throats.h"
 #include "sphsolve/output/level_bar.h"
 #include "sphsolve/output/recorder.h"
@@ -398,11 +399,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
   const bool solved = job.cascade.coarse.grid.active_all > 0;
   const bool blocked = status == STATUS_OK && !solved;
-  if (blocked)
-    log_warning("%s: no pore%s leads through the model along the force: k is 0; resolve the "
-                "throats with smaller voxels, or look at the %s",
-                scene->path, base.micro_porosity != NULL ? " or soil" : "",
-                base.micro_porosity != NULL ? "greys or labels taken as soil" : "threshold");
+  if (blocked) log_warning("%s: %s", scene->path, percolation_none(&base));
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
   result->ended = strcmp(why, "converged") != 0 ? job.cascade.ended : NULL;
   if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {

@@ -14,6 +14,8 @@ enum status stokes_cost(struct plan *plan, int threads);
  * the second lattice of the cascade and the solution of the first. `held`: bytes of ghosts. 0 where
  * it is not solved. */
 double stokes_sides_bytes(const struct plan *plan, double ranks, double held);
+/* The same of one rank, on the finest lattice that a large effect may ask for. */
+double stokes_sides_finer_bytes(const struct plan *plan);
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
 #endif

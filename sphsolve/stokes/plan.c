@@ -59,6 +59,8 @@ enum status stokes_cost(struct plan *plan, int threads) {
   plan->seconds = (curve * stokes_solver_seconds(&plan->shape, l, 1.0, &goal, wall) +
                    cascade_seconds(plan->context.scene, plan, false)) /
                   threads;
+  plan->bytes_sides = stokes_sides_finer_bytes(plan);
+  plan->seconds_sides = cascade_sides_finer_seconds(plan, false) / threads;
   plan->expected = error_forecast_of(&plan->shape, &method_stokes, wall, 1.0);
   return STATUS_OK;
 }

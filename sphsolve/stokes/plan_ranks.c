@@ -25,10 +25,9 @@ static double side_of(double sides, const struct lattice *l) {
   return (double)l->size[0] * cbrt(sides / cascade_sides_copies(l) / (double)l->count);
 }
 
-double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {
+static double sides_bytes(const struct plan *plan, double sides, double ranks, double held) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, phi = (double)l->fluid_count / sites;
-  const double sides = cascade_sides_sites(plan);
   const double first = sites / pow(cascade_fixed_ratios[0], l->dimensions);
   const double second = sites / pow(cascade_fixed_ratios[1], l->dimensions);
   const bool soil = l->micro_porosity != NULL;
@@ -42,6 +41,18 @@ double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {
          SOLUTION_BYTES * phi * first / ranks +
          ROW_BYTES * (second / ((double)l->size[0] / cascade_fixed_ratios[1]) +
                       sides / (2 * side_of(sides, l)));
+}
+
+double stokes_sides_bytes(const struct plan *plan, double ranks, double held) {
+  return sides_bytes(plan, cascade_sides_sites(plan), ranks, held);
+}
+
+double stokes_sides_finer_bytes(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  double spacing = cascade_sides_spacing(plan, l), most = 0.0, sites;
+  if (!(cascade_sides_sites(plan) > 0.0)) return 0.0;
+  while (cascade_sides_finer(l, &spacing, &sites)) most = sides_bytes(plan, sites, 1.0, 0.0);
+  return most;
 }
 
 void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {

@@ -205,7 +205,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     status = march(&run, result);
     if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
   } else {
-    log_warning("no path of pores leads through the model along the force: k = 0");
+    log_warning("%s: %s", scene->path, percolation_none(lattice));
     const double none[3] = {0};
     result_from_darcy(scene, none, result);
     result->status = "blocked";
@@ -237,6 +237,10 @@ static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   return true;
 }
 
+static bool joins_corners(const struct effect_context *context) {
+  return wcsph_pass_wall(context) != PASS_EULERIAN;
+}
+
 static enum wall_scheme wall(const struct scene *scene) {
   return scene->wcsph.wall;
 }
@@ -257,6 +261,7 @@ const struct method method_wcsph = {
     .ranks_cost = wcsph_ranks_cost,
     .wall_name = wall_name,
     .wall = wall,
+    .joins_corners = joins_corners,
     .error_flat = 5e-4, /* what a march that is called steady leaves */
     .error_flat_why = "parallel flat walls: exact but for what is left of the start",
     .error_narrow = 0.0115,

@@ -9,6 +9,7 @@
 #include "sphsolve/wcsph/effects/advection.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/state.h"
 #include "sphsolve/wcsph/modes.h"
 #include "sphsolve/wcsph/state.h"
@@ -283,6 +284,8 @@ enum status wcsph_cost(struct plan *plan, int threads) {
                   (PAIRS_PER_SECOND * threads);
   const double split = cascade_seconds(scene, plan, true);
   plan->seconds += split / threads;
+  plan->bytes_sides = stokes_sides_finer_bytes(plan);
+  plan->seconds_sides = cascade_sides_finer_seconds(plan, false) / threads;
   if (split > 0)
     plan->bytes_split =
         stokes_solver_bytes((double)lattice->count, (double)lattice->fluid_count, false);

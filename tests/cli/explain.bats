@@ -2,6 +2,7 @@
 # The plan of every sample scene, held against tests/cli/golden/NAME.txt. After a wanted change:
 #   UPDATE_GOLDEN=1 BUILD=$PWD/build bats tests/cli/explain.bats
 
+bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_path
@@ -100,4 +101,74 @@ with h5py.File("told.hdf") as run:
     kept = run["run/timing"].attrs["predicted_seconds"]
 assert abs(kept - told - 0.02) < 1e-6 * told, (kept, told)  # the program's own start beside it
 END
+}
+
+@test "explain of a model that nothing leads through: k is 0, with the reason that the run gives, and no time or error" {
+  cd "$BATS_FILE_TMPDIR"
+  /usr/bin/python3 - <<'END'
+import h5py, numpy as np
+solid = np.zeros((12, 12, 12), "u1")
+solid[3:6] = 1  # a layer across z; along x all is open
+corners = np.ones((12, 12, 12), "u1")
+corners[:6, :, :6] = corners[6:, :, 6:] = 0  # two channels that meet at edges alone
+for name, voxels in ("layer", solid), ("corners", corners):
+    with h5py.File(f"{name}.hdf", "w") as f:
+        f["model/solid"] = voxels
+        f["model"].attrs["spacing"] = [1e-5] * 3
+END
+  cat > layer.cfg <<'END'
+scene = { name = "layer"; end_time = "1 ms"; };
+model = { file = "layer.hdf"; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-1 m/s^2"]; };
+END
+  for method in stokes wcsph; do
+    for more in "" "--error 20%" "--ranks 2"; do
+      sphsolve explain layer.cfg --set scene.method=$method $more > said.txt
+      grep -q "^blocked    no pore leads through the model along the force: k is 0" said.txt
+      run ! grep -E "^(time  |error|iterations|steps|ranks|run with|wanted)" said.txt
+    done
+    sphsolve run layer.cfg --set scene.method=$method -o layer-run > ran.txt 2>&1
+    grep -qF "$(sed -n 's/^blocked *//p' said.txt)" ran.txt
+    sphsolve explain layer.cfg --set scene.method=$method --json --error 20% > said.json
+    /usr/bin/python3 - <<'END'
+import json
+said = json.load(open("said.json"))
+assert said["blocked"] and said["levels"] == [] and "cheapest" not in said
+assert all(said[key] is None for key in ("seconds", "expected_error", "expected_error_scan")), said
+END
+    sphsolve explain layer.cfg --set scene.method=$method --set 'force.body_acceleration=["1 m/s^2","0","0"]' > open.txt
+    run ! grep blocked open.txt
+    grep -q "^time  " open.txt
+  done
+  # Particles that move pass where sites touch by edges, those of stokes do not: as in their runs.
+  for words in "stokes 1" "wcsph 0"; do
+    set -- $words
+    [ "$(sphsolve explain layer.cfg --set model.file=corners.hdf --set scene.method=$1 --set wcsph.wall=frozen | grep -c ^blocked)" -eq "$2" ]
+  done
+}
+
+@test "what finer lattices for a large effect of the sides take is said: more than that a run does not take" {
+  cd "$BATS_FILE_TMPDIR"
+  # Slits along z that meet nothing of themselves when mirrored: the effect is as large as can be.
+  /usr/bin/python3 - <<'END'
+import numpy as np
+z, y, x = np.mgrid[:40, :40, :40]
+np.save("leaning.npy", np.where((x + z) % 40 < 8, 0, 255).astype("u1"))
+END
+  ct2model build leaning.npy --segmented 0 --voxel-size 5um --mirror none --quiet -o leaning.hdf
+  ct2model build leaning.npy --segmented 0 --voxel-size 5um --sides mirrored --quiet -o mirrored.hdf
+  demo="$ROOT/data-samples/scenes/demo.cfg --threads 1 --set model.file"
+  sphsolve explain $demo=leaning.hdf --json > told.json
+  /usr/bin/python3 - "$(command -v sphsolve)" $demo=leaning.hdf <<'END'
+import json, os, subprocess, sys
+child = subprocess.Popen([sys.argv[1], "run", *sys.argv[2:], "--quiet", "-o", "leaning-run"])
+_, code, usage = os.wait4(child.pid, 0)
+child.returncode = code
+told, peak = json.load(open("told.json")), 1024 * usage.ru_maxrss
+print(f"{peak / 1e6:.1f} of {told['memory_bytes'] / 1e6:.1f}, {told['memory_sides_bytes'] / 1e6:.1f} MB")
+assert code == 0 and told["seconds_sides"] > 0 and told["memory_bytes"] < peak <= told["memory_sides_bytes"]
+END
+  sphsolve explain $demo=mirrored.hdf > told.txt
+  run ! grep "sides turn out" told.txt
 }

@@ -121,6 +121,19 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
               0.5 * cascade_first_spacing(plan, base));
 }
 
+/* Not on more sites than this. */
+#define SIDES_SITES 8e6
+
+bool cascade_sides_finer(const struct lattice *base, double *spacing, double *sites) {
+  const double *own = base->spacing, finest = fmin(own[0], fmin(own[1], own[2]));
+  const double finer = fmax(*spacing * M_SQRT1_2, finest);
+  *sites = cascade_sides_copies(base) * (double)base->count * own[0] * own[1] * own[2] /
+           (finer * finer * finer);
+  if (*spacing <= 1.01 * finest || *sites > SIDES_SITES) return false;
+  *spacing = finer;
+  return true;
+}
+
 double cascade_sides_sites(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const struct scene *scene = plan->context.scene;
@@ -151,6 +164,17 @@ static double sides_seconds(const struct plan *plan, const struct stokes_goal *g
       pow(sides / cascade_sides_copies(l) / (double)l->count, 1.0 / l->dimensions);
   return cascade_sides_times(l, open) *
          stokes_solver_seconds(&plan->shape, l, refined, goal, WALL_SUBVOXEL);
+}
+
+double cascade_sides_finer_seconds(const struct plan *plan, bool open) {
+  const struct lattice *l = plan->context.lattice;
+  double seconds = 0.0, spacing = cascade_sides_spacing(plan, l), sites;
+  if (!(cascade_sides_sites(plan) > 0.0)) return 0.0;
+  while (cascade_sides_finer(l, &spacing, &sites))
+    seconds += cascade_sides_times(l, open) *
+               stokes_solver_seconds(&plan->shape, l, plan->context.spacing / spacing,
+                                     &cascade_sides_goal, WALL_SUBVOXEL);
+  return seconds;
 }
 
 double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
@@ -241,6 +265,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
           .error = error,
           .few = i + 1 < enough,
           .seconds = seconds,
+          .seconds_sides = half * cascade_sides_finer_seconds(plan, true),
           .bytes = PROGRAM_BYTES + fmax(solving, BLUR_BYTES * (double)base->model.count)};
     before = sites;
     if (i + 1 >= enough && is_expected_enough(plan, error)) break;

@@ -54,6 +54,11 @@ double cascade_step_ratio(int left);
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing);
 /* Where the effect of the sides is solved. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
+/* The finer lattice after one of that spacing, on which a large effect is sought, and its sites
+ * with all copies; false: there is none, or it is too large. */
+bool cascade_sides_finer(const struct lattice *base, double *spacing, double *sites);
+/* Processor seconds of all of them; of an `open` cascade. */
+double cascade_sides_finer_seconds(const struct plan *plan, bool open);
 
 /* What an open cascade of a planned scene will solve (struct method, levels): with plan->goal.error
  * up to the lattice that is expected to reach it. */

@@ -107,9 +107,8 @@ cleanup:
 }
 
 /* A share as large as this is looked at on finer lattices, as is one of throats that close: coarse
- * ones let too much through, or nothing. Not on more sites than this, all copies together. */
+ * ones let too much through, or nothing. */
 #define SIDES_LARGE 0.2
-#define SIDES_SITES 8e6
 
 static bool sides_are_settled(double before, double share) {
   return share <= SIDES_LARGE || fabs(share - before) < 0.1 * share; /* not where one is NAN */
@@ -122,20 +121,14 @@ enum status cascade_add_sides(struct cascade *c) {
   int count = 1;
   const struct stokes_solver none = {0};
   const struct model_facts *model = &c->base->model;
-  const double *own = c->base->spacing, finest = fmin(own[0], fmin(own[1], own[2]));
-  const double volume =
-      cascade_sides_copies(c->base) * (double)c->base->count * own[0] * own[1] * own[2];
   double spacing = cascade_sides_spacing(c->plan, c->base);
   if (!(cascade_sides_copies(c->base) > 1.0)) return STATUS_OK;
   TRY(solve_sides(c, spacing, &wrapped, k, &count));
   c->sides = uncertainty_share_of_sides(k, count);
+  double sites;
   while (!isnan(k[0]) && !isnan(k[count - 1]) && !sides_are_settled(before, c->sides) &&
-         spacing > 1.01 * finest) {
-    const double finer = fmax(spacing * M_SQRT1_2, finest);
-    const double sites = volume / (finer * finer * finer);
-    if (sites > SIDES_SITES || !have_room(c->base, sites)) break;
+         cascade_sides_finer(c->base, &spacing, &sites) && have_room(c->base, sites)) {
     before = k[count - 1] > 0.0 ? c->sides : NAN;
-    spacing = finer;
     lattice_free(&wrapped);
     TRY(solve_sides(c, spacing, &wrapped, k, &count));
     c->sides = uncertainty_share_of_sides(k, count);
