@@ -201,6 +201,10 @@ double memory_available(void) {
     left = fmin(left, (double)address.rlim_cur - (double)in_use);
   return limit > 0 ? fmin(left, (double)limit - (double)in_use) : left;
 }
+double memory_limit(void) {
+  return limit > 0 ? (double)limit
+                   : (double)sysconf(_SC_PHYS_PAGES) * (double)sysconf(_SC_PAGE_SIZE);
+}
 void memory_set_limit(size_t bytes) {
   limit = bytes;
 }

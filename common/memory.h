@@ -50,6 +50,9 @@ double memory_available(void);
  * machine's memory, which is where every program starts. */
 void memory_set_limit(size_t bytes);
 
+/* What memory_set_limit gave, or that of the machine. */
+double memory_limit(void);
+
 /* Whether as much would still be below the limit. */
 bool memory_has_room(size_t count, size_t size);
 

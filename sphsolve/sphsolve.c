@@ -187,6 +187,34 @@ static void say_how_long(const struct job *job) {
            chosen ? "; --set scene.method=stokes gives the k of slow flow, sooner" : "");
 }
 
+/* More memory than there may be is refused before lattices are solved that come before the one
+ * which takes it; one that may fit goes on. */
+static enum status refuse_memory(const struct job *job) {
+  enum status status = STATUS_OK;
+  const struct plan *plan = &job->plan;
+  const double most = plan->bytes_total - PROGRAM_BYTES, limit = memory_limit();
+  const bool model = *job->scene.model_path;
+  double least = 0.0;
+  char fits[120] = "a coarser spacing takes less";
+  if (plan->context.method->bytes_least == NULL || ranks_count() > 1 || most <= limit ||
+      plan->goal.error > 0 || plan->goal.seconds > 0)
+    return STATUS_OK;
+  TRY(plan->context.method->bytes_least(plan, &least));
+  if (least <= limit) return STATUS_OK;
+  /* Bytes go with the sites, but for the model's, which are read whole. */
+  if (model && MODEL_BYTES * (double)plan->context.lattice->model.count > limit)
+    snprintf(fits, sizeof fits, "build the model with larger voxels (ct2model build --size)");
+  else if (model)
+    snprintf(fits, sizeof fits, "--set lattice.spacing='%.4g um' fits",
+             1.001e6 * plan->context.spacing * cbrt(most / limit));
+  TRY_FAIL(STATUS_RUN,
+           "%s: the run takes at least %.0f MB of memory (explain: %.0f MB at most), and %.0f MB "
+           "are allowed; --max-memory sets that; %s",
+           job->scene.path, least / 1e6, plan->bytes_total / 1e6, limit / 1e6, fits);
+cleanup:
+  return status;
+}
+
 /* The resolution of a run that is no cascade of lattices itself. */
 static enum status finish_error(struct job *job, struct run_result *result) {
   return cascade_measure(
@@ -209,6 +237,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
                      : *job->scene.model_path ? "lattice.spacing"
                                               : "domain.spacing";
   TRY(take_goal(options, job));
+  TRY(refuse_memory(job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);

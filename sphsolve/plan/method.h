@@ -42,6 +42,9 @@ struct method {
   /* Fills dt, bytes, steps, seconds and error after them (dt_limit and dt_limited_by are the
    * effects' own by then). */
   enum status (*cost)(struct plan *plan, int threads);
+  /* Bytes that a run on the plan's lattice holds at once for sure, where it comes to that only when
+   * much is done. NULL: a run takes what it needs before it starts. */
+  enum status (*bytes_least)(const struct plan *plan, double *bytes);
   /* The lattices that --error and --time would solve, coarsest first, `most` at most; their number.
    * NULL: the method chooses none. */
   int (*levels)(const struct plan *plan, int most, struct predicted_level *levels);

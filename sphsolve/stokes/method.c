@@ -480,5 +480,6 @@ const struct method method_stokes = {.name = "stokes",
                                       * mean pore, 7 % at 7.5; smooth bodies have less */
                                      .error_narrow = 0.018,
                                      .error_narrow_order = 1.85,
+                                     .bytes_least = stokes_bytes_least,
                                      .levels = cascade_levels,
                                      .run = run};

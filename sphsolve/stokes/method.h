@@ -9,6 +9,7 @@
 extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
 enum status stokes_cost(struct plan *plan, int threads);
+enum status stokes_bytes_least(const struct plan *plan, double *bytes);
 /* Bytes on each of so many ranks while the lattice with mirrored sides is solved for the error of
  * the sides: it is whole on every rank while paths through its pores are sought, and beside it are
  * the second lattice of the cascade and the solution of the first. `held`: bytes of ghosts. 0 where

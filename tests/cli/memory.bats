@@ -113,3 +113,15 @@ assert plan["bytes_per_fluid_site"] <= 100 and plan["bytes_per_wall_site"] <= 16
 assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method' --set 'force.body_acceleration=["0","0","-1 m/s^2"]'
 }
+
+@test "more memory than --max-memory allows is refused before a lattice is solved, with a spacing that fits; what fits runs" {
+  local stokes='--set scene.method=stokes --set scene.steady_tolerance=1e-3 --quiet --threads 1'
+  most=$("$SPH" explain scene.cfg --json $stokes | /usr/bin/python3 -c 'import json, sys; print(round(json.load(sys.stdin)["memory_bytes"] / 1e6))')
+  run --separate-stderr "$SPH" run scene.cfg $stokes --max-memory $((most / 2))MB -o large
+  echo "$stderr"
+  [ "$status" -eq 1 ] && [[ "$stderr" == *"takes at least "*" MB of memory (explain: $most MB at most), and $((most / 2)) MB are allowed"* ]]
+  [ ! -e large.history.csv ]
+  spacing=$(sed -n "s/.*lattice.spacing='\([0-9.]* um\)' fits/\1/p" <<< "$stderr")
+  "$SPH" run scene.cfg $stokes --max-memory $((most / 2))MB --set lattice.spacing="$spacing" -o coarser
+  "$SPH" run scene.cfg $stokes --max-memory "${most}MB" -o whole
+}
