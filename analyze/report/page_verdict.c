@@ -286,12 +286,19 @@ static void judge_advice(json_t *result, double scanned) {
     if (part > most) most = part, largest = i;
   }
   rest = sqrt(rest);
+  const char *part = largest == 3 ? "void ratio" : remedies[largest].part;
   const bool more = largest == 4 && isfinite(json_number_or_nan(parts, "void_ratio"));
   if (isnan(resolution))
     snprintf(text, sizeof text,
              "The error of resolution is not known: run two more spacings and analyze converge.");
   else if (hypot(resolution, rest) <= wanted)
     text[0] = '\0';
+  else if (rest >= LATTICE_MOST * wanted && rest < wanted && !scan)
+    snprintf(text, sizeof text,
+             "For 5 %%: %s%s; %s alone takes it to %s %% at best, where the %s binds.",
+             remedies[largest].remedy, more ? " more precisely" : "",
+             model ? "a model with smaller voxels" : "a finer lattice", percent_format(rest, all),
+             part);
   else if (rest >= LATTICE_MOST * wanted)
     snprintf(text, sizeof text,
              most > 0.95 * rest ? "For 5 %%: %s%s%s (%s %% by the %s alone)."
@@ -302,7 +309,7 @@ static void judge_advice(json_t *result, double scanned) {
              : scan             ? "a scan with smaller voxels, and "
                                 : "a finer lattice, and ",
              remedies[largest].remedy, more ? " more precisely" : "", percent_format(most, one),
-             largest == 3 ? "void ratio" : remedies[largest].part, percent_format(rest, all));
+             part, percent_format(rest, all));
   else {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));

@@ -179,7 +179,7 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
   if (most > 0 && u->needs == NEEDS_LATTICE && left < LATTICE_HELPS * total) {
     printf("           a finer lattice (%s)", finer_by);
     print_part(" takes it to", left);
-    printf(" at best\n");
+    printf(" at best, where %s binds\n", parts[most].what);
   }
 }
 
