@@ -85,11 +85,13 @@ bool provenance_is_ours(const char *path) {
   struct h5_file *file = NULL;
   bool ours = false;
   if (h5_open_output(path, &file) == STATUS_OK) {
-    /* A snapshot names its time and step, a checkpoint what the recorder holds. */
+    /* A snapshot names its time and step, a checkpoint what the recorder holds; tracks of walkers
+     * hold the times and numbers of these. */
     ours = (h5_exists(file, "/provenance") &&
             h5_attribute_exists(file, "/provenance", "schema_version")) ||
            (h5_exists(file, "/VTKHDF") && h5_attribute_exists(file, "/", "time") &&
             h5_attribute_exists(file, "/", "step")) ||
+           (h5_exists(file, "/VTKHDF/PointData/time") && h5_exists(file, "/VTKHDF/PointData/id")) ||
            h5_exists(file, "/recorder");
   }
   h5_close(file);

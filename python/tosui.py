@@ -168,6 +168,9 @@ def load(path):
         raise TosuiError(f"{path}: a folder; name a file in it" if path else "the name of a file is wanted, not ''")
     try:
         with h5py.File(path, "r") as file:
+            if "VTKHDF/PointData/time" in file:
+                raise TosuiError(f"{path}: the ways of walkers, for ParaView; read VTKHDF/Points, PointData/time and id"
+                                 " with h5py")
             for name, read in (("model/solid", _load_model), ("run", _load_run), ("VTKHDF/Points", _load_snapshot)):
                 if name in file:
                     return read(path, file)

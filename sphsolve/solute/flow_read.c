@@ -22,8 +22,14 @@ static enum status read_record(const char *path, struct solute_flow *f, uint64_t
   if (strcmp(method, "stokes") != 0)
     TRY_FAIL(STATUS_INPUT,
              "%s: a run of method %s; a solute is carried by the flow of method stokes, on its "
-             "lattice",
+             "lattice: run the flow again with --set 'scene.method=\"stokes\"'",
              path, method);
+  /* In such soil a solute would have another porosity and diffusion than in open pores. */
+  if (h5_exists(file, "/run/micro"))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: the flow goes through soil with pores below the voxel, in which method solute "
+             "cannot follow a solute; build the model with that soil as grain or as pore",
+             path);
   f->viscosity = h5_attribute_or_nan(file, "/run", "viscosity");
   f->density = h5_attribute_or_nan(file, "/run", "density");
   *flow = flow_hash_read(file, "/run");

@@ -226,6 +226,12 @@ END
   sphsolve run alone.cfg -o alone-run --json > alone.json
   sphsolve run alone.cfg -o alone-run | grep "^soil  *100 % of the sites.*: 100 % of the flux"
   /usr/bin/python3 -c 'import json; k = json.load(open("alone.json"))["intrinsic_permeability"]; assert abs(k / 9e-13 - 1) < 0.01, k'
+  # Its pores are no open ones, as which a solute would take them.
+  echo 'scene = { name = "in soil"; }; flow = { file = "alone-run.hdf"; }; solute = { peclet = [1.0]; };' > carried.cfg
+  for command in "explain carried.cfg" "run carried.cfg -o carried"; do
+    run -3 --separate-stderr sphsolve $command
+    [[ $stderr == *"alone-run.hdf: the flow goes through soil with pores below the voxel"* ]]
+  done
 }
 
 @test "stokes solves soil with the pores; wcsph and bad fields are refused" {
