@@ -18,8 +18,8 @@ struct subject {
   size_t n;
   const char *const *solutes; /* files that hold what a solute did */
   size_t solute_count;
-  bool permeable; /* every run has a permeability, which no longer drifts */
-  bool blocked;   /* the permeability of one is 0: its water is at rest */
+  size_t permeable; /* the first so many have a permeability, which no longer drifts; no other */
+  size_t flowing;   /* the first so many one above 0; the water of the permeable others rests */
   bool snapshots; /* every run has a snapshot */
   bool maps;      /* the report shows maps of speed and pressure in a plane */
 };
@@ -42,6 +42,9 @@ struct analysis {
 
   /* The section of the page; no heading: none. */
   const char *heading, *contents, *caption; /* HTML; `contents` stands in the list of sections */
+  /* Which of its runs: all, those that have a k, those whose water flows, or, where none has a k,
+   * the first. */
+  enum { OF_ALL, OF_PERMEABLE, OF_FLOWING, OF_FIRST } page_runs;
   bool charts;   /* page.js draws its data, the plot stands in for them */
   bool may_fail; /* the page warns and goes without */
 

@@ -419,7 +419,7 @@ cleanup:
 
 static enum status applies(const struct subject *subject, bool *applies) {
   *applies = false;
-  for (size_t i = 1; subject->permeable && i < subject->n; i++)
+  for (size_t i = 1; subject->permeable > 0 && i < subject->n; i++)
     *applies |= fabs(subject->runs[i].spacing[0] / subject->runs[0].spacing[0] - 1.0) > 1e-4;
   return STATUS_OK;
 }
@@ -432,6 +432,7 @@ const struct analysis converge_analysis = {
          "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
     .several_models = true,
     .heading = "Accuracy and its cost",
+    .page_runs = OF_PERMEABLE,
     .contents = "Accuracy",
     .caption =
         "k against spacing with the extrapolation, and its deviation from the extrapolated k "

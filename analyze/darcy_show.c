@@ -25,8 +25,8 @@ struct darcy_table {
   struct point *points;
   struct darcy_fit *fits;   /* [groups]; count 0 where all runs of the group drift */
   const struct run **first; /* [groups] */
-  struct tensor tensor;     /* of the first run that holds one */
-  bool has_tensor;
+  struct tensor *tensors;   /* per group, of its first run that holds one */
+  bool *has_tensor;
 };
 
 static enum status collect(struct darcy_table *table) {
@@ -167,6 +167,7 @@ static void write_json(const struct darcy_table *table, json_t *json) {
     fit_json(table->first[0], &table->fits[0], json);
     const struct uncertainty uncertainty = uncertainty_of(table->first[0], &table->fits[0]);
     uncertainty_json(&uncertainty, json);
+    if (table->has_tensor[0]) json_object_set_new(json, "tensor", tensor_json(&table->tensors[0]));
   }
   for (size_t g = 0; g < table->groups; g++) {
     char name[400];
@@ -195,10 +196,10 @@ static void write_json(const struct darcy_table *table, json_t *json) {
                     (json_int_t)average->rows));
     }
     json_object_set_new(group, "runs", rows);
+    if (table->has_tensor[g]) json_object_set_new(group, "tensor", tensor_json(&table->tensors[g]));
     json_array_append_new(groups, group);
   }
   json_object_set_new(json, "groups", groups);
-  if (table->has_tensor) json_object_set_new(json, "tensor", tensor_json(&table->tensor));
   json_object_set_new(json, "superficial_velocity", json_string(superficial));
 }
 
@@ -214,6 +215,45 @@ static void write_csv(const struct darcy_table *table, FILE *stream) {
             point->average.error95, point->k, point->average.without_drift,
             point->average.from_time);
   }
+}
+
+/* k of a group, with its error. */
+static void write_fit(const struct run *first, const struct darcy_fit *fit, FILE *stream) {
+  if (fit->count == 0) {
+    fputs("  k: none, since every run still drifts; run longer\n\n", stream);
+    return;
+  }
+  if (fit->k == 0) {
+    fputs("  k = 0: no pore leads through along the force\n\n", stream);
+    return;
+  }
+  const double scale = fit->intrinsic_permeability / fit->k;
+  const double error = whole_error(first, fit) * fit->k;
+  fputs("  k = ", stream);
+  write_value_with_error(stream, 100.0 * fit->k, 100.0 * error, "+-", " cm/s");
+  fputs("\n    = ", stream);
+  write_value_with_error(stream, fit->k, error, "+-", " m/s");
+  fputs("\n  intrinsic permeability = ", stream);
+  write_value_with_error(stream, fit->intrinsic_permeability, scale * error, "+-", " m^2");
+  fputs("\n    = ", stream);
+  write_value_with_error(stream, fit->intrinsic_permeability / DARCY, scale * error / DARCY, "+-",
+                         " darcy");
+  fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
+          first->viscosity, first->density);
+  const struct uncertainty uncertainty = uncertainty_of(first, fit);
+  uncertainty_write(&uncertainty, stream);
+  if (isfinite(fit->r_squared))
+    fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
+  if (isfinite(fit->free_slope))
+    fprintf(stream, "  free line: v = %.4g + %.6g i m/s\n", fit->free_intercept, fit->free_slope);
+  if (fit->forchheimer)
+    fprintf(stream,
+            "  Forchheimer: i = v/k + b v^2, b = %.4g +- %.2g s^2/m^2 (%.1f %% of the "
+            "highest gradient); k above is this fit's\n",
+            fit->b, fit->b_error, 100.0 * fit->curvature);
+  else if (isfinite(fit->b))
+    fputs("  Forchheimer term: not called for by the data\n", stream);
+  fputc('\n', stream);
 }
 
 static void write_summary(const struct darcy_table *table, FILE *stream) {
@@ -247,43 +287,10 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
       else
         fprintf(stream, "from %.4g s, %zu rows\n", point->average.from_time, point->average.rows);
     }
-    if (fit->count == 0) {
-      fputs("  k: none, since every run still drifts; run longer\n\n", stream);
-      continue;
-    }
-    if (fit->k == 0) {
-      fputs("  k = 0: no pore leads through along the force\n\n", stream);
-      continue;
-    }
-    const double scale = fit->intrinsic_permeability / fit->k;
-    const double error = whole_error(table->first[g], fit) * fit->k;
-    fputs("  k = ", stream);
-    write_value_with_error(stream, 100.0 * fit->k, 100.0 * error, "+-", " cm/s");
-    fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->k, error, "+-", " m/s");
-    fputs("\n  intrinsic permeability = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability, scale * error, "+-", " m^2");
-    fputs("\n    = ", stream);
-    write_value_with_error(stream, fit->intrinsic_permeability / DARCY, scale * error / DARCY, "+-",
-                           " darcy");
-    fprintf(stream, "\n  for the fluid of the runs: viscosity %g Pa s, density %g kg/m^3\n",
-            table->first[g]->viscosity, table->first[g]->density);
-    const struct uncertainty uncertainty = uncertainty_of(table->first[g], fit);
-    uncertainty_write(&uncertainty, stream);
-    if (isfinite(fit->r_squared))
-      fprintf(stream, "  line through the origin: R^2 = %.6f\n", fit->r_squared);
-    if (isfinite(fit->free_slope))
-      fprintf(stream, "  free line: v = %.4g + %.6g i m/s\n", fit->free_intercept, fit->free_slope);
-    if (fit->forchheimer)
-      fprintf(stream,
-              "  Forchheimer: i = v/k + b v^2, b = %.4g +- %.2g s^2/m^2 (%.1f %% of the "
-              "highest gradient); k above is this fit's\n",
-              fit->b, fit->b_error, 100.0 * fit->curvature);
-    else if (isfinite(fit->b))
-      fputs("  Forchheimer term: not called for by the data\n", stream);
-    fputc('\n', stream);
+    write_fit(table->first[g], fit, stream);
+    if (table->has_tensor[g]) tensor_summary(&table->tensors[g], stream);
+    if (table->has_tensor[g] && g + 1 < table->groups) fputc('\n', stream);
   }
-  if (table->has_tensor) tensor_summary(&table->tensor, stream);
   if (log_level() >= LOG_VERBOSE) fprintf(stream, "%s\n", superficial);
 }
 
@@ -347,8 +354,12 @@ static enum status analyze(const struct subject *subject, const struct options *
   struct darcy_table table = {.runs = runs, .n = n};
   TRY(collect(&table));
   for (size_t g = 0; g < table.groups; g++) TRY(fit_group(&table, g));
-  for (size_t i = 0; i < n && !table.has_tensor; i++)
-    TRY(tensor_read(&runs[i], &table.tensor, &table.has_tensor));
+  TRY(memory_allocate(&table.tensors, table.groups, sizeof *table.tensors, "tensors"));
+  TRY(memory_allocate(&table.has_tensor, table.groups, sizeof *table.has_tensor, "tensors"));
+  for (size_t i = 0; i < n; i++) {
+    const size_t g = table.points[i].group;
+    if (!table.has_tensor[g]) TRY(tensor_read(&runs[i], &table.tensors[g], &table.has_tensor[g]));
+  }
   write_json(&table, product->json);
   write_csv(&table, product->csv.stream);
   write_summary(&table, product->summary.stream);
@@ -359,11 +370,13 @@ cleanup:
   memory_free(&table.points);
   memory_free(&table.fits);
   memory_free(&table.first);
+  memory_free(&table.tensors);
+  memory_free(&table.has_tensor);
   return status;
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = subject->permeable;
+  *applies = subject->permeable > 0;
   return STATUS_OK;
 }
 
@@ -386,6 +399,7 @@ const struct analysis darcy_analysis = {
     .heading = "Darcy&rsquo;s law",
     .contents = "Darcy&rsquo;s law",
     .caption = "Darcy velocity against hydraulic gradient with the fitted line.",
+    .page_runs = OF_PERMEABLE,
     .charts = true,
     .applies = applies,
     .analyze = analyze,

@@ -275,6 +275,7 @@ const struct analysis moisture_analysis = {
          "water in soil that is not full: map and profiles of the water content, water table",
          "analyze moisture recharge.hdf -o results", 1, 1},
     .heading = "Water in the soil",
+    .page_runs = OF_FIRST,
     .contents = "Water in the soil",
     .caption =
         "Water content: a map at the end with the water table, and profiles where most water "

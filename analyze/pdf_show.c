@@ -295,7 +295,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = subject->permeable && subject->snapshots && !subject->blocked;
+  *applies = subject->flowing > 0 && subject->snapshots;
   return STATUS_OK;
 }
 
@@ -305,6 +305,7 @@ const struct analysis pdf_analysis = {
                 "probability density of the pore velocity, raw and normalised",
                 "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
     .heading = "Pore velocity",
+    .page_runs = OF_FLOWING,
     .contents = "Pore velocity",
     .caption = "Probability density of the velocity along the driving force, raw and over the pore "
                "mean, with those of a slit, a tube, an exponential and a fitted power-exponential.",

@@ -283,7 +283,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = subject->snapshots && !subject->blocked;
+  *applies = subject->snapshots && (subject->flowing > 0 || subject->permeable == 0);
   return STATUS_OK;
 }
 

@@ -13,6 +13,7 @@
 #include "analyze/report/page_specimen.h"
 #include "analyze/report/page_verdict.h"
 #include "common/log.h"
+#include "common/memory.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
 #include "common/provenance.h"
@@ -78,6 +79,11 @@ static void write_foot(struct page *page) {
         page->out);
 }
 
+/* No run of it has water that flows along its force, though one is there. */
+static bool page_is_blocked(const struct page *page) {
+  return page->subject.permeable > 0 && page->subject.flowing == 0;
+}
+
 static void write_link(FILE *out, const char *id, const char *name) {
   fprintf(out, "<a href=\"#%s\">%s</a> ", id, name);
 }
@@ -90,7 +96,7 @@ static void write_contents(const struct page *page, bool budget) {
   if (page->subject.n == 1 && page->subject.runs[0].levels.count > 1)
     write_link(out, "levels", "Accuracy");
   if (page_has_soil(page)) write_link(out, "soil", "Soil");
-  if (page->subject.blocked) write_link(out, "pdf", "Pore velocity");
+  if (page_is_blocked(page)) write_link(out, "pdf", "Pore velocity");
   for (enum showing showing = SHOW_OPEN; showing >= SHOW_FOLDED; showing--)
     for (size_t i = 0; i < ANALYSES; i++)
       if (page->parts[i].there && page->parts[i].showing == showing)
@@ -130,19 +136,15 @@ static enum status write_body(struct page *page) {
   enum status status = STATUS_OK;
   FILE *out = page->out;
   json_t *calibration = NULL;
-  struct tensor tensor;
-  bool budget, has_tensor = false;
+  bool budget;
   TRY(page_has_budget(page->subject.runs, page->subject.n, &budget));
-  for (size_t i = 0; i < page->subject.n && !has_tensor; i++)
-    TRY(tensor_read(&page->subject.runs[i], &tensor, &has_tensor));
   write_head(page);
   write_contents(page, budget);
-  verdict_write(page->data, has_tensor ? &tensor : NULL,
-                run_has_permeability(&page->subject.runs[0]), out);
+  TRY(verdict_write(page->data, &page->subject, out));
   TRY(page_flow_section(page));
   TRY(page_levels(page));
   TRY(page_soil(page));
-  if (page->subject.blocked)
+  if (page_is_blocked(page))
     fputs(
         "<section id=\"pdf\"><h2>Pore velocity</h2>\n<p>No pore leads through the model along the "
         "force: the water is at rest, and there is no velocity to show.</p></section>\n",
@@ -212,10 +214,10 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
                        size_t solute_count, const char *path, const char *command_line,
                        json_t **json) {
   enum status status = STATUS_OK;
-  struct page page = {
-      .subject = {.runs = runs, .n = n, .solutes = solutes, .solute_count = solute_count},
-      .command_line = command_line};
+  struct page page = {.subject = {.solutes = solutes, .solute_count = solute_count},
+                      .command_line = command_line};
   char *text = NULL;
+  struct run *ordered = NULL;
   size_t size = 0;
   bool charts = asset_get(ASSET_DYGRAPH).size > 0;
   page.data = json_object();
@@ -223,6 +225,9 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
   if (!charts || asset_get(ASSET_THREE).size == 0)
     log_warning("this program was built without libjs-dygraphs or libjs-three: the report shows "
                 "still pictures; install both and build again");
+  TRY(memory_allocate(&ordered, n, sizeof *ordered, "runs"));
+  TRY(page_order(runs, n, ordered, &page.subject));
+  runs = ordered;
   page_model_read(&runs[0], &page.model);
   read_voxels(&page.model, &page.voxels);
   TRY(page_analyse(&page));
@@ -239,6 +244,7 @@ enum status page_write(const struct run *runs, size_t n, const char *const *solu
   *json = json_incref(page.data);
 cleanup:
   free(text);
+  memory_free(&ordered);
   json_decref(page.data);
   for (size_t i = 0; i < ANALYSES; i++) product_free(&page.parts[i].product);
   flow_free(&page.flow);

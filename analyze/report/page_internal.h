@@ -34,6 +34,10 @@ struct page {
   FILE *out;
 };
 
+/* The runs in the page's order, in `ordered` (n; the runs' own memory stays theirs): those with a
+ * permeability first, that it is about; and what is known of them: page_parts.c. */
+enum status page_order(const struct run *runs, size_t n, struct run *ordered,
+                       struct subject *subject);
 /* Runs the analyses that the runs support: page_parts.c. */
 enum status page_analyse(struct page *page);
 /* What an analysis found; NULL: the page does not have it. */

@@ -1,17 +1,27 @@
 /* Which analyses the page holds, and their results. */
-#include <math.h>
 #include <string.h>
 
 #include "analyze/averaging.h"
 #include "analyze/report/page_internal.h"
 #include "common/log.h"
+#include "common/memory.h"
+
+/* The subject, with those of its runs that the page shows of an analysis. */
+static struct subject shown(const struct subject *subject, const struct analysis *analysis) {
+  struct subject part = *subject;
+  if (analysis->page_runs == OF_PERMEABLE) part.n = subject->permeable;
+  if (analysis->page_runs == OF_FLOWING) part.n = subject->flowing;
+  if (analysis->page_runs == OF_FIRST && subject->permeable == 0) part.n = 1;
+  return part;
+}
 
 static enum status run_part(struct page *page, size_t i) {
   enum status status = STATUS_OK;
   const struct analysis *analysis = analyses[i];
   struct part *part = &page->parts[i];
+  const struct subject subject = shown(&page->subject, analysis);
   TRY(product_start(analysis->name, &part->product));
-  TRY(analysis->analyze(&page->subject, NULL, &part->product));
+  TRY(analysis->analyze(&subject, NULL, &part->product));
   TRY(product_finish(&part->product));
   part->there = true;
   part->showing = analysis->heading == NULL ? SHOW_NOT
@@ -29,31 +39,42 @@ const json_t *page_found(const struct page *page, const struct analysis *analysi
   return NULL;
 }
 
-/* Whether all runs have a permeability. A tank that fills or sloshes is driven by gravity and has
- * none: of method isph only runs whose seepage does not drift count. */
-static enum status find_permeable(const struct run *runs, size_t n, bool *permeable) {
+/* How a run counts on the page: 2, it has a permeability; 1, it is 0; 0, it has none. A tank that
+ * fills or sloshes is driven by gravity and has none: of method isph only runs whose seepage does
+ * not drift count. */
+static enum status find_rank(const struct run *run, int *rank) {
   enum status status = STATUS_OK;
-  *permeable = true;
-  for (size_t i = 0; i < n; i++) *permeable &= run_has_permeability(&runs[i]);
-  for (size_t i = 0; *permeable && i < n; i++) {
+  *rank = 0;
+  if (!run_has_permeability(run)) return STATUS_OK;
+  if (strcmp(run->method, "isph") == 0) {
     struct average average;
-    if (strcmp(runs[i].method, "isph") != 0) continue;
-    TRY(average_darcy(&runs[i], &average));
-    *permeable = average.without_drift;
+    TRY(average_darcy(run, &average));
+    if (!average.without_drift) return STATUS_OK;
   }
+  *rank = run->k == 0 ? 1 : 2;
 cleanup:
   return status;
 }
 
-static enum status describe_subject(struct subject *subject) {
+enum status page_order(const struct run *runs, size_t n, struct run *ordered,
+                       struct subject *subject) {
   enum status status = STATUS_OK;
-  TRY(find_permeable(subject->runs, subject->n, &subject->permeable));
-  subject->snapshots = true;
-  for (size_t i = 0; i < subject->n; i++) {
-    subject->blocked |= subject->permeable && subject->runs[i].k == 0;
-    subject->snapshots &= subject->runs[i].snapshot_count > 0;
+  int *ranks = NULL;
+  size_t count = 0;
+  TRY(memory_allocate(&ranks, n, sizeof *ranks, "runs"));
+  for (size_t i = 0; i < n; i++) TRY(find_rank(&runs[i], &ranks[i]));
+  for (int rank = 2; rank >= 0; rank--) {
+    for (size_t i = 0; i < n; i++)
+      if (ranks[i] == rank) ordered[count++] = runs[i];
+    if (rank == 2) subject->flowing = count;
+    if (rank == 1) subject->permeable = count;
   }
+  subject->runs = ordered;
+  subject->n = n;
+  subject->snapshots = true;
+  for (size_t i = 0; i < n; i++) subject->snapshots &= runs[i].snapshot_count > 0;
 cleanup:
+  memory_free(&ranks);
   return status;
 }
 
@@ -66,7 +87,7 @@ static enum status find_flow(struct page *page) {
   TRY(run_last_snapshot(run, &particles));
   TRY(flow_build(run, &particles, &page->flow));
   page->has_flow = true;
-  if (page->subject.permeable && page->flow.speed_high > 0.0) {
+  if (page->subject.permeable > 0 && page->flow.speed_high > 0.0) {
     TRY(paths_find(run, &particles, &page->flow));
     TRY(plane_read(run, &particles, &page->voxels, &page->plane));
     page->subject.maps = page->plane.speed_high > 0.0;
@@ -81,7 +102,6 @@ cleanup:
 
 enum status page_analyse(struct page *page) {
   enum status status = STATUS_OK;
-  TRY(describe_subject(&page->subject));
   if (page->subject.snapshots)
     TRY(find_flow(page));
   else
@@ -89,7 +109,8 @@ enum status page_analyse(struct page *page) {
                 "flow");
   for (size_t i = 0; i < ANALYSES; i++) {
     bool applies;
-    TRY(analysis_applies(analyses[i], &page->subject, &applies));
+    const struct subject subject = shown(&page->subject, analyses[i]);
+    TRY(analysis_applies(analyses[i], &subject, &applies));
     if (!applies) continue;
     status = run_part(page, i);
     if (status != STATUS_OK && !analyses[i]->may_fail) goto cleanup;

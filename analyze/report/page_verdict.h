@@ -7,9 +7,9 @@
 #include <stdbool.h>
 #include <stdio.h>
 
+#include "analyze/analysis.h"
 #include "analyze/report/page_model.h"
 #include "analyze/run_file.h"
-#include "analyze/tensor.h"
 
 /* The results of the runs, one for each body, fluid, method and wall: runs that differ in spacing
  * alone are one result. `darcy` and `converge` are those analyses' JSON, NULL where they are not.
@@ -28,10 +28,9 @@ bool verdict_one_body(const struct run *a, const struct run *b);
  * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* The card, with the tensor of a run that holds one (NULL: none), and a table of further results.
+/* The card, with the tensor of its body if a run holds one, and a table of further results.
  * `data`: JSON of the analyses by their names, `verdict` among them; without a result of that the
- * card of `seepage` or `moisture`, if it is there, or that a flow which is `driven` has not
- * settled. */
-void verdict_write(const json_t *data, const struct tensor *tensor, bool driven, FILE *stream);
+ * card of `seepage` or `moisture` of the first run, if it is there, or why there is none. */
+enum status verdict_write(const json_t *data, const struct subject *subject, FILE *stream);
 
 #endif

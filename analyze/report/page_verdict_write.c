@@ -1,11 +1,14 @@
 /* The verdict as HTML. */
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "analyze/compatible_runs.h"
 #include "analyze/product.h"
 #include "analyze/report/page_html.h"
 #include "analyze/report/page_verdict.h"
 #include "analyze/seepage/seepage.h"
+#include "analyze/tensor.h"
 #include "common/units.h"
 
 static void write_string(const json_t *object, const char *key, FILE *stream) {
@@ -13,13 +16,22 @@ static void write_string(const json_t *object, const char *key, FILE *stream) {
   if (text != NULL) html_text(stream, text);
 }
 
+/* Less is not told: of a rate that was given, or the round-off of an average. */
+#define EXACT 1e-6
+
 /* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)", small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
 static void quantity(FILE *out, double value, double relative, const char *unit) {
   char scaled[80];
   int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   if (value == 0) relative = 0;
   fputs("<span class=\"quantity\">", out);
-  if (power >= -2 && power < 5) {
+  if (value != 0 && relative < EXACT) {
+    if (power >= -2 && power < 5)
+      fprintf(out, "%.5g %s", value, unit);
+    else
+      fprintf(out, "%.5g &times; 10<sup>%s%d</sup> %s", value / pow(10.0, power),
+              power < 0 ? "&minus;" : "", abs(power), unit);
+  } else if (power >= -2 && power < 5) {
     snprintf(scaled, sizeof scaled, " %s", unit);
     write_value_with_error(out, value, relative * value, "&plusmn;", scaled);
   } else {
@@ -143,10 +155,10 @@ static void write_orientation(const json_t *result, FILE *out) {
             1e6 * json_number_or_nan(formulas, "grain_size_m"));
 }
 
-static void write_others(const json_t *results, FILE *out) {
+static void write_others(const json_t *results, const struct subject *subject, FILE *out) {
   const json_t *result;
   size_t i;
-  if (json_array_size(results) < 2) return;
+  if (json_array_size(results) < 2 && subject->permeable == subject->n) return;
   fputs("<div class=\"wide\"><table class=\"others\"><thead><tr><th>Further results</th><th><var>"
         "k</var></th></tr></thead><tbody>\n",
         out);
@@ -158,6 +170,12 @@ static void write_others(const json_t *results, FILE *out) {
     quantity(out, 100.0 * json_number_or_nan(result, "k_m_per_s"),
              json_number_or_nan(result, "k_relative_error"), "cm/s");
     fputs("</td></tr>\n", out);
+  }
+  for (i = subject->permeable; i < subject->n; i++) {
+    fputs("<tr><td>", out);
+    html_text(out, subject->runs[i].name);
+    fprintf(out, " (%s)</td><td>none: %s</td></tr>\n", subject->runs[i].method,
+            run_has_permeability(&subject->runs[i]) ? "not settled" : "see a page of its own");
   }
   fputs("</tbody></table></div>\n", out);
 }
@@ -176,6 +194,8 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
     *error += json_number_or_nan(sink, "error95");
   }
   *where = "taken out of the soil by wells and drains";
+  if (json_object_size(taken) > 0 && *error == 0)
+    *where = "taken out by wells, as the scene gives it";
   if (json_object_size(taken) > 0) return;
   *where = "through the soil, by the flow net";
   *flow = json_number_or_nan(seepage, "flow_m2_per_s");
@@ -215,7 +235,7 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   if (none) {
     fputs("No steady flow <span class=\"interval\">through the soil", out);
   } else {
-    quantity(out, flow, error > 0 ? error / flow : NAN, "m&sup2;/s"); /* 0: of a given rate */
+    quantity(out, flow, error / fabs(flow), "m&sup2;/s"); /* 0: of a given rate */
     fprintf(out, " <span class=\"interval\">%s", where);
     html_text(out, plane);
   }
@@ -224,6 +244,8 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   if (seepage_is_filling(flow, error, uptake))
     fprintf(out, ". The soil still %s %.3g&nbsp;m&sup2;/s: run longer",
             uptake > 0 ? "fills with" : "drains of", fabs(uptake));
+  if (json_number_or_nan(seepage, "heads_drift_m") > 0)
+    fputs(". Heads in it still go one way: run longer", out);
   if (drift > 0.1 * flow) fputs(". The velocities in it still go one way: run longer", out);
   const double resolves =
       json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
@@ -239,7 +261,7 @@ static void write_seepage(const json_t *seepage, FILE *out) {
             "; but gradients beside a wall as shallow as here are not resolved: take a spacing of "
             "%.2g&nbsp;m",
             resolves);
-  fputs(".</p></article></section>\n", out);
+  fputs(".</p>\n", out);
 }
 
 /* A flow in soil that is not full: how much water, and how high it stands. */
@@ -263,32 +285,65 @@ static void write_moisture(const json_t *moisture, FILE *out) {
   if (isfinite(highest))
     fprintf(out, "; the water table is highest at <var>x</var> = %.4g&nbsp;m: %.4g&nbsp;m",
             json_number_value(json_array_get(x, where)), highest);
-  fputs(".</p></article></section>\n", out);
+  fputs(".</p>\n", out);
 }
 
-void verdict_write(const json_t *data, const struct tensor *tensor, bool driven, FILE *out) {
+/* Of several runs without a k the card is of the first. */
+static void name_the_shown(const struct subject *subject, FILE *out) {
+  if (subject->n < 2) return;
+  fputs("<p class=\"note\">Of ", out);
+  html_text(out, subject->runs[0].name);
+  fputs(" alone. Give", out);
+  for (size_t i = 1; i < subject->n; i++) {
+    fputs(i == 1 ? " " : i + 1 < subject->n ? ", " : " and ", out);
+    html_text(out, subject->runs[i].name);
+  }
+  fputs(subject->n > 2 ? " pages of their own.</p>\n" : " a page of its own.</p>\n", out);
+}
+
+/* The tensor of the run that a result is of, else of one of the same body. */
+static enum status find_tensor(const json_t *result, const struct subject *subject,
+                               struct tensor *tensor, bool *found) {
+  enum status status = STATUS_OK;
+  const char *path = json_string_value(json_object_get(result, "path"));
+  const struct run *own = NULL;
+  *found = false;
+  for (size_t i = 0; i < subject->n && own == NULL; i++)
+    if (path != NULL && strcmp(subject->runs[i].path, path) == 0) own = &subject->runs[i];
+  if (own == NULL) return STATUS_OK;
+  TRY(tensor_read(own, tensor, found));
+  for (size_t i = 0; i < subject->n && !*found; i++)
+    if (compatible_runs_same_model(own, &subject->runs[i], true))
+      TRY(tensor_read(&subject->runs[i], tensor, found));
+cleanup:
+  return status;
+}
+
+enum status verdict_write(const json_t *data, const struct subject *subject, FILE *out) {
+  enum status status = STATUS_OK;
+  struct tensor tensor;
+  bool has_tensor;
   const json_t *results = json_object_get(data, "verdict"),
                *seepage = json_object_get(data, "seepage"),
                *moisture = json_object_get(data, "moisture");
   const json_t *result = json_array_get(results, 0);
   fputs("<section id=\"headline\"><article class=\"card\">\n", out);
-  if (result == NULL && seepage != NULL) {
-    write_seepage(seepage, out);
-    return;
-  }
-  if (result == NULL && moisture != NULL) {
-    write_moisture(moisture, out);
-    return;
-  }
   if (result == NULL) {
-    fputs(driven
+    if (seepage != NULL)
+      write_seepage(seepage, out);
+    else if (moisture != NULL)
+      write_moisture(moisture, out);
+    else
+      fputs(
+          run_has_permeability(&subject->runs[0])
               ? "<p>The flow has not settled, so there is no permeability to give: run it "
                 "longer.</p>"
               : "<p>Nothing drives a flow through the whole body, or it has not settled, so there "
                 "is no permeability to give.</p>",
           out);
+    name_the_shown(subject, out);
     fputs("</article></section>\n", out);
-    return;
+    return STATUS_OK;
   }
   const double k = json_number_or_nan(result, "k_m_per_s"),
                relative = json_number_or_nan(result, "k_relative_error");
@@ -318,7 +373,10 @@ void verdict_write(const json_t *data, const struct tensor *tensor, bool driven,
   fputs("</div><div>", out);
   write_orientation(result, out);
   fputs("</div></div>\n", out);
-  if (tensor != NULL) tensor_html(tensor, out);
-  write_others(results, out);
+  TRY(find_tensor(result, subject, &tensor, &has_tensor));
+  if (has_tensor) tensor_html(&tensor, out);
+  write_others(results, subject, out);
   fputs("</article></section>\n", out);
+cleanup:
+  return status;
 }

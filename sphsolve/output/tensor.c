@@ -98,7 +98,8 @@ static void assemble(struct tensor *t) {
       const struct tensor_column *a = &t->columns[i], *b = &t->columns[j];
       const bool zero = i != j && (t->mirrored[i] || t->mirrored[j]);
       const double ij = b->velocity[i], ji = a->velocity[j];
-      t->k[i][j] = zero ? 0 : i == j ? ij : 0.5 * (ij + ji);
+      /* + 0: no -0 of a direction that nothing leads along */
+      t->k[i][j] = zero ? 0 : (i == j ? ij : 0.5 * (ij + ji)) + 0.0;
       down[i][j] = i == j ? b->low * fabs(ij) : 0;
       up[i][j] = i == j ? b->high * fabs(ij) : 0;
       if (i != j && !zero) {

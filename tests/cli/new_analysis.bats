@@ -18,7 +18,7 @@ setup_file() { programs_setup; }
 #include "analyze/analysis.h"
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = subject->permeable && subject->snapshots && !subject->blocked;
+  *applies = subject->flowing > 0 && subject->snapshots;
   return STATUS_OK;
 }
 

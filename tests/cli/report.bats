@@ -225,6 +225,14 @@ for svg in re.findall("<svg class=.map.*?</svg>", open("gas.html").read(), re.S)
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" early.hdf k=1e-3 model= tau=1
   analyze report early.hdf -o early.html -q > /dev/null 2>&1
   grep -q 'The flow has not settled, so there is no permeability' early.html
+  # Beside one that has a k it takes nothing from that: the page is about the one that has it, in either order.
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" soil.hdf method=isph k=1e-3 model= tau=1 name=soil
+  for order in "soil.hdf ended.hdf" "ended.hdf soil.hdf"; do
+    analyze report $order --mix -o both.html -q > /dev/null 2>&1
+    grep -q '<p class="k"><var>k</var> = 0.1000 cm/s' both.html
+    grep -q '<td>soil (isph)</td><td>none: not settled</td>' both.html
+    run ! grep -q 'no permeability to give' both.html
+  done
   ! grep -q 'interrupted' <(sed 's/<script.*//' ended.html)
 }
 

@@ -103,6 +103,20 @@ assert all((t["k_high_m_per_s"][i][i] / t["k_m_per_s"][i][i] - 1) <= 0.2 for i i
   [ -e tu.hdf ] || sphsolve run turned.cfg -o tu --tensor --quiet
   analyze report tu.hdf -o turned.html --quiet
   grep -q "Permeability tensor" turned.html && grep -q "mirror image along z" turned.html
+  # Each body its own: of another the page's card shows none, and darcy each below its k.
+  [ -e mi.hdf ] || sphsolve run mirrored.cfg -o mi --tensor --quiet
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf method=stokes k=1e-3 model=
+  analyze report made.hdf tu.hdf --mix -o mixed.html --quiet > /dev/null
+  run ! grep -q "Permeability tensor" mixed.html
+  analyze darcy tu.hdf made.hdf mi.hdf --mix --json > mixed.json
+  /usr/bin/python3 - <<'P'
+import json
+
+mixed, alone = json.load(open("mixed.json")), json.load(open("darcy.json"))
+groups = mixed["groups"]
+assert ["tensor" in group for group in groups] == [True, False, True] and "tensor" not in mixed
+assert groups[0]["tensor"] == alone["tensor"] and groups[2]["tensor"] != alone["tensor"]
+P
 }
 
 @test "an output that may not be is refused before the first direction" {
