@@ -11,7 +11,7 @@ struct face_flux {
 
 /* Steady flow in the wet soil of a run between the heads of its waters, div K grad h = 0, with K by
  * the soil's drag at the run's own speeds. The edges of soil are sharp here, which particles smear;
- * where the water's surface is and how high the waters stand is the run's. Solved on the run's
+ * where the water's surface is in soil is the run's. Solved on the run's
  * cells and on quarters of them, from which what is off by the cell's size is taken out. */
 struct darcy_flow {
   bool known; /* else nothing else is */

@@ -12,6 +12,7 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
                                 double domain[3]) {
   enum status status = STATUS_OK;
   double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, gravity[3];
+  double *head = NULL;
   char **types = NULL, **names = NULL;
   uint64_t *numbers = NULL;
   size_t dims[2], n = 0, named = 0;
@@ -58,6 +59,11 @@ static enum status read_regions(const struct run *run, struct h5_file *file, str
     for (size_t a = 0; a < 2; a++) r->conductivity[a] = law != NULL ? law[3 * k + a] : NAN;
     r->forchheimer = law != NULL ? law[3 * k + 2] : NAN;
   }
+  dims[0] = n;
+  if (h5_exists(file, "/run/regions/head"))
+    TRY(h5_read(file, "/run/regions/head", H5_F64, 1, dims, &head));
+  if (dims[0] != n) TRY_FAIL(STATUS_INPUT, "%s: /run/regions/head is damaged", run->path);
+  for (size_t k = 0; k < n; k++) f->regions[k].head = head != NULL ? head[k] : NAN;
   TRY(h5_read_attribute(file, "/run/regions", "domain", H5_F64, 3, domain));
   TRY(h5_read_attribute(file, "/run/regions", "gravity", H5_F64, 3, gravity));
   if (!(gravity[2] < 0 && gravity[0] == 0 && gravity[1] == 0))
@@ -72,6 +78,7 @@ cleanup:
   memory_free(&porosity);
   memory_free(&permeability);
   memory_free(&law);
+  memory_free(&head);
   return status;
 }
 

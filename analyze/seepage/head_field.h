@@ -16,6 +16,7 @@ struct head_region {
   char *name;             /* of walls, wells and drains that have one; else "", or NULL: not kept */
   size_t number;          /* in the scene; boxes that one of its shapes is cut into have the same */
   double low[2], high[2]; /* m: x, z */
+  double head;            /* m: of an inflow or a drain; NAN: none, it changes, it is not kept */
   double porosity;        /* of soil, else NAN */
   double permeability;    /* of soil, m/s by linear drag, of beds the mean; else NAN */
   double conductivity[2]; /* of soil, m/s along x and z by linear drag; NAN: Darcy's law does not

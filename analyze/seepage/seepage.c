@@ -9,6 +9,9 @@
 #include "common/json_number.h"
 #include "common/statistics.h"
 
+/* Share of the head's fall in soil; heads that go on by less are told by their +- alone. */
+#define HEADS_DRIFT 0.02
+
 /* What a series that still goes one way leaves open: the means of its quarters all rise or all
  * fall, by more than chance. From the middle to the end it goes half of its way on, and as much
  * again as the whole way is taken to be still to come. 0: no drift. Under four values tell from
@@ -156,6 +159,25 @@ static double gauge_off(const struct seepage *s, const char *name, double mean, 
   return put_darcy(darcy_flow_head(&s->darcy, (double[]){at[0], at[2]}), mean, entry);
 }
 
+/* What a drain takes is off Darcy's law, and that law's own uncertainty: of two solutions that have
+ * nothing in common but the heads that the scene gives. */
+static double taken_off(const struct seepage *s, const char *name, double mean, json_t *entry) {
+  const struct darcy_value law = darcy_flow_taken(&s->darcy, name);
+  if (!isfinite(law.value)) return 0;
+  json_put_number(entry, "darcy", law.value);
+  return hypot(mean - law.value, law.error);
+}
+
+/* Of heads that still go one way, beside wells and drains: m; 0 where they do not. */
+static double heads_drift(const struct seepage *s, const json_t *heads) {
+  double most = 0;
+  const char *name;
+  const json_t *entry;
+  json_object_foreach((json_t *)heads, name, entry) most =
+      fmax(most, json_number_or_nan(entry, "drift_error"));
+  return s->sinks && most > HEADS_DRIFT * s->drop ? most : 0;
+}
+
 /* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
 static void show_columns(const struct seepage *s, const char *prefix, const char *word,
                          double scale, const char *unit, json_t *json, FILE *summary) {
@@ -177,11 +199,8 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     char law[80] = "";
     if (!strcmp(word, "flux"))
       half = flux_error(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
-    if (!strcmp(word, "taken")) {
-      half = hypot(2 * error, put_darcy(darcy_flow_taken(&s->darcy, column->name + strlen(prefix)),
-                                        mean, entry)) +
-             drift;
-    }
+    if (!strcmp(word, "taken"))
+      half = hypot(2 * error, taken_off(s, column->name + strlen(prefix), mean, entry)) + drift;
     if (!strcmp(word, "head")) {
       half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
       json_put_number(entry, "error95", half);
@@ -224,6 +243,20 @@ static void show_gradient(double gradient, double error, double critical, bool r
     snprintf(factor, 80, "factor %.3g, %s", critical / gradient,
              resolved ? seepage_judge(least) : "not resolved");
   }
+}
+
+/* Water that does not stand at the head that its window holds. */
+static void show_asked(const struct seepage *s, json_t *json, FILE *summary) {
+  const struct asked_heads *a = &s->asked;
+  if (a->met) return;
+  json_object_set_new(json, "window_off",
+                      json_pack("{s:I,s:o,s:o}", "inflow", (json_int_t)a->window, "head_m",
+                                json_number(a->found), "asked_m", json_number(a->asked)));
+  fprintf(summary,
+          "window     the water before regions[%zu] stands at %.4g m, not at its head of %.4g m, "
+          "%s; a head a whole number of spacings high is met\n",
+          a->window, a->found, a->asked,
+          s->darcy.known ? "which the +- hold" : "which no +- here holds");
 }
 
 static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
@@ -376,6 +409,10 @@ static enum status analyze(const struct subject *subject, const struct options *
   show_flow(s, fluxes, json, summary);
   show_columns(s, "head_", "head", 1, "m", heads, summary);
   show_columns(s, "level_", "level", 1, "m", levels, summary);
+  const double drifting = heads_drift(s, heads);
+  json_put_number(json, "heads_drift_m", drifting);
+  if (drifting > 0) fputs("unsteady   heads still go one way: run longer\n", summary);
+  show_asked(s, json, summary);
   show_exit(s, json, summary);
   show_prisms(s, json, summary);
   show_loads(s, json, summary);
@@ -401,6 +438,7 @@ const struct analysis seepage_analysis = {
     .options = {{"grain-density", 0, "Q", 0,
                  "of the soil's grains, for the critical gradient (2650 kg/m^3)"}},
     .heading = "Seepage",
+    .page_runs = OF_FIRST,
     .contents = "Seepage",
     .caption =
         "Flow net: equipotentials in the soil, streamlines where no well or drain takes from it, "

@@ -5,6 +5,7 @@
 
 #include "analyze/product.h"
 #include "analyze/run_file.h"
+#include "analyze/seepage/asked_heads.h"
 #include "analyze/seepage/darcy_flow.h"
 #include "analyze/seepage/head_field.h"
 #include "analyze/seepage/lifting.h"
@@ -12,7 +13,9 @@
 struct seepage {
   const struct run *run;
   struct head_field field;
-  struct darcy_flow darcy; /* not known while soil fills or drains */
+  struct asked_heads asked;
+  struct head_field law;   /* the field with the heads that are asked for; owns nothing */
+  struct darcy_flow darcy; /* of `law`; not known while soil fills or drains */
   double grain_density;
   bool sinks;        /* wells or drains: what flows into them has no stream function */
   double *psi;       /* m^2/s, at corners; NAN with sinks, as is all of the flow below */

@@ -155,7 +155,10 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   for (size_t c = 0; s->sinks && c < (f->nx + 1) * (f->nz + 1); c++) s->psi[c] = NAN;
   if (s->sinks) s->flow = NAN;
   s->uptake = s->sinks ? NAN : find_uptake(f, s->psi);
-  if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(f, &s->darcy)); /* NAN: sinks */
+  TRY(asked_heads_find(f, &s->asked));
+  s->law = *f;
+  s->law.head = s->asked.head;
+  if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(&s->law, &s->darcy)); /* NAN: sinks */
   s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_phreatic(s);
@@ -185,6 +188,7 @@ enum status seepage_applies(const struct run *run, bool *applies) {
 
 void seepage_free(struct seepage *s) {
   darcy_flow_free(&s->darcy);
+  asked_heads_free(&s->asked);
   head_field_free(&s->field);
   memory_free(&s->psi);
   lifting_free(&s->lifting);

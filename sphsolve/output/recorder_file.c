@@ -129,7 +129,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   const double nu = scene->fluid.viscosity / scene->fluid.density;
   const char **types = NULL, **names = NULL;
   const size_t laws[2] = {n, 3};
-  double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL;
+  double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, *head = NULL;
   uint64_t *numbers = NULL;
   if (n == 0) return STATUS_OK;
   TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
@@ -139,6 +139,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
   TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
   TRY(memory_allocate(&law, n, 3 * sizeof *law, "the regions"));
+  TRY(memory_allocate(&head, n, sizeof *head, "the regions"));
   for (size_t k = 0; k < n; k++) {
     const struct region *region = &scene->regions[k];
     const double e = region->porosity, d = region->grain_size;
@@ -153,6 +154,9 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
              : NAN;
     law[3 * k] = law[3 * k + 1] = law[3 * k + 2] = NAN;
     if (soil) find_law(scene, region, permeability[k], law + 3 * k);
+    const bool held = (region->type == REGION_INFLOW && region->boundary == BOUNDARY_HEAD) ||
+                      region->type == REGION_DRAIN;
+    head[k] = held && region->table.count == 0 ? region->head : NAN;
   }
   TRY(h5_write_texts(file, "/run/regions/type", n, types));
   TRY(h5_write_texts(file, "/run/regions/name", n, names));
@@ -161,6 +165,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
   TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
   TRY(h5_write(file, "/run/regions/darcy_x_z_forchheimer", H5_F64, 2, laws, law, false));
+  TRY(h5_write(file, "/run/regions/head", H5_F64, 1, &n, head, false));
   TRY(h5_write_attribute(file, "/run/regions", "domain", H5_F64, 3, scene->domain_size));
   TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
 cleanup:
@@ -171,6 +176,7 @@ cleanup:
   memory_free(&porosity);
   memory_free(&permeability);
   memory_free(&law);
+  memory_free(&head);
   return status;
 }
 

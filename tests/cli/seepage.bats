@@ -600,6 +600,10 @@ END
   sed -e 's/1.99 m", "0", "2 m", "1 m"\]; head = "1.5 m"/1.99 m", "0", "2 m", "1 m"]; head = "1.4 m"/' -e '/pipe/s/.*/  { type = "water"; box = ["0", "0", "2 m", "1 m"]; } );/' -e 's/"12 s"/"1 s"/' strip.cfg > between.cfg
   sphsolve run between.cfg -o between --quiet
   analyze seepage between.hdf --json > between.json
+  # On one page: what has a k, and that the other has none takes nothing from it.
+  analyze report strip.hdf between.hdf --mix -o both.html --quiet > /dev/null
+  grep -q '<p class="k"><var>k</var> = ' both.html
+  grep -q '<td>strip (isph)</td><td>none: see a page of its own</td>' both.html
   /usr/bin/python3 - <<'END'
 import json, math
 taken = json.load(open("strip.json"))["taken_m2_per_s"]["pipe"]
@@ -607,6 +611,39 @@ exact = 2 * math.pi * 1e-2 * 0.3 / (math.pi + math.log(1 / (2 * math.pi * 0.12))
 assert 0.01 * exact < abs(taken["mean"] - exact) < taken["error95"] < 0.06 * exact, (taken, exact)
 mid = json.load(open("between.json"))["fluxes_m2_per_s"]["mid"]
 assert abs(mid["darcy"] / 5e-4 - 1) < 2e-3 and abs(mid["mean"] - 5e-4) < mid["error95"] < 5e-6, mid
+END
+}
+
+@test "water that does not stand at the head of its window: told, and the +- hold what the scene's heads give" {
+  cat > foot.cfg <<'END'
+scene = { name = "foot"; method = "isph"; end_time = "10 s"; };
+domain = { size = ["2 m", "1.2 m"]; spacing = "5 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0", "0", "2 m", "0.8 m"]; porosity = 0.4; permeability = "1e-3 m/s"; },
+  { type = "porous"; corners = ["0", "0.3 m", "2 m", "0.1 m", "2 m", "0.3 m", "0", "0.5 m"]; porosity = 0.4; permeability = "2e-4 m/s"; },
+  { type = "water"; box = ["0", "0", "0.8 m", "1.13 m"]; }, { type = "water"; box = ["0.8 m", "0", "2 m", "0.88 m"]; },
+  { type = "wall"; name = "weir"; box = ["0.7 m", "0.75 m", "1.2 m", "1.2 m"]; },
+  { type = "inflow"; box = ["0", "0.8 m", "5 cm", "1.2 m"]; head = "1.13 m"; },
+  { type = "inflow"; box = ["1.95 m", "0.8 m", "2 m", "1.2 m"]; head = "0.88 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+planes = ( { name = "under"; x = "0.95 m"; } );
+gauges = ( { name = "base"; at = ["0.95 m", "0.7 m"]; } );
+output = { interval = "0.5 s"; };
+END
+  sphsolve run foot.cfg -o foot --quiet
+  analyze seepage foot.hdf -o foot > foot.txt
+  grep -q '^window  *the water before regions\[6\] stands at 0.89.* m, not at its head of 0.88 m, which the +- hold' foot.txt
+  # By its name, and by its number in the scene, although the layer before it is cut into boxes.
+  grep -q '^water  *on the wall weir: ' foot.txt
+  /usr/bin/python3 - <<'END'
+import json
+found = json.load(open("foot/seepage.json"))
+# Finite differences of 6.25 mm between 1.13 and 0.88 m.
+for value, exact in ((found["fluxes_m2_per_s"]["under"], 1.161e-4), (found["heads_m"]["base"], 1.0024)):
+    assert abs(value["mean"] - exact) < value["error95"] + 1e-3 * exact < 0.12 * exact, (value, exact)
+    assert abs(value["darcy"] / exact - 1) < 0.01, (value, exact)
+wall, = found["walls"]
+assert wall["wall"] == 4 and abs(wall["uplift_N_per_m"] - 1240.4) < wall["uplift_error95"] < 80, wall
 END
 }
 
