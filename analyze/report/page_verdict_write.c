@@ -195,7 +195,7 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
   }
   *where = "taken out of the soil by wells and drains";
   if (json_object_size(taken) > 0 && *error == 0)
-    *where = "taken out by wells, as the scene gives it";
+    *where = "taken out of the soil by wells and drains, as the scene gives it";
   if (json_object_size(taken) > 0) return;
   *where = "through the soil, by the flow net";
   *flow = json_number_or_nan(seepage, "flow_m2_per_s");
