@@ -188,6 +188,12 @@ static double water_content_at(const struct richards *s, const double point[3], 
   return state.theta;
 }
 
+/* z + P/(rho g), m, by the scene's own gravity; h is over that of 9.80665 m/s^2. */
+static double total_head(const struct richards *s, double h, double z) {
+  const double pull = -s->pull[2];
+  return pull > 0 ? z + h / pull : h + pull * z;
+}
+
 enum status richards_write_row(struct richards *s, struct recorder *recorder, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
@@ -233,7 +239,7 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
   for (size_t k = 0; k < scene->gauge_count; k++) {
     const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
     extra[c++] = weight * h;
-    extra[c++] = h - s->pull[2] * at[2];
+    extra[c++] = total_head(s, h, at[2]);
     extra[c++] = water_content_at(s, at, h);
     extra[c++] = richards_level_at(s, at);
   }
@@ -258,7 +264,7 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
   for (size_t i = 0; i < s->count; i++) {
     richards_place(s, i, place[i]);
     values[0][i] = weight * s->h[i];
-    values[1][i] = s->h[i] - s->pull[2] * place[i][2];
+    values[1][i] = total_head(s, s->h[i], place[i][2]);
     values[2][i] = s->now[i].theta;
     values[3][i] = s->now[i].theta / s->soils[s->soil[i]].theta_s;
   }

@@ -790,6 +790,7 @@ regions = (
   { type = "well"; name = "pump"; box = ["0", "0.4 m", "0.2 m", "1 m"];
     times = ["0 s", "1 h", "1 d"]; rate = ["0 m^2/s", "4e-6 m^2/s", "4e-6 m^2/s"]; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
+gauges = ( { name = "foot"; at = ["1 m", "0.3 m"]; } );
 END
   run -0 --separate-stderr sphsolve run pump.cfg -o pump
   [ "$(grep -c "of this well's rate" <<< "$stderr")" -eq 1 ]
@@ -799,6 +800,7 @@ END
 import h5py
 h = h5py.File("pump.hdf")["history"]
 well, pipe = h["taken_pump"][:], h["taken_pipe"][:]
+assert abs(h["head_foot"][0] - 1.5) < 1e-9, h["head_foot"][0] # at rest, by the scene's gravity
 assert 0 < h["outflow_pump"][-1] < 0.9 * 4e-6 * 0.2 and h["outflow_pipe"][0] > 0
 lost = 1000 * (h["water"][0] - h["water"][-1])
 assert abs((well[-1] + pipe[-1]) / lost - 1) < 1e-9, (well[-1], pipe[-1], lost)
