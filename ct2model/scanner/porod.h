@@ -9,8 +9,8 @@
 #include "ct2model/scanner/scanner.h"
 
 /* `surface` (1/m) comes as the restored walls have it, and stays where the law says nothing: walls
- * smooth or near each other everywhere, or a scan too small. `error`: its 95 % half width, as
- * generated sands and bodies have it. `voxel`: edges of the restored voxels, m. */
+ * smooth all over or near each other everywhere, or a scan too small. `error`: its 95 % half width,
+ * as generated sands and bodies have it. `voxel`: edges of the restored voxels, m. */
 enum status porod_surface(const struct restored *restored, const struct scanner *scanner,
                           const double voxel[3], double *surface, double *error);
 
