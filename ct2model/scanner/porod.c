@@ -34,10 +34,10 @@ static const double APART = 0.15, TOUCHING = 0.21;
  * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
  * up to that distance, and falls steeply from there. */
 static const double MOST = 1.19;
-/* 95 % half widths, of S: that of the law, which grows by so much (blur / a)^2, as small grains are
- * lost; of smooth walls' own surface; and of what the law does not see. Where directions differ so
- * much that their number leaves more than LAW, as a slit's do, it is not asked: of sands they leave
- * 2 % at most, of a felt 7. */
+/* 95 % half widths, of S: that of the law, beside so much blur / a, as the finest grains are lost
+ * whole under a blur, and no scan tells whether there were any; of smooth walls' own surface; and
+ * of what the law does not see. Where directions differ so much that their number leaves more than
+ * LAW, as a slit's do, it is not asked: of sands they leave 2 % at most, of a felt 7. */
 static const double LAW = 0.045, LOST = 0.25, SMOOTH = 0.09, UNSEEN = 0.2;
 
 enum { VECTORS = 256, CHUNK = 64 };
@@ -173,7 +173,7 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   const double smooth = scanner->smooth_walls, own = smooth * (1.0 - edges);
   const double both = smooth * edges * fabs(found / *surface - 1.0);
   *surface += (1.0 - own) * (found - *surface);
-  const double blurred = LOST * pow(scanner->blur / a, 2.0);
+  const double blurred = LOST * scanner->blur / a;
   const double law = hypot(hypot(LAW, 2.0 * scatter / found), hypot(blurred, both));
   *error = (law + own * (SMOOTH - law)) * *surface;
 cleanup:
