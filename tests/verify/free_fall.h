@@ -90,10 +90,11 @@ static void free_fall(void) {
     const double whole = arrival(exact);
     snprintf(name, sizeof name, "free fall through soil: front, %s, eps %g, %g cm",
              paper ? "m15" : "akbari", e, 100 * h);
-    report(name, whole, arrival(pass[0]), (e < .35 ? .03 : .02) * whole, started);
+    report(name, whole, arrival(pass[0]), .02 * whole, started);
     snprintf(name, sizeof name, "free fall through soil: lowest particle, %s, eps %g, %g cm",
              paper ? "m15" : "akbari", e, 100 * h);
-    show(name, plug(e, paper, depth, head, depth), arrival(pass[1]), started);
+    const double touched = plug(e, paper, depth, head, depth);
+    report(name, touched, arrival(pass[1]), .05 * touched, started);
     finish(&run);
   }
 }
