@@ -8,6 +8,7 @@
 #include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 
@@ -312,11 +313,12 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     isph_moment_inverse(dimensions, sums.moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
+    for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
     if (s->on.soil) {
-      for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
       const double one_sided = s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
       isph_moment_defect(s, i, sums.moment, one_sided);
     }
+    for (int k = 0; k < 6 && s->linear != NULL; k++) s->linear[i][k] = (float)sums.moment[k];
   }
   return STATUS_OK;
 }
@@ -393,6 +395,7 @@ enum status isph_find_neighbours(struct isph *s) {
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->on.surface) isph_reflection_part(s);
   if (s->near != NULL) isph_find_near_surface(s, s->near);
+  if (s->linear != NULL) isph_linear_find(s);
   if (s->on.soil) isph_moment_correct(s);
   s->pairs_now = 0;
   for (size_t c = 0; c < s->chunk_count; c++)

@@ -8,6 +8,7 @@
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
@@ -117,6 +118,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->body, n, sizeof *s->body, what));
   }
   if (isph_is_unforced(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
+  if (isph_is_free_water(s)) TRY(memory_resize(&s->linear, n, sizeof *s->linear, what));
   if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -276,6 +278,7 @@ void isph_free(struct isph *s) {
                     &s->body,
                     &s->enclosed,
                     &s->near,
+                    &s->linear,
                     &s->gradient,
                     &s->mobility,
                     &s->eddy,

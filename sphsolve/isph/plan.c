@@ -199,6 +199,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (isph_is_anisotropic(scene))
     plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
+  if (context->has_surface && context->driving > 0 && !context->has_porous)
+    plan->bytes_fluid += 24; /* gradients exact for linear fields */
   if (isph_has_wells(scene)) plan->bytes_fluid += (double)sizeof(struct isph_outlet);
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

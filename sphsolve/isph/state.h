@@ -179,9 +179,9 @@ struct isph {
   float (*correction)[9];             /* L, gradient correction */
   float (*moment_defect)[6];          /* C of isph/moment.c; NULL without soil */
   double *surface;                    /* 0 bulk .. 1 surface; NULL without */
-  double (*body)[2];      /* number of the body of water it belongs to, and the most that one of it
-                             is on the surface; NULL without a surface */
-  double *near;           /* its largest in the neighbourhood; NULL unless water is free */
+  double (*body)[2];  /* number of its body of water, and the most on the surface of one; or NULL */
+  double *near;       /* its largest in the neighbourhood; NULL unless water is free of forces */
+  float (*linear)[6]; /* K of isph/linear.h; NULL unless it is as that says */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
   double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */
   double *mobility;       /* k = B T G / rho_w */
