@@ -156,6 +156,10 @@ void write_percent(FILE *stream, double share) {
 
 void value_with_error(char *text, size_t size, double value, double error, const char *sign) {
   const int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
+  if (!isfinite(error)) {
+    snprintf(text, size, "%.4g", value);
+    return;
+  }
   /* Not less than half of the last of six digits, to which the value is rounded here. */
   if (error > 0) error = fmax(error, 0.5 * pow(10.0, order - 5));
   /* As many digits as bring two of the error. */

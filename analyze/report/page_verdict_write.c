@@ -25,12 +25,14 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
   int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   if (value == 0) relative = 0;
   fputs("<span class=\"quantity\">", out);
-  if (value != 0 && relative < EXACT) {
+  if (value != 0 && !(relative >= EXACT && isfinite(relative))) {
+    const int digits = isfinite(relative) ? 5 : 4;
     if (power >= -2 && power < 5)
-      fprintf(out, "%.5g %s", value, unit);
+      fprintf(out, "%.*g %s", digits, value, unit);
     else
-      fprintf(out, "%.5g &times; 10<sup>%s%d</sup> %s", value / pow(10.0, power),
+      fprintf(out, "%.*g &times; 10<sup>%s%d</sup> %s", digits, value / pow(10.0, power),
               power < 0 ? "&minus;" : "", abs(power), unit);
+    if (!isfinite(relative)) fputs(" (error unknown)", out);
   } else if (power >= -2 && power < 5) {
     snprintf(scaled, sizeof scaled, " %s", unit);
     write_value_with_error(out, value, relative * value, "&plusmn;", scaled);

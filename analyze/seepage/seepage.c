@@ -142,7 +142,8 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
     return;
   }
   value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
-  fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it\n", text, s->drop);
+  fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it%s\n", text, s->drop,
+          isfinite(s->flow_error) ? "" : "; its +- is not known: every section has free water");
   json_put_number(json, "soil_uptake_m2_per_s", s->uptake);
   json_put_number(json, "flow_drift_m2_per_s", s->drift);
   if (s->drift > 0.1 * s->flow)

@@ -807,3 +807,22 @@ assert abs((well[-1] + pipe[-1]) / lost - 1) < 1e-9, (well[-1], pipe[-1], lost)
 assert (pipe[1:] >= pipe[:-1]).all() and (well[1:] >= well[:-1]).all()
 END
 }
+
+@test "a flow net in soil under free water: no error is made up, and none is printed as nan" {
+  cat > under.cfg <<'END'
+scene = { name = "under"; method = "isph"; end_time = "0.1 s"; };
+domain = { size = ["0.4 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0.1 m", "0", "0.3 m", "0.1 m"]; porosity = 0.4; permeability = "1e-3 m/s"; },
+  { type = "water"; box = ["0", "0", "0.4 m", "0.15 m"]; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "0.2 m"]; head = "0.15 m"; },
+  { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.2 m"]; head = "0.12 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  sphsolve run under.cfg -o under --quiet
+  analyze seepage under.hdf -o under > under.txt
+  grep -q "^flow net  *[1-9].* m^2/s through soil.* its +- is not known: every section has free water" under.txt
+  analyze report under.hdf -o under.html --quiet > /dev/null
+  run ! grep -E "\bnan\b|\([0-9.]+\) &times;" under.txt under/seepage.gp
+  run ! grep -E "\([0-9.]+\) &times;" under.html
+}
