@@ -169,6 +169,19 @@ static double taken_off(const struct seepage *s, const char *name, double mean, 
   return hypot(mean - law.value, law.error);
 }
 
+/* A free surface in soil is that of the particles, which is known to half of one (a sixth of it at
+ * the median of dams with exact levels, a quarter at most). */
+static double level_off(const struct seepage *s, const char *name, double level) {
+  const struct head_field *f = &s->field;
+  double at[3];
+  if (!place_of_gauge(s->run, name, at)) return 0;
+  for (size_t c = 0; c < f->nx * f->nz; c++)
+    if (fabs(head_field_x(f, c % f->nx) - at[0]) <= 0.5 * f->dx &&
+        fabs(head_field_z(f, c / f->nx) - level) <= 0.5 * f->dz && f->soil[c] != REGION_NONE)
+      return 0.5 * f->dz;
+  return 0;
+}
+
 /* Of heads that still go one way, beside wells and drains: m; 0 where they do not. */
 static double heads_drift(const struct seepage *s, const json_t *heads) {
   double most = 0;
@@ -202,6 +215,10 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       half = flux_error(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
     if (!strcmp(word, "taken"))
       half = hypot(2 * error, taken_off(s, column->name + strlen(prefix), mean, entry)) + drift;
+    if (!strcmp(word, "level")) {
+      half = hypot(2 * error, level_off(s, column->name + strlen(prefix), mean)) + drift;
+      json_put_number(entry, "error95", half);
+    }
     if (!strcmp(word, "head")) {
       half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
       json_put_number(entry, "error95", half);

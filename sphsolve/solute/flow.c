@@ -7,7 +7,8 @@
 #include "sphsolve/solute/flow_internal.h"
 #include "sphsolve/solute/multigrid.h"
 
-/* The projection's residual, of the divergence before it. */
+/* The projection's residual, of the divergence before it; and of the fluxes, which are kept to
+ * fewer digits: what is less is their rounding. */
 #define PROJECTED 1e-7
 
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
@@ -144,7 +145,7 @@ static enum status project(struct solute_flow *f) {
   enum status status = STATUS_OK;
   static const int axis[3] = {0, 1, 2};
   struct solute_solver solver = {0};
-  double *source = NULL, *potential = NULL, before = 0, after = 0;
+  double *source = NULL, *potential = NULL, before = 0, after = 0, flux = 0, divergence = 0;
   int iterations;
   double reached;
   TRY(solute_solver_build(f, axis, false, 0, &solver));
@@ -155,10 +156,15 @@ static enum status project(struct solute_flow *f) {
     for (int j = 0; j < f->n[1]; j++)
       for (int i = 0; i < f->n[0]; i++) {
         const size_t at = solute_cells_at(c, i, j, k);
-        for (int a = 0; a < 3; a++)
+        for (int a = 0; a < 3; a++) {
           source[at] -= (double)c->flux[a][at + c->stride[a]] - (double)c->flux[a][at];
+          flux += (double)c->flux[a][at] * (double)c->flux[a][at];
+        }
+        divergence += source[at] * source[at];
       }
-  TRY(solute_solver_solve(&solver, source, PROJECTED, PROJECTED, potential, &iterations, &reached));
+  const double rounding = divergence > 0 ? sqrt(flux / divergence) : 0;
+  const double enough = PROJECTED * fmax(1, rounding);
+  TRY(solute_solver_solve(&solver, source, enough, enough, potential, &iterations, &reached));
   solute_cells_wrap_exact(c, potential);
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)

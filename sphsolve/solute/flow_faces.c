@@ -31,19 +31,23 @@ static double slope(const struct solute_flow *f, const float *sites, const int x
 }
 
 /* Velocity of a site along the axis, as the mean over the plane of its cell across it: h^2/24 of
- * the second differences more (else the mean of a parabola over N sites is wrong by 1/(2 N^2)),
- * where the sites beside it are in the fluid. */
+ * the second differences more (else the mean of a parabola over N sites is wrong by 1/(2 N^2)).
+ * Where a site beside it is in grain the parabola is 0 at the wall between. */
 static double site_mean(const struct solute_flow *f, const float *sites, const int x[3], int axis) {
   const size_t a = (size_t)axis, at = solute_flow_at(f, x[0], x[1], x[2]);
-  const double u = (double)sites[3 * at + a];
+  const double u = (double)sites[3 * at + a], d = (double)f->distance[at];
   double mean = u;
   for (int t = 1; t < 3; t++) {
-    int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
-    up[(axis + t) % 3]++, down[(axis + t) % 3]--;
-    const size_t high = solute_flow_at(f, up[0], up[1], up[2]),
-                 low = solute_flow_at(f, down[0], down[1], down[2]);
-    if (f->distance[high] > 0 && f->distance[low] > 0)
-      mean += ((double)sites[3 * high + a] + (double)sites[3 * low + a] - 2 * u) / 24;
+    double change[2], way[2]; /* to the sites beside it; in spacings */
+    for (int side = 0; side < 2; side++) {
+      int y[3] = {x[0], x[1], x[2]};
+      y[(axis + t) % 3] += side ? 1 : -1;
+      const size_t there = solute_flow_at(f, y[0], y[1], y[2]);
+      const double other = (double)f->distance[there];
+      way[side] = other > 0 ? 1 : fmax(d / (d - other), NEAR);
+      change[side] = (other > 0 ? (double)sites[3 * there + a] : 0) - u;
+    }
+    mean += 2 * (change[0] / way[0] + change[1] / way[1]) / (way[0] + way[1]) / 24;
   }
   return mean;
 }

@@ -160,7 +160,8 @@ enum status solute_result_write(const struct scene *scene, const struct solute_f
   file = NULL;
   for (int i = 0; i < r->count && r->by_walk && status == STATUS_OK; i++) {
     snprintf(path, sizeof path, "%s-tracks-%d.hdf", prefix, i);
-    status = tracks_write(path, flow, &r->record[i], time_unit(flow, r, i) * r->record[i].interval);
+    status = tracks_write(path, flow, &r->record[i], time_unit(flow, r, i) * r->record[i].interval,
+                          command_line, 2, inputs, hashes);
   }
 cleanup:
   h5_close(file);

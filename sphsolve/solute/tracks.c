@@ -4,6 +4,7 @@
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "common/provenance.h"
 
 #define POLY_LINE 4 /* VTK's number of this type of cell */
 
@@ -29,7 +30,8 @@ cleanup:
 }
 
 enum status tracks_write(const char *path, const struct solute_flow *flow,
-                         const struct walk_record *r, double interval) {
+                         const struct walk_record *r, double interval, const char *command_line,
+                         size_t inputs, const char *const *input, const uint64_t *hashes) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   const size_t step = (r->tracked + TRACKS_TIMES - 1) / TRACKS_TIMES;
@@ -59,6 +61,7 @@ enum status tracks_write(const char *path, const struct solute_flow *flow,
   TRY(h5_write(file, "/VTKHDF/PointData/time", H5_F32, 1, dims, time, true));
   TRY(h5_write_attribute_text(file, "/VTKHDF/PointData/time", "unit", "s"));
   TRY(h5_write(file, "/VTKHDF/PointData/id", H5_I32, 1, dims, id, true));
+  TRY(provenance_write(file, "sphsolve", command_line, inputs, input, hashes));
   status = h5_commit(file);
   file = NULL;
 cleanup:

@@ -230,7 +230,7 @@ int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
   all = walk->moments;            /* each group is one rank's; 0 on the others */
   ranks_sum_all(&all.sums[0][0][0], sizeof all.sums / sizeof(double));
   return walk_moments_lags(&all, walk->settings.direction, walk->cells->dimensions, walk->diffusion,
-                           WALK_INTERVAL * walk->dt, lags);
+                           WALK_INTERVAL * walk->dt, (double)walk->step.time, lags);
 }
 
 /* For the longest distance across the flow, time units at D_T = D. */

@@ -4,6 +4,7 @@
 #include <stdbool.h>
 
 #include "common/memory.h"
+#include "sphsolve/solute/walk_slope.h"
 #include "sphsolve/solute/walk_surface.h"
 
 #define FARTHEST 32000 /* of a slope or a distance in its unit: what 16 bits hold */
@@ -21,26 +22,6 @@ static inline size_t around(const int n[3], const int x[3], int i, int j, int k)
     if (y[a] < 0 || y[a] >= n[a]) y[a] = (y[a] % n[a] + n[a]) % n[a];
   }
   return at(n, y);
-}
-
-static inline size_t beside(const int n[3], const int x[3], int axis, int by) {
-  return around(n, x, axis == 0 ? by : 0, axis == 1 ? by : 0, axis == 2 ? by : 0);
-}
-
-/* Change of the flux of a face along `across` over one cell. Between two open neighbours that of
- * the parabola through the three; beside a wall that to the one neighbour. No further than to where
- * the flux is 0 at an edge: water at walls does not flow back. */
-static float face_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
-  const float *q = f->velocity[axis], *open = f->aperture[axis];
-  const size_t here = at(f->n, x);
-  if (!(open[here] > 0)) return 0;
-  const size_t low = beside(f->n, x, across, -1), high = beside(f->n, x, across, 1);
-  const bool has_low = open[low] > 0, has_high = open[high] > 0;
-  const float all = (has_high ? q[high] : q[here]) - (has_low ? q[low] : q[here]);
-  const float slope = has_low && has_high ? 0.5f * all : all;
-  if (open[low] >= 1 && open[high] >= 1) return slope;
-  const float most = 2 * fabsf(q[here]);
-  return fminf(fmaxf(slope, -most), most);
 }
 
 /* From m/s to cells along the axis per time unit. */
@@ -75,7 +56,7 @@ static float steepest(const struct solute_flow *f) {
         for (int a = 0; a < 3; a++)
           for (int t = 1; t < 3; t++)
             most = fmaxf(most, unit_along(f, a) *
-                                   fabsf(face_slope(f, (int[3]){i, j, k}, a, (a + t) % 3)));
+                                   fabsf(walk_slope(f, (int[3]){i, j, k}, a, (a + t) % 3)));
   return most;
 }
 
@@ -89,7 +70,7 @@ static void make_velocity(const struct solute_flow *f, const int x[3], float slo
       cell->face[side][a] = unit * f->velocity[a][at(f->n, y)];
       for (int t = 0; t < 2 && slope_unit > 0; t++)
         cell->slope[2 * side + t][a] =
-            (int16_t)lrintf(unit * face_slope(f, y, a, (a + 1 + t) % 3) / slope_unit);
+            (int16_t)lrintf(unit * walk_slope(f, y, a, (a + 1 + t) % 3) / slope_unit);
     }
 }
 

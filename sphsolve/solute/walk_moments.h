@@ -70,10 +70,12 @@ struct walk_lag {
   double displacements;
 };
 
-/* `direction`: unit vector; `diffusion`: first spacings^2 per time unit; `interval`: time units.
- * In two dimensions nothing is transverse but in the plane x, z. Returns the number of lags. */
+/* `direction`: unit vector; `diffusion`: first spacings^2 per time unit; `interval`, and `carried`,
+ * for which the water carries walkers in a step: time units. In two dimensions nothing is
+ * transverse but in the plane x, z. Returns the number of lags. */
 int walk_moments_lags(const struct walk_moments *moments, const double direction[3], int dimensions,
-                      double diffusion, double interval, struct walk_lag lags[WALK_LAGS]);
+                      double diffusion, double interval, double carried,
+                      struct walk_lag lags[WALK_LAGS]);
 
 /* The result: of the lags that are longer than the walkers' memory the one with the least error,
  * which is that of the statistics (95 %) and the change still to be seen at it and beyond, root of

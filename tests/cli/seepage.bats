@@ -381,6 +381,7 @@ regions = ( { type = "porous"; box = ["0.5 m", "0", "1.5 m", "1.2 m"]; porosity 
   { type = "inflow"; box = ["0", "0", "5 cm", "1.2 m"]; head = "1 m"; }, { type = "inflow"; box = ["1.95 m", "0", "2 m", "1.2 m"]; head = "0.4 m"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 planes = ( { name = "mid"; x = "1 m"; } );
+gauges = ( { name = "soil"; at = ["1 m", "0.1 m"]; }, { name = "pond"; at = ["0.25 m", "0.1 m"]; } );
 output = { interval = "1 s"; history_interval = "0.1 s"; };
 END
   sphsolve run dupuit.cfg -o dupuit --quiet > dupuit.txt
@@ -395,6 +396,8 @@ assert abs(run["flow_m2_per_s"] - exact) < run["flow_error95_m2_per_s"] < 0.15 *
 mid = run["fluxes_m2_per_s"]["mid"]
 assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] - exact) < run["fluxes_m2_per_s"]["mid"]["error95"] < 0.13 * exact, run["fluxes_m2_per_s"]
 assert run["through"] == {"plane": "mid", "flux_m2_per_s": mid["mean"], "error95": mid["error95"]}, run["through"]
+soil, pond = run["levels_m"]["soil"], run["levels_m"]["pond"]
+assert 0.025 < soil["error95"] < 0.04 and pond["error95"] < 0.01, (soil, pond) # half a particle
 line = dict(zip(run["phreatic_line"]["x_m"], run["phreatic_line"]["level_m"]))
 for x, level in line.items():
     if 0.55 < x < 1.4: # above Dupuit's parabola, as a face of seepage makes it, and below the water before the dam

@@ -218,6 +218,7 @@ assert (np.diff(time, axis=1) > 0).all() and (id == np.arange(64)[:, None]).all(
 step = grid["Points"][()].reshape(64, -1, 3)[:, -1] - grid["Points"][()].reshape(64, -1, 3)[:, 0]
 assert abs(step[:, 2]).mean() > 5 * abs(step[:, 0]).mean() > 0, step.mean(axis=0)
 P
+  /usr/bin/python3 -c 'import h5py; assert b"sphsolve run carried.cfg -o walked" in h5py.File("walked-tracks-0.hdf")["provenance"].attrs["command_line"]'
   analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
   grep -q 'id="breakthrough"' walked.html
   # Panels above each other: as wide as a telephone, or the letters are too small there.

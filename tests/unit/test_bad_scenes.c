@@ -51,8 +51,8 @@ static void write_model(const char *name, int solid) {
   assert_int_equal(h5_commit(file), STATUS_OK);
 }
 
-/* What a run of method stokes leaves of a slit, as far as a solute needs it. */
-static void write_flow(const char *name) {
+/* What a run leaves of a slit, as far as a solute needs it; `soil`: with pores below the voxel. */
+static void write_flow(const char *name, const char *method, bool soil) {
   enum { N = 8 };
   static float distance[N][N][N], velocity[N][N][N][3];
   const double spacing[3] = {1e-5, 1e-5, 1e-5};
@@ -67,7 +67,8 @@ static void write_flow(const char *name) {
   snprintf(path, sizeof path, "%s/%s.hdf", folder, name);
   assert_int_equal(h5_create(path, &file), STATUS_OK);
   assert_int_equal(h5_make_group(file, "/run"), STATUS_OK);
-  assert_int_equal(h5_write_attribute_text(file, "/run", "method", "stokes"), STATUS_OK);
+  assert_int_equal(h5_write_attribute_text(file, "/run", "method", method), STATUS_OK);
+  if (soil) assert_int_equal(h5_make_group(file, "/run/micro"), STATUS_OK);
   assert_int_equal(h5_commit(file), STATUS_OK);
   snprintf(path, sizeof path, "%s/%s-image.hdf", folder, name);
   assert_int_equal(h5_create(path, &file), STATUS_OK);
@@ -212,7 +213,9 @@ static int make_folder(void **state) {
   if (mkdtemp(folder) == NULL) return 1;
   write_model("model.hdf", 0);
   write_model("dry.hdf", 1);
-  write_flow("flow");
+  write_flow("flow", "stokes", false);
+  write_flow("particles", "wcsph", false);
+  write_flow("soil", "stokes", true);
   snprintf(command, sizeof command, "echo no HDF5 > %s/text.hdf", folder);
   if (system(command) != 0) return 1;
   snprintf(path, sizeof path, "%s/model.hdf", folder);
@@ -221,6 +224,10 @@ static int make_folder(void **state) {
   add_let("DRY", path);
   snprintf(path, sizeof path, "%s/flow.hdf", folder);
   add_let("FLOW", path);
+  snprintf(path, sizeof path, "%s/particles.hdf", folder);
+  add_let("PARTICLES", path);
+  snprintf(path, sizeof path, "%s/soil.hdf", folder);
+  add_let("SOILFLOW", path);
   snprintf(path, sizeof path, "%s/text.hdf", folder);
   add_let("TEXT", path);
   return 0;

@@ -1,0 +1,90 @@
+#include "sphsolve/solute/walk_slope.h"
+
+#include <math.h>
+#include <stdbool.h>
+
+#include "sphsolve/solute/flow_internal.h"
+
+/* Walls farther than this from the middle of a face, cells, are not between it and the next. */
+#define BESIDE 1.5
+/* Beyond these shares the part of a face that is open, or that is not, is a mere corner. */
+#define CORNER 0.02
+/* A wall that rises by less along a face, cells, has no direction there. */
+#define LEVEL 0.1
+
+/* Distance to the wall, m, at the middle of the face of axis `axis` that lies `by` cells from that
+ * of cell x along `across`. */
+static double distance_at(const struct solute_flow *f, const int x[3], int axis, int across,
+                          int by) {
+  int high[3] = {x[0], x[1], x[2]}, low[3];
+  high[across] += by;
+  for (int a = 0; a < 3; a++) low[a] = high[a];
+  low[axis]--;
+  return 0.5 * ((double)f->distance[solute_flow_at(f, high[0], high[1], high[2])] +
+                (double)f->distance[solute_flow_at(f, low[0], low[1], low[2])]);
+}
+
+static size_t beside(const struct solute_flow *f, const int x[3], int across, int by) {
+  int y[3] = {x[0], x[1], x[2]};
+  y[across] += by;
+  return solute_flow_at(f, y[0], y[1], y[2]);
+}
+
+/* From the middle of the open face to a wall on the side `by`, cells; INFINITY: none so near. */
+static double wall_at(const struct solute_flow *f, const int x[3], int axis, int across, int by) {
+  if (f->aperture[axis][beside(f, x, across, by)] >= 1) return INFINITY;
+  const double here = distance_at(f, x, axis, across, 0),
+               there = distance_at(f, x, axis, across, by);
+  const double wall = here > there ? here / (here - there) : INFINITY;
+  return wall <= BESIDE ? fmax(wall, 0.5) : INFINITY;
+}
+
+/* Of a face without a cut: the slope in its middle of the parabola that has its mean, and on each
+ * side the mean of the next face or, where a wall is between, 0 at the wall. */
+static double open_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
+  const float *q = f->velocity[axis];
+  const double here = (double)q[beside(f, x, across, 0)], low = (double)q[beside(f, x, across, -1)],
+               high = (double)q[beside(f, x, across, 1)];
+  const double to_low = wall_at(f, x, axis, across, -1), to_high = wall_at(f, x, axis, across, 1);
+  if (isinf(to_low) && isinf(to_high)) return 0.5 * (high - low);
+  if (!isinf(to_low) && !isinf(to_high)) /* c (to_low + t) (to_high - t) */
+    return here * (to_high - to_low) / (to_low * to_high - 1.0 / 12);
+  const double w = fmin(to_low, to_high), square = w * w - 1.0 / 12;
+  const double slope =
+      (here * (1 - square) + (isinf(to_low) ? low : high) * square) / (w * (w + 1) - 1.0 / 12);
+  return isinf(to_low) ? -slope : slope;
+}
+
+/* Of a face that the wall cuts. Linear over all of it, with this mean: along the wall's normal so
+ * steep that nothing passes what lies in grain, and the open part passes all of the flux. The flux
+ * is 0 at the centroid of the part in grain, which lies beyond the wall; nearer to the wall walkers
+ * see a little more water than there is, and less in the middle. */
+static double cut_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
+  const size_t at = solute_flow_at(f, x[0], x[1], x[2]);
+  const double q = (double)f->velocity[axis][at], d = distance_at(f, x, axis, across, 0);
+  double m[2], area, moment;
+  for (int t = 0; t < 2; t++) {
+    const int along = (axis + 1 + t) % 3;
+    m[t] = 0.5 * (distance_at(f, x, axis, along, 1) - distance_at(f, x, axis, along, -1));
+  }
+  const double own = m[(across - axis + 3) % 3 - 1], rise = fabs(m[0]) + fabs(m[1]);
+  if (rise < LEVEL * f->spacing[across]) return 0;
+  solute_face_open(d, m[0], m[1], &area, &moment);
+  if (area > CORNER && area < 1 - CORNER && moment > area * d)
+    return own * q * (1 - area) / (moment - area * d);
+  return own * 2 * q / (rise * fmax((double)f->aperture[axis][at], CORNER));
+}
+
+float walk_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
+  const size_t at = solute_flow_at(f, x[0], x[1], x[2]);
+  const float open = f->aperture[axis][at];
+  if (!(open > 0)) return 0;
+  if (open < 1) return (float)cut_slope(f, x, axis, across);
+  const float slope = (float)open_slope(f, x, axis, across);
+  if (f->aperture[axis][beside(f, x, across, -1)] >= 1 &&
+      f->aperture[axis][beside(f, x, across, 1)] >= 1)
+    return slope;
+  /* No further than to where the flux is 0 at an edge: water at walls does not flow back. */
+  const float most = 2 * fabsf(f->velocity[axis][at]);
+  return fminf(fmaxf(slope, -most), most);
+}
