@@ -103,7 +103,7 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
 }
 
 #define STRAIN_MOST 1e-3 /* in a step */
-#define TRIM_MOST 0.02   /* of the kinetic energy, in a step */
+#define TRIM_MOST 0.01   /* of the kinetic energy, in a step */
 
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
