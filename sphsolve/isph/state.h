@@ -359,9 +359,9 @@ void isph_find_near_surface(const struct isph *s, double *near);
 
 /* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
-/* C of particle i, from the second moment of its neighbourhood (xx xy xz yy yz zz) and how far its
- * neighbours across stand on one side. */
-void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double one_sided);
+/* C of particle i, from the second moments of its neighbourhood (xx xy xz yy yz zz). */
+void isph_moment_defect(struct isph *s, size_t i, const double moment[6],
+                        const double wall_moment[6]);
 /* Multiplies the slope of each pair by its factor, from the C of both. */
 void isph_moment_correct(struct isph *s);
 
