@@ -210,11 +210,12 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
 }
 
 /* Of an exit gradient or a prism, where it is less than that found before. */
-static void find_factor(const json_t *entry, double *factor, double *least) {
+static void find_factor(const json_t *entry, double *factor, double *least, bool *resolved) {
   const double own = json_number_or_nan(entry, "factor_of_safety");
   if (!(own < *factor)) return;
   *factor = own;
   *least = json_number_or_nan(entry, "factor_of_safety_least");
+  *resolved = json_is_true(json_object_get(entry, "resolved"));
 }
 
 /* Where there is no k: what flows through the soil, and how far its surface is from being lifted.
@@ -225,9 +226,10 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   size_t i;
   double flow, error;
   double factor = INFINITY, least = NAN; /* the smallest, and the least that its error allows */
-  find_factor(json_object_get(seepage, "exit"), &factor, &least);
+  bool resolved = false;
+  find_factor(json_object_get(seepage, "exit"), &factor, &least, &resolved);
   json_array_foreach(json_object_get(seepage, "heave"), i, prism)
-      find_factor(prism, &factor, &least);
+      find_factor(prism, &factor, &least, &resolved);
   find_flow(seepage, &flow, &error, &where, &plane);
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
   const double drift = plane[0] == '\0' ? json_number_or_nan(seepage, "flow_drift_m2_per_s")
@@ -253,10 +255,11 @@ static void write_seepage(const json_t *seepage, FILE *out) {
       json_number_or_nan(json_object_get(seepage, "exit"), "spacing_that_resolves_m");
   if (isfinite(factor)) {
     fprintf(out, ". Against its being lifted the soil has a factor of %.3g", factor);
-    if (isfinite(least)) fprintf(out, ", %.3g at least", least);
-    /* One beside a foot that is not resolved has no error, and no judgement. */
-    if (isfinite(least) || isnan(resolves))
+    if (resolved && isfinite(least)) fprintf(out, ", %.3g at least", least);
+    if (resolved)
       fprintf(out, ": %s", seepage_judge(isfinite(least) ? least : factor));
+    else if (isnan(resolves))
+      fputs(", which is not resolved: take a finer spacing", out);
   }
   if (isfinite(resolves))
     fprintf(out,

@@ -40,37 +40,87 @@ static bool is_top(const struct head_field *f, size_t i, size_t k) {
          f->wall[above] == REGION_NONE;
 }
 
-/* The exit gradient is taken over one size of the soil's particles, in a depth of so many sizes
- * below the soil's upper face: above it the kernel smears the face, and below it the gradient
- * grows. */
+/* The exit gradient is the mean over so many sizes of the soil's particles below its upper face: a
+ * layer so deep is lifted where that is critical (Terzaghi 1922), and a gradient at one depth would
+ * leave out a foot just above or below it. */
 #define EXIT_SIZES 2.0
 
 /* Of a wall in soil that the particles resolve. */
 #define SIZES_DEEP 4.0
 
-/* Below the top cell k of column i; NAN: there is no soil so deep. */
-static double exit_gradient(const struct head_field *f, size_t i, size_t k, double *depth) {
-  const double porosity = f->regions[f->soil[k * f->nx + i]].porosity;
-  const double z = (double)(k + 1) * f->dz, size = f->dz / sqrt(porosity);
-  *depth = EXIT_SIZES * size;
-  return (head_at(f, i, z - *depth - 0.5 * size) - head_at(f, i, z - *depth + 0.5 * size)) / size;
+struct exit_gradient {
+  double mean;  /* of the layer; NAN: there is no soil so deep */
+  double deep;  /* at its lower end, over one size: clear of the face, which the kernel smears */
+  double cells; /* what means of cells, and straight lines between them, leave open of `mean` */
+};
+
+/* Straight lines between two rows are off by h'' dz^2 / 8 at most and means of cells by a third of
+ * that: of the second difference a sixth, m. */
+static double left_by_cells(const struct head_field *f, size_t i, double z) {
+  double most = 0;
+  const size_t first = (size_t)fmax(1, floor(z / f->dz - 0.5));
+  for (size_t k = first; k <= first + 1; k++) {
+    if (!head_field_is_soil(f, i, k - 1) || !head_field_is_soil(f, i, k) ||
+        !head_field_is_soil(f, i, k + 1))
+      continue;
+    const double *h = f->head + k * f->nx + i;
+    most = fmax(most, fabs(*(h - f->nx) - 2 * *h + h[f->nx]));
+  }
+  return most / 6;
+}
+
+static struct exit_gradient exit_gradient(const struct head_field *f, size_t i, size_t k) {
+  const double size = f->dz / sqrt(f->regions[f->soil[k * f->nx + i]].porosity);
+  const double depth = EXIT_SIZES * size, z = (double)(k + 1) * f->dz - depth;
+  const double lower = head_at(f, i, z - 0.5 * size), upper = head_at(f, i, z + 0.5 * size);
+  return (struct exit_gradient){(head_at(f, i, z) - head_over(f, i, k)) / depth,
+                                (lower - upper) / size, left_by_cells(f, i, z) / depth};
 }
 
 static void find_exit(const struct head_field *f, double grain_density, struct lifting_exit *e) {
+  double most = 0;
   for (size_t i = 0; i < f->nx; i++)
     for (size_t k = 0; k < f->nz; k++) {
       if (!is_top(f, i, k)) continue;
       const size_t soil = f->soil[k * f->nx + i];
-      double depth;
-      const double gradient = exit_gradient(f, i, k, &depth);
-      const double critical =
-          lifting_critical(grain_density, f->density, f->regions[soil].porosity);
-      if (!(gradient > 0) || (e->found && gradient / critical <= e->gradient / e->critical))
-        continue;
-      *e = (struct lifting_exit){
-          true,  soil,     i,        k,  head_field_x(f, i), (double)(k + 1) * f->dz,
-          depth, gradient, critical, NAN};
+      const double porosity = f->regions[soil].porosity;
+      const double critical = lifting_critical(grain_density, f->density, porosity);
+      const struct exit_gradient own = exit_gradient(f, i, k);
+      if (!(own.mean / critical > most)) continue;
+      most = own.mean / critical;
+      *e = (struct lifting_exit){.found = true,
+                                 .resolved = true,
+                                 .soil = soil,
+                                 .i = i,
+                                 .k = k,
+                                 .x = head_field_x(f, i),
+                                 .z = (double)(k + 1) * f->dz,
+                                 .depth = EXIT_SIZES * f->dz / sqrt(porosity),
+                                 .gradient = fmax(own.mean, own.deep),
+                                 .deep = own.deep,
+                                 .critical = critical,
+                                 .error = NAN};
     }
+}
+
+/* A layer with a wall's foot in it is lifted above the foot first, by more than its mean. */
+static void judge_exit(const struct head_field *f, struct lifting *l) {
+  struct lifting_exit *e = &l->exit;
+  for (size_t n = 0; e->found && n < l->prism_count; n++) {
+    const struct lifting_prism *p = &l->prisms[n];
+    const struct head_region *w = &f->regions[p->wall];
+    const double away = p->side < 0 ? w->low[0] - e->x : e->x - w->high[0];
+    if (away > -f->dx && away < e->depth && p->depth < e->depth) e->resolved = false;
+  }
+}
+
+/* Whether a box of a wall stands on another one at its face to that side: its foot is no end. */
+static bool goes_on(const struct head_field *f, const struct head_region *w, int side) {
+  const double x = side < 0 ? w->low[0] + 0.5 * f->dx : w->high[0] - 0.5 * f->dx;
+  const double z = w->low[1] - 0.5 * f->dz;
+  if (!(x > 0 && z > 0)) return false;
+  const size_t i = (size_t)(x / f->dx), k = (size_t)(z / f->dz);
+  return i < f->nx && k < f->nz && f->wall[k * f->nx + i] != REGION_NONE;
 }
 
 /* The prism beside a wall that ends in soil; false where there is none, or the water goes down. */
@@ -78,7 +128,7 @@ static bool find_prism(const struct head_field *f, double grain_density, size_t 
                        struct lifting_prism *prism) {
   const struct head_region *w = &f->regions[wall];
   const double face = side < 0 ? w->low[0] - 0.5 * f->dx : w->high[0] + 0.5 * f->dx;
-  if (!(face > 0) || !(w->low[1] > 0)) return false;
+  if (!(face > 0) || !(w->low[1] > 0) || goes_on(f, w, side)) return false;
   const size_t first = (size_t)(face / f->dx), base = (size_t)(w->low[1] / f->dz);
   size_t top = base, columns = 0;
   if (!head_field_is_soil(f, first, base)) return false;
@@ -145,6 +195,7 @@ enum status lifting_find(const struct head_field *f, double grain_density, struc
       if (!strcmp(f->regions[r].type, "wall") &&
           find_prism(f, grain_density, r, side, &l->prisms[l->prism_count]))
         l->prism_count++;
+  judge_exit(f, l);
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++)
       if (f->wall[k * f->nx + i] != REGION_NONE) load_wall(f, i, k, l);
@@ -173,12 +224,23 @@ static double off(double value, double coarse, double fine) {
   return fabs(value - law.value) + law.error;
 }
 
+/* The run's gradient below the layer, and from there up to the face as the law has it. A bar of
+ * half of the value or more says nothing. */
+static void hold_exit(const struct exit_gradient by_law[2], struct lifting_exit *e) {
+  const double mean = darcy_value_of(by_law[0].mean, by_law[1].mean).value;
+  const double deep = darcy_value_of(by_law[0].deep, by_law[1].deep).value;
+  if (mean > 0 && deep > 0 && e->deep > 0) e->gradient = e->deep * mean / deep;
+  e->error = off(e->gradient, by_law[0].mean, by_law[1].mean) + by_law[1].cells;
+  if (!(e->error < 0.5 * e->gradient)) e->resolved = false;
+}
+
 enum status lifting_hold_against(const struct darcy_flow *darcy, double grain_density,
                                  struct lifting *l) {
   enum status status = STATUS_OK;
   struct head_field law[2];
   struct lifting by_law[2] = {0};
-  double *head[2] = {NULL, NULL}, gradient[2], depth;
+  struct exit_gradient gradient[2];
+  double *head[2] = {NULL, NULL};
   if (!darcy->known) return STATUS_OK;
   const struct head_field *f = darcy->field;
   for (int g = 0; g < 2; g++) { /* grids */
@@ -188,9 +250,9 @@ enum status lifting_hold_against(const struct darcy_flow *darcy, double grain_de
       head[g][c] = isnan(darcy->level[g].head[c]) ? f->head[c] : darcy->level[g].head[c];
     law[g].head = head[g];
     TRY(lifting_find(&law[g], grain_density, &by_law[g]));
-    gradient[g] = l->exit.found ? exit_gradient(&law[g], l->exit.i, l->exit.k, &depth) : NAN;
+    if (l->exit.found) gradient[g] = exit_gradient(&law[g], l->exit.i, l->exit.k);
   }
-  l->exit.error = off(l->exit.gradient, gradient[0], gradient[1]);
+  if (l->exit.found) hold_exit(gradient, &l->exit);
   for (size_t n = 0; n < l->prism_count; n++) {
     struct lifting_prism *p = &l->prisms[n];
     if (p->resolved) p->error = off(p->gradient, gradient_of(&by_law[0], p), gradient_of(&by_law[1], p));

@@ -8,11 +8,13 @@
 /* Where water leaves soil upwards. */
 struct lifting_exit {
   bool found;
-  size_t soil;  /* its region */
-  size_t i, k;  /* topmost cell */
-  double x, z;  /* m, on its upper face */
-  double depth; /* m below it: middle of what the gradient is taken over */
+  bool resolved; /* no wall's foot is in the layer, and the error is under half of the gradient */
+  size_t soil;   /* its region */
+  size_t i, k;   /* topmost cell */
+  double x, z;   /* m, on its upper face */
+  double depth;  /* m below it: of the layer whose mean gradient this is */
   double gradient, critical;
+  double deep;  /* the run's gradient at the layer's lower end */
   double error; /* of the gradient; NAN: not known */
 };
 

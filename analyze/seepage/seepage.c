@@ -250,17 +250,21 @@ static void show_gradient(double gradient, double error, double critical, bool r
   json_put_number(entry, "gradient", gradient);
   json_put_number(entry, "critical", critical);
   json_put_number(entry, "factor_of_safety", critical / gradient);
+  json_object_set_new(entry, "resolved", json_boolean(resolved));
   if (isfinite(error)) {
     json_put_number(entry, "error95", error);
     json_put_number(entry, "factor_of_safety_least", least);
     value_with_error(text, 128, gradient, error, "+-");
-    snprintf(factor, 80, "factor %.3g, %.3g at least: %s", critical / gradient, least,
-             seepage_judge(least));
   } else {
     snprintf(text, 128, "%.3g", gradient);
-    snprintf(factor, 80, "factor %.3g, %s", critical / gradient,
-             resolved ? seepage_judge(least) : "not resolved");
   }
+  if (!resolved)
+    snprintf(factor, 80, "factor %.3g, not resolved: take a finer spacing", critical / gradient);
+  else if (isfinite(error))
+    snprintf(factor, 80, "factor %.3g, %.3g at least: %s", critical / gradient, least,
+             seepage_judge(least));
+  else
+    snprintf(factor, 80, "factor %.3g, %s", critical / gradient, seepage_judge(least));
 }
 
 /* Water that does not stand at the head that its window holds. */
@@ -285,12 +289,13 @@ static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
   json_put_number(entry, "z_m", e->z);
   json_put_number(entry, "depth_m", e->depth);
   char text[128], factor[80];
-  show_gradient(e->gradient, e->error, e->critical, true, entry, text, factor);
+  show_gradient(e->gradient, e->error, e->critical, e->resolved, entry, text, factor);
   const double resolves = lifting_resolving_spacing(&s->lifting);
   if (isfinite(resolves)) json_put_number(entry, "spacing_that_resolves_m", resolves);
   json_object_set_new(json, "exit", entry);
   fprintf(summary,
-          "exit       gradient %s at x = %.4g m, z = %.4g m, %.3g m deep; critical %.3g: %s\n",
+          "exit       gradient %s at x = %.4g m, z = %.4g m, mean of %.3g m of depth; critical "
+          "%.3g: %s\n",
           text, e->x, e->z, e->depth, e->critical, factor);
   if (isfinite(resolves))
     fprintf(summary,
