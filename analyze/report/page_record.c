@@ -115,9 +115,12 @@ static void attribute_row(struct h5_file *file, const char *object, const char *
   fprintf(stream, "<tr><th>");
   html_text(stream, name);
   fputs("</th><td>", stream);
-  if (h5_read_attribute(file, object, name, H5_F64, 1, numbers) == STATUS_OK)
-    fprintf(stream, "%.10g", numbers[0]);
-  else {
+  if (h5_read_attribute(file, object, name, H5_F64, 1, numbers) == STATUS_OK) {
+    if (isnan(numbers[0]))
+      fputs("none", stream);
+    else
+      fprintf(stream, "%.10g", numbers[0]);
+  } else {
     error_clear();
     if (h5_read_attribute(file, object, name, H5_F64, 3, numbers) == STATUS_OK)
       fprintf(stream, "%.8g, %.8g, %.8g", numbers[0], numbers[1], numbers[2]);
