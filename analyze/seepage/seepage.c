@@ -253,7 +253,7 @@ static void show_gradient(double gradient, double error, double critical, bool r
   json_object_set_new(entry, "resolved", json_boolean(resolved));
   if (isfinite(error)) {
     json_put_number(entry, "error95", error);
-    if (resolved) json_put_number(entry, "factor_of_safety_least", least);
+    json_put_number(entry, "factor_of_safety_least", least);
     value_with_error(text, 128, gradient, error, "+-");
   } else {
     snprintf(text, 128, "%.3g", gradient);
