@@ -12,7 +12,19 @@
 /* Whether the coarsest cells are fine enough at this Peclet number for the order to show. */
 static bool shows_order(const struct solute_flow *flow, const struct solute_result *r,
                         double peclet) {
+  for (int a = 0; a < 3; a++)
+    if (flow->n[a] > 1 && flow->n[a] < 4 * SOLUTE_CELLS_LEAST) return false;
   return 4 * peclet * flow->spacing[0] / r->length <= SOLUTE_CELL_PECLET;
+}
+
+/* The coarsest lattice steadies the others: where it cannot be solved there are two. */
+static enum status solve(struct solute_closure *closure, int lattice, double diffusion,
+                         struct solute_dispersion *value) {
+  const enum status status = solute_closure_solve(closure, diffusion, TOLERANCE, value);
+  if (status != STATUS_NUMERIC || lattice != SOLUTE_COARSEST) return status;
+  error_clear();
+  value->longitudinal = value->transverse = NAN;
+  return STATUS_OK;
 }
 
 /* `weight`: of one Peclet number, for the progress line. */
@@ -33,12 +45,8 @@ static enum status solve_lattice(const struct solute_flow *flow, int lattice,
     struct solute_solved *solved = &state->solved[lattice][*count];
     const double peclet = *count == 0 ? 0 : r->peclet[*count - 1];
     const double d = peclet > 0 ? flow->speed * r->length / peclet : INFINITY;
-    if (lattice == SOLUTE_COARSEST && !shows_order(flow, r, peclet)) {
-      ++*count;
-      continue;
-    }
     const double started = clock_processor_seconds();
-    TRY(solute_closure_solve(&closure, d, TOLERANCE, &solved->value));
+    TRY(solve(&closure, lattice, d, &solved->value));
     if (lattice == SOLUTE_FINE)
       TRY(solute_sample_size(&closure, d, &solved->value, flow->image, correlation,
                              &solved->sample));
@@ -104,19 +112,19 @@ static double part(const struct solute_solved *solved, int across) {
 
 /* The limit of the lattices, and its error; of what was solved as number `i`, on so many. The
  * error is what the two finest differ by, and no less than a quarter of what the next two do: two
- * lattices may meet by chance. */
+ * lattices whose walls lie elsewhere in their cells may meet by chance. */
 static void take(const struct solute_flow *flow, const struct solute_state *state, int i,
                  double peclet, int lattices, const struct solute_result *r,
                  struct solute_closed *out) {
-  const bool order = lattices > 2 && shows_order(flow, r, peclet);
   const struct solute_solved *fine = &state->solved[SOLUTE_FINE][i],
                              *coarse = lattices > 1 ? &state->solved[SOLUTE_COARSE][i] : NULL,
-                             *coarsest = order ? &state->solved[SOLUTE_COARSEST][i] : NULL;
+                             *coarsest = lattices > 2 ? &state->solved[SOLUTE_COARSEST][i] : NULL;
+  const bool order = coarsest != NULL && shows_order(flow, r, peclet);
   const double cell_peclet = peclet * flow->spacing[0] / r->length;
-  const struct solute_dispersion limit = coarse == NULL
-                                             ? fine->value
-                                             : limit_of(flow, &fine->value, &coarse->value,
-                                                        coarsest != NULL ? &coarsest->value : NULL);
+  const struct solute_dispersion limit =
+      coarse == NULL
+          ? fine->value
+          : limit_of(flow, &fine->value, &coarse->value, order ? &coarsest->value : NULL);
   memcpy(out->tensor, limit.tensor, sizeof out->tensor);
   const double value[2] = {limit.longitudinal, limit.transverse};
   double error[2] = {0};
@@ -147,7 +155,7 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
   double done = 0, all = 0;
   int lattices = SOLUTE_LATTICES;
   for (int a = 0; a < 3; a++)
-    while (flow->n[a] > 1 && lattices > 1 && flow->n[a] < SOLUTE_CELLS_LEAST << 2 * (lattices - 2))
+    while (flow->n[a] > 1 && lattices > 1 && flow->n[a] < SOLUTE_CELLS_LEAST << (lattices - 2))
       lattices--;
   solute_correlation_lengths(flow, r->correlation);
   for (int l = 0; l < lattices; l++) all += weight[l] * (r->count + 1);

@@ -17,8 +17,8 @@
 
 /* By the closure problem: fills closure, formation, formation_error and tortuosity of the result
  * from its length, count and peclet. Solved on the flow's cells and on those taken two by two by
- * two, once and, up to a quarter of SOLUTE_CELL_PECLET, twice: the limit is the value, all of the
- * difference of the two finest the error of resolution. What `state` holds already is not solved
+ * two, once and twice: the limit is the value, all of the difference of the two finest, or a
+ * quarter of that of the next two, the error of resolution. What `state` holds already is not solved
  * again. */
 enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_state *state,
                                     struct solute_result *result);
