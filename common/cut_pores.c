@@ -30,3 +30,19 @@ double model_cut_pores(const struct voxel_model *model, int axis) {
   const size_t round = n > 1 ? unlike_voxels(model, axis, n - 1, 0, &pores) : 0;
   return (double)round > CHANGE_SPARE * (double)most ? (double)round / (double)pores : 0.0;
 }
+
+bool model_repeats(const struct voxel_model *model, int axis, size_t layers) {
+  size_t pores, most = 0, change = 0, image = 0;
+  for (size_t i = 0; i + 1 < layers; i++) {
+    const size_t unlike = unlike_voxels(model, axis, i, i + 1, &pores);
+    if (unlike > most) most = unlike;
+    change += unlike;
+    image += unlike_voxels(model, axis, i, layers - 1 - i, &pores);
+  }
+  if (image <= change) return false;
+  const size_t round = unlike_voxels(model, axis, layers - 1, 0, &pores);
+  /* Layers that know nothing of each other differ in 2 phi (1 - phi) of their voxels. */
+  const double area = (double)model_site_count(model) / (double)model->size[axis];
+  const double phi = 0.5 * (double)pores / area;
+  return (double)round <= CHANGE_SPARE * (double)most && (double)round < phi * (1.0 - phi) * area;
+}

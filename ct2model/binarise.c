@@ -367,6 +367,24 @@ static void warn_of_cut_pores(const struct pipeline *pipeline, int flow) {
                 100.0 * cut, request->mirror ? "give --mirror z" : "leave out --mirror none");
 }
 
+/* An image that repeats itself is another body when it is mirrored, whose k may be 15 % off. */
+static void warn_of_mirrored_repeats(const struct pipeline *pipeline) {
+  const struct mirroring mirroring = pipeline_mirroring(pipeline);
+  char axes[12] = "";
+  bool sides = false, ends = false;
+  for (int a = 0; a < 3; a++) {
+    const int d = pipeline->place[a];
+    if (!mirroring.mirrored[d] || !model_repeats(&pipeline->model, d, pipeline->size[d])) continue;
+    snprintf(axes + strlen(axes), sizeof axes - strlen(axes), "%s%c", *axes ? ", " : "", "xyz"[a]);
+    *(d == 2 && pipeline->request->mirror ? &ends : &sides) = true;
+  }
+  if (*axes)
+    log_warning("along %s the image seems to repeat itself as it stands: mirrored it is another "
+                "body with another k, which its error does not hold; %s%s%s keeps it",
+                axes, sides ? "--sides periodic" : "", sides && ends ? " --mirror none" : "",
+                ends && !sides ? "--mirror none" : "");
+}
+
 enum status binarise_connect(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -387,6 +405,7 @@ enum status binarise_connect(struct pipeline *pipeline) {
     }
   }
   warn_of_cut_pores(pipeline, flow);
+  warn_of_mirrored_repeats(pipeline);
   if (!quality->percolates[2])
     log_warning("no pore path leads through the model along z: nothing can flow; %s",
                 model->size[flow] > 1 ? "a finer --size may open the throats" : "it has one layer");

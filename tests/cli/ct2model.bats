@@ -121,6 +121,24 @@ bats_require_minimum_version 1.5.0
   near "$(echo "$output" | value void_ratio)" 2.5 0.1
 }
 
+@test "an image that repeats itself is told where it is mirrored; a crop of it is not" {
+  cd "$WORK"
+  /usr/bin/python3 - <<'P'
+import numpy as np
+at, grain = np.indices((32, 32, 32)), np.zeros((32, 32, 32), bool)
+for centre in np.random.default_rng(4).random((40, 3)) * 32:
+    away = [np.abs(at[a] - centre[a]) for a in range(3)]
+    grain |= sum(np.minimum(d, 32 - d) ** 2 for d in away) < 25
+np.save("repeats.npy", np.where(grain, 200, 50).astype(np.uint8))
+np.save("crop.npy", np.where(grain[:20, :20, :20], 200, 50).astype(np.uint8))
+P
+  warns() { "$CT" build "$@" --voxel-size 10um --threads 1 -o told.hdf 2>&1 > /dev/null | grep "repeat itself as"; }
+  [[ "$(warns repeats.npy --sides mirrored)" == *"along x, y, z the image"*"--sides periodic --mirror none keeps it"* ]]
+  [[ "$(warns repeats.npy)" == *"along z the image"*"; --mirror none keeps it"* ]]
+  [ -z "$(warns repeats.npy --mirror none)" ]
+  [ -z "$(warns crop.npy --sides mirrored)" ]
+}
+
 @test "a model off the measured void ratio says why, and which k it has" {
   cd "$WORK"
   e=$(cat tube.txt)
