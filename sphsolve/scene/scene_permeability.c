@@ -64,8 +64,8 @@ static enum status read_tensor(struct config *config, config_node *group, const 
   config_node *node = config_child(config, group, "permeability");
   double along[3] = {1, 1, 1}, first[3], least = INFINITY, most = 0;
   int count = 3;
-  enum status status =
-      config_quantities(config, group, "permeability", DIM_VELOCITY, axes, 3, along, &count, NULL);
+  enum status status = config_quantities(config, group, "permeability", DIM_VELOCITY, axes, axes,
+                                         along, &count, NULL);
   if (status != STATUS_OK) return status;
   scene_spread(scene, count, along);
   if (axes == 2) along[1] = along[0];
