@@ -165,11 +165,12 @@ static void write_time(const struct moisture *m, size_t shot, char *text, size_t
 
 static void plot_profiles(const struct moisture *m, FILE *stream) {
   const size_t step = (m->shots + PROFILES_MOST - 1) / PROFILES_MOST;
-  fprintf(
-      stream,
-      "set title 'profiles at x = %.4g m'\nset size noratio\nset autoscale x\nset xlabel 'water "
-      "content'\nset key outside below horizontal samplen 2\nplot ",
-      x_of(m, m->column));
+  fprintf(stream,
+          "set title 'profiles at x = %.4g m'\nset size noratio\nset autoscale x\nset xtics "
+          "autofreq\nset "
+          "xlabel 'water "
+          "content'\nset key outside below horizontal samplen 2\nplot ",
+          x_of(m, m->column));
   for (size_t n = 0, s = 0; s < m->shots; s += step, n++) {
     char time[40];
     write_time(m, s, time, sizeof time);
@@ -178,6 +179,21 @@ static void plot_profiles(const struct moisture *m, FILE *stream) {
     fprintf(stream, " title '%s'", time);
   }
   fputc('\n', stream);
+}
+
+#define PANEL_WIDTH 250 /* pixels of the map, at most, and of its height */
+#define TIC 40          /* of a number below it */
+
+/* The numbers below a map of `width` x `height`: where few fit, those of its ends or its middle. */
+static void plot_x_tics(const struct moisture *m, double width, double height, FILE *stream) {
+  const double left = x_of(m, 0) - 0.5 * m->run->spacing[0];
+  const double pixels = PANEL_WIDTH * fmin(width / height, 1);
+  if (pixels >= 6 * TIC) return;
+  fputs("set xtics (", stream);
+  if (pixels < TIC)
+    fprintf(stream, "'%.3g' %.6g)\n", left + 0.5 * width, left + 0.5 * width);
+  else
+    fprintf(stream, "'%.3g' %.6g, '%.3g' %.6g)\n", left, left, left + width, left + width);
 }
 
 static void plot(const struct moisture *m, struct product *product) {
@@ -190,6 +206,7 @@ static void plot(const struct moisture *m, struct product *product) {
   if (map) {
     char time[40];
     write_time(m, m->shots - 1, time, sizeof time);
+    plot_x_tics(m, width, height, stream);
     fprintf(stream,
             "set multiplot layout 1,2 margins 0.1,0.97,0.3,0.9 spacing 0.17,0\n"
             "set title 'water content at %s'\nset size ratio -1\nset xrange [%.6g:%.6g]\nset "
@@ -219,8 +236,10 @@ static void tell(const struct moisture *m, struct product *product) {
     dry = fmin(dry, m->theta[c]), wet = fmax(wet, m->theta[c]); /* NAN is no number to either */
   write_time(m, m->shots - 1, time, sizeof time);
   fprintf(summary, "%s: after %s\n", run->name, time);
-  fprintf(summary, "water      %.6g m^3 at the start, %.6g m^3 at the end, open by %.2g of it\n",
+  fprintf(summary, "water      %.6g m^3 at the start, %.6g m^3 at the end, open by %.2g of it",
           first, water, fabs(open) / fmax(water, 1e-300));
+  if (run->size[1] == 1) fprintf(summary, "; of %.4g m along y", run->spacing[1]);
+  fputc('\n', summary);
   fprintf(summary, "content    %.4g to %.4g at the end\n", dry, wet);
   if (isfinite(level))
     fprintf(summary, "table      %.4g m at x = %.4g m, where most water is\n", level,
@@ -231,6 +250,7 @@ static void tell(const struct moisture *m, struct product *product) {
   json_put_number(json, "time_s", run->snapshot_times[m->shots - 1]);
   json_put_number(json, "water_at_start_m3", first);
   json_put_number(json, "water_m3", water);
+  if (run->size[1] == 1) json_put_number(json, "thickness_m", run->spacing[1]);
   json_put_number(json, "water_open_m3", open);
   json_put_number(json, "water_content_least", dry);
   json_put_number(json, "water_content_most", wet);

@@ -31,6 +31,16 @@ static const struct reference references[] = {
     {"morimoto", "Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015). Unified numerical "
                  "analysis between the extended Darcy's law and Navier-Stokes equation by using "
                  "stabilized ISPH method (in Japanese). J. JSCE Ser. A2 70, I_213-I_221."},
+    {"richards",
+     "Richards LA (1931). Capillary conduction of liquids through porous mediums. Physics "
+     "1, 318-333."},
+    {"celia", "Celia MA, Bouloutas ET, Zarba RL (1990). A general mass-conservative numerical "
+              "solution for the unsaturated flow equation. Water Resour. Res. 26, 1483-1496."},
+    {"genuchten",
+     "van Genuchten MT (1980). A closed-form equation for predicting the hydraulic conductivity of "
+     "unsaturated soils. Soil Sci. Soc. Am. J. 44, 892-898."},
+    {"mualem", "Mualem Y (1976). A new model for predicting the hydraulic conductivity of "
+               "unsaturated porous media. Water Resour. Res. 12, 513-522."},
     {"white", "White KP (1997). An effective truncation heuristic for bias reduction in simulation "
               "output. Simulation 69, 323-334."},
     {"flegal", "Flegal JM, Jones GL (2010). Batch means and spectral variance estimators in Markov "
@@ -142,10 +152,15 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
     cite(stream, "akbari", cited);
     fputs(". ", stream);
   } else if (strcmp(run->method, "richards") == 0) {
-    fputs("The equation of Richards (1931) for water in soil that is not full was solved in its "
-          "mass-conserving form on fixed sites, with the curves of van Genuchten (1980) and Mualem "
-          "(1976). ",
-          stream);
+    fputs("The equation of Richards for water in soil that is not full", stream);
+    cite(stream, "richards", cited);
+    fputs(" was solved in its mass-conserving form", stream);
+    cite(stream, "celia", cited);
+    fputs(" on fixed sites, with the curves of van Genuchten", stream);
+    cite(stream, "genuchten", cited);
+    fputs(" and Mualem", stream);
+    cite(stream, "mualem", cited);
+    fputs(". ", stream);
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",

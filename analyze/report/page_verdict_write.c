@@ -287,6 +287,9 @@ static void write_moisture(const json_t *moisture, FILE *out) {
   duration_format(json_number_or_nan(moisture, "time_s"), time, sizeof time);
   fprintf(out, "%s</span></p>\n<p class=\"verdict\">%.4g&nbsp;m&sup3; at the start", time,
           json_number_or_nan(moisture, "water_at_start_m3"));
+  const double thickness = json_number_or_nan(moisture, "thickness_m");
+  if (isfinite(thickness))
+    fprintf(out, ", in a slice %.4g&nbsp;m thick along <var>y</var>", thickness);
   if (isfinite(highest))
     fprintf(out, "; the water table is highest at <var>x</var> = %.4g&nbsp;m: %.4g&nbsp;m",
             json_number_value(json_array_get(x, where)), highest);

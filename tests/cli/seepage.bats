@@ -804,12 +804,23 @@ assert abs(h["infiltration_sprinkler"][-1] / rain - 1) < 1e-9, h["infiltration_s
 assert abs(h["inflow_2"][-1] / -rain - 1) < 1e-2, h["inflow_2"][-1]
 assert abs(h["water_open"][-1]) < 1e-10 * h["water"][-1]
 level = (0.65 ** 2 + 2 * 0.148 / 0.35 * 0.5 * (3 - 0.25)) ** 0.5
-told = json.load(open("vadose/moisture.json"))["water_table"]["level_m"][0]
+moisture = json.load(open("vadose/moisture.json"))
+assert moisture["thickness_m"] == 0.2, moisture["thickness_m"]
+told = moisture["water_table"]["level_m"][0]
 assert abs(told / level - 1) < 0.1, (told, level)
 END
   analyze report vadose.hdf -o vadose.html
   grep -q "Water in the soil" vadose.html
   grep -q "m&sup3; of water .*in the soil after" vadose.html
+  grep -q "in a slice 0.2&nbsp;m thick along" vadose.html
+  grep -q "Richards LA (1931)" vadose.html
+  # Below the map of a narrow body two numbers have room.
+  sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="10 cm"' \
+    --set 'domain.size=["0.5 m", "2 m"]' --set 'scene={ name = "narrow"; end_time = "60 s"; }' \
+    --set 'regions=( { type = "porous"; box = ["0", "0", "0.5 m", "2 m"]; porosity = 0.30; permeability = "35 cm/h"; head = "0.65 m"; van_genuchten = { alpha = "3.3 1/m"; n = 4.1; theta_r = 0.01; }; } )' \
+    --set 'gauges=()' --set 'planes=()' --set 'output={}' -o narrow -q
+  analyze moisture narrow.hdf -o narrow > /dev/null
+  grep -q "^set xtics ('0' 0, '0.5' 0.5)" narrow/moisture.gp
   run sphsolve explain "$ROOT/data-samples/scenes/recharge.cfg" --set 'scene.method="isph"'
   [ "$status" -eq 3 ]
   [[ "$output" == *'write method = "richards"'* ]]
