@@ -314,6 +314,8 @@ def _phases(image, pore):
     if len(labels) < len(values):
         raise TosuiError("the image holds labels that single precision does not part; number them anew")
     named = pore if np.iterable(pore) and not isinstance(pore, (str, bytes)) else [pore]
+    if not len(named):
+        raise TosuiError(f"pore {pore!r} names no label; the image holds {', '.join(f'{x:g}' for x in labels[:8])}")
     pores = np.isin(labels, np.array([_number("pore", label) for label in named], np.float32))
     if not pores.any():
         raise TosuiError(f"the image does not hold the label {pore}, only {', '.join(f'{x:g}' for x in labels[:8])}")
@@ -341,6 +343,8 @@ def permeability(image, voxel_size, pore=0, error=0.05, axis="z", *, void_ratio=
         if void_ratio is None and pore is not True and pore is not False:
             warnings.warn(f"a boolean image: pores are where it is {bool(pore)}; name pore=True or pore=False", stacklevel=2)
         image = image.astype(np.uint8)
+    if void_ratio is not None and (isinstance(pore, (bool, np.bool_)) or np.ndim(pore) > 0 or pore != 0):
+        raise TosuiError(f"void_ratio and pore={pore!r}: the first is for an image of greys, pore for labels; give one")
     if void_ratio is not None and not isinstance(void_ratio, str):
         void_ratio = f"{_number('void_ratio', void_ratio):.9g}"
     if void_ratio is not None and "," in void_ratio:

@@ -260,7 +260,7 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
     return status;
   }
   if ((double)bytes - (double)image->data_offset >= wanted) return STATUS_OK;
-  return FAIL(STATUS_INPUT, "%s: %.0f bytes of pixels, but the header promises %.0f" EXPORT_AGAIN,
+  return FAIL(STATUS_INPUT, "%s: %.10g bytes of pixels, but the header promises %.10g" EXPORT_AGAIN,
               path, (double)bytes - (double)image->data_offset, wanted);
 }
 

@@ -101,7 +101,9 @@ static enum status npy_open(const char *path, struct image *image) {
              path, name);
   }
   if (!read_shape(value_of(header, "shape"), image))
-    TRY_FAIL(STATUS_INPUT, "%s: is empty, or no array of 2 or 3 axes; save one volume as [z][y][x]",
+    TRY_FAIL(STATUS_INPUT,
+             "%s: is empty, over 2^32 long on an axis, or no array of 2 or 3 axes; save one volume "
+             "as [z][y][x]",
              path);
   if (order == NULL || strncmp(order, "False", 5) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: is stored in Fortran's order; save numpy.ascontiguousarray(image)",

@@ -120,10 +120,12 @@ class Module(unittest.TestCase):
     def test_words_that_are_no_number(self):
         for said, options in (("voxel_size None", {"voxel_size": None}), ("pore 'x'", {"pore": "x"}), ("axis 3", {"axis": 3}),
                               ("axis None", {"axis": None}), (r"axis \[\]", {"axis": []}), ("size 4", {"size": 4}), ("size", {"size": (4, 4)}),
+                              (r"pore \[\] names no label; the image holds 0, 1", {"pore": []}),
+                              ("give one$", {"pore": True, "void_ratio": 0.7}),
                               (r"pore \[0\]: a number", {"pore": [[0], [1, 2]]}), ("pore 1000", {"pore": 10**400}),
                               ("mirror 'no'", {"mirror": "no"}), ("folder 3", {"folder": 3}), ("folder 'a", {"folder": "a\0b"}),
-                              ("null byte", {"voxel_size": "5\0um"}), ("one is wanted here", {"void_ratio": "0.6,0.7"}),
-                              (r"void_ratio \[", {"void_ratio": [0.6, 0.7]}),
+                              ("null byte", {"voxel_size": "5\0um"}), ("one is wanted here", {"pore": 0, "void_ratio": "0.6,0.7"}),
+                              (r"void_ratio \[", {"pore": 0, "void_ratio": [0.6, 0.7]}),
                               ("10000000 is out of range", {"size": (10000000, 4, 4)}),
                               ("viscosity '1 Pa s'", {"viscosity": "1 Pa s"}), ("density None", {"density": None})):
             with self.assertRaisesRegex(tosui.TosuiError, said):
