@@ -249,7 +249,8 @@ static void print_model(const struct pipeline *pipeline) {
     printf(pipeline->request->sides == SIDES_CLOSED ? ", sides closed" : ", sides mirrored");
   printf("\nvoid ratio        %.4f", model->void_ratio);
   if (pipeline_walls_enclose(pipeline))
-    printf(" by voxels; %.4f within the walls", pipeline_void_ratio(pipeline));
+    printf(" by voxels%s; %.4f within the walls",
+           pipeline->labels.on ? " of the smoothed labels" : "", pipeline_void_ratio(pipeline));
   const double off = pipeline_void_ratio(pipeline) - pipeline->request->void_ratio;
   if (!isnan(off)) /* rounded first: no -0.0000 */
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
@@ -445,7 +446,8 @@ static void print_text(const struct pipeline *pipeline) {
     print_greys(pipeline);
   if (request->rule != THRESHOLD_AUTO || pipeline->phases.levels == 2 ||
       request->roi.kind != ROI_NONE)
-    printf("full resolution   void ratio %.4f\n", pipeline->void_ratio_original);
+    printf("full resolution   void ratio %.4f%s\n", pipeline->void_ratio_original,
+           pipeline->labels.on ? ", by the labels" : "");
   if (pipeline->resampled) print_model(pipeline);
   if (!pipeline->unsized) {
     printf("specific surface  %.4g", quality->surface_original * 1e-3);

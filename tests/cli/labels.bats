@@ -130,7 +130,10 @@ END
   measured=$(awk -v e="$e" 'BEGIN { printf "%.4f", 1.02 * e }')
   ct2model build $balls --segmented 0 -e "$measured" -o balls.hdf > told.txt 2> said.txt
   sphsolve run s.cfg --set model.file=balls.hdf -o balls-run --json > run.json
-  grep -q "^void ratio .* by voxels; .* within the walls (measured" told.txt
+  grep -q "^full resolution .* by the labels$" told.txt
+  grep -q "^void ratio .* by voxels of the smoothed labels; .* within the walls (measured" told.txt
+  analyze report balls-run.hdf -o balls.html -q
+  grep -q "<th>Void ratio by voxels of the smoothed labels<" balls.html
   E=$e M=$measured /usr/bin/python3 - <<'END'
 import json, os, re
 import h5py
@@ -198,6 +201,7 @@ np.save("v.npy", v), np.save("big.npy", v.astype(">u2")), np.save("fortran.npy",
 np.save("wide.npy", v.astype("i8")), np.save("wider.npy", v.astype(">u8")), np.save("complex.npy", v.astype("c8"))
 np.save("tens.npy", (v // 16).astype("f4")), np.save("half.npy", (v // 16).astype("f2")), np.save("half-big.npy", (v // 16).astype(">f2"))
 np.save("labels.npy", np.where(v > 20000, 1, 0))
+open("far.npy", "wb").write(open("v.npy", "rb").read().replace(b"(20, 24, 28), }        ", b"(99999999999, 9, 9), } "))
 np.save("float.npy", v.astype("f4")), np.save("one.npy", v[0, 0]), np.save("truth.npy", v > 20000)
 with h5py.File("v.h5", "w") as file:
     file["group/v"] = v
@@ -223,7 +227,7 @@ END
   ct2model build labels.npy --segmented 1 --voxel-size 5um -o labels.hdf --quiet
   /usr/bin/python3 -c 'import h5py; truth, labels = (h5py.File(f)["model/solid"][()] for f in ("truth.hdf", "labels.hdf")); assert (truth == labels).all()'
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+  for words in "fortran.npy Fortran" "one.npy axes" "far.npy over.2.32.long" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
