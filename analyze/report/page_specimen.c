@@ -46,6 +46,16 @@ static void row(FILE *stream, const char *name, double value, const char *unit) 
   fprintf(stream, "<tr><th>%s</th><td>%.5g%s%s</td></tr>\n", name, value, unit[0] ? " " : "", unit);
 }
 
+/* Per mm, with its 95 % half width where the file knows one. */
+static void row_of_surface(FILE *stream, struct h5_file *file) {
+  const double surface = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface");
+  const double error = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface_error");
+  if (!isfinite(surface)) return;
+  fprintf(stream, "<tr><th>Specific surface</th><td>%.4g", surface);
+  if (isfinite(error)) fprintf(stream, " &plusmn; %.2g", error);
+  fputs(" 1/mm of bulk volume</td></tr>\n", stream);
+}
+
 static void write_percolation(FILE *stream, struct h5_file *file) {
   int32_t percolates[3]; /* z, y, x */
   if (!h5_attribute_exists(file, "/model", "percolates")) return;
@@ -167,7 +177,11 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   row(stream, "Void ratio, measured on the specimen", model->void_ratio_measured, "");
   const double walls = facts->void_ratio_walls;
   const bool within = fabs(walls - model->void_ratio) > 1e-6; /* NAN: no */
-  row(stream, within ? "Void ratio of the model, by voxels" : "Void ratio of the model",
+  /* Voxels of labels are cut at the walls that were smoothed through them, not at the labels. */
+  row(stream,
+      !within                      ? "Void ratio of the model"
+      : facts->rule == RULE_LABELS ? "Void ratio by voxels of the smoothed labels"
+                                   : "Void ratio of the model, by voxels",
       model->void_ratio, "");
   if (within) row(stream, "Void ratio within its walls, which are used", walls, "");
   row(stream, "Grey threshold", model->threshold, "");
@@ -182,8 +196,7 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   row(stream, "Floating grains (touch no other, nor a side)",
       h5_attribute_or_nan(file, "/model", "floating_grains"), "");
   write_percolation(stream, file);
-  row(stream, "Specific surface", 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface"),
-      "1/mm of bulk volume");
+  row_of_surface(stream, file);
   row(stream, "Pore voxels that touch a grain",
       100.0 * h5_attribute_or_nan(file, "/model", "pore_voxels_touching_grain"), "%");
   row(stream, "Median pore width", h5_attribute_or_nan(file, "/model", "local_thickness_median"),

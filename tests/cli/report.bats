@@ -128,12 +128,14 @@ np.save("blocked.npy", a)'
   for page in matched given otsu plain labels levels; do
     data $page.html '(lambda v: (" to " in v["class_din"]) == any(v["k_low_m_per_s"] < bound <= v["k_high_m_per_s"] for bound in (1e-8, 1e-6, 1e-4, 1e-2)))(page["verdict"][0])'
   done
-  # K = n^3 / (5 S^2) of the model's own numbers.
+  # K = n^3 / (5 S^2) of the model's own numbers; S as the file knows it.
   /usr/bin/python3 - << 'END'
 import h5py, json, re
 page = json.loads(re.search(r'id="data">(.*?)</script>', open("matched.html").read(), re.S)[1])
 model = h5py.File("matched.hdf")["model"].attrs
 n, s = model["porosity"], model["specific_surface"]
+known = f"{1e-3 * s:.4g} &plusmn; {1e-3 * model['specific_surface_error']:.2g} 1/mm"
+assert f"<tr><th>Specific surface</th><td>{known}" in open("matched.html").read(), known
 kozeny = 9.80665e6 * n**3 / (5 * s * s)
 assert abs(page["verdict"][0]["formulas"]["kozeny_carman"] / kozeny - 1) < 1e-9
 d = 6 * (1 - n) / s
