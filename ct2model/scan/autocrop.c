@@ -8,6 +8,8 @@
 #include "common/memory.h"
 
 enum { BLOCKS = 48, LEAST_BLOCK = 8, SLICES = 24 };
+/* Blocks on each side of the middle of a brush, and middles side by side that reach the slice. */
+enum { BRUSH = 1, WIDE = BLOCKS + 2 * BRUSH };
 
 struct blocks {
   size_t n; /* n x n blocks of one slice */
@@ -51,28 +53,52 @@ static double surrounding_grey(const struct blocks *blocks, double *middle) {
   return spread < 0.4 * fabs(*middle - mean) ? mean : NAN;
 }
 
-/* Clears inside[] for blocks like the corners that are joined to the edge of the slice: a large
- * pore in the middle is specimen. */
+/* The blocks of one axis that the brush covers, whose middle counts from BRUSH blocks before the
+ * first. */
+static size_t brush_first(size_t middle) {
+  return middle > 2 * BRUSH ? middle - 2 * BRUSH : 0;
+}
+static size_t brush_end(size_t middle, size_t n) {
+  return middle < n ? middle + 1 : n;
+}
+
+/* Whether all blocks of the brush at (x, y) are like the surroundings, as all beyond the slice is.
+ */
+static bool brush_fits(const bool *like, size_t n, size_t x, size_t y) {
+  for (size_t v = brush_first(y); v < brush_end(y, n); v++)
+    for (size_t u = brush_first(x); u < brush_end(x, n); u++)
+      if (!like[v * n + u]) return false;
+  return true;
+}
+
+/* Clears inside[] for blocks like the corners, as far as the brush comes in from beyond the edge of
+ * the slice: a large pore in the middle is specimen, and so are pores that open to the surroundings
+ * but are narrower than the brush. */
 static void clear_outside(const struct blocks *blocks, double outside, double middle,
                           bool *inside) {
-  size_t n = blocks->n;
-  bool like[BLOCKS * BLOCKS] = {false}, reached[BLOCKS * BLOCKS] = {false}, grows = true;
-  for (size_t b = 0; b < n * n; b++) {
+  const size_t n = blocks->n, wide = n + 2 * BRUSH;
+  bool like[BLOCKS * BLOCKS], fits[WIDE * WIDE], reached[WIDE * WIDE], grows = true;
+  for (size_t b = 0; b < n * n; b++)
     like[b] = fabs(blocks->mean[b] - outside) < 0.6 * fabs(middle - outside);
-    size_t x = b % n, y = b / n;
-    reached[b] = like[b] && (x == 0 || y == 0 || x == n - 1 || y == n - 1);
+  for (size_t b = 0; b < wide * wide; b++) {
+    const size_t x = b % wide, y = b / wide;
+    fits[b] = brush_fits(like, n, x, y);
+    reached[b] = fits[b] && (x == 0 || y == 0 || x == wide - 1 || y == wide - 1);
   }
   while (grows) {
     grows = false;
-    for (size_t b = 0; b < n * n; b++) {
-      if (!like[b] || reached[b]) continue;
-      size_t x = b % n, y = b / n;
-      reached[b] = (x > 0 && reached[b - 1]) || (x + 1 < n && reached[b + 1]) ||
-                   (y > 0 && reached[b - n]) || (y + 1 < n && reached[b + n]);
+    for (size_t b = wide; b < wide * (wide - 1); b++) {
+      if (!fits[b] || reached[b]) continue; /* at the ends of a row all that fit are reached */
+      reached[b] = reached[b - 1] || reached[b + 1] || reached[b - wide] || reached[b + wide];
       grows |= reached[b];
     }
   }
-  for (size_t b = 0; b < n * n; b++) inside[b] = inside[b] && !reached[b];
+  for (size_t b = 0; b < wide * wide; b++) {
+    if (!reached[b]) continue;
+    const size_t x = b % wide, y = b / wide;
+    for (size_t v = brush_first(y); v < brush_end(y, n); v++)
+      for (size_t u = brush_first(x); u < brush_end(x, n); u++) inside[v * n + u] = false;
+  }
 }
 
 /* The largest rectangle of true cells: x0, y0, nx, ny in blocks. */

@@ -9,8 +9,8 @@
 
 /* Shrinks `region` (the whole stack) in x and y to the largest box that holds none of the
  * surroundings, in any of the slices looked at. Surroundings are what the four corners hold, if
- * that is smooth and unlike the middle, as far as it is joined to the edge; a stack without them
- * stays whole. */
+ * that is smooth and unlike the middle, as far as it is joined to the edge by no narrow pores; a
+ * stack without them stays whole. */
 enum status autocrop(struct region *region);
 
 #endif

@@ -359,6 +359,15 @@ a.tofile(open("nan.raw", "wb"))'
     --json -o nan.hdf
   [ "$status" -eq 0 ]
   [ "$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')" = "$crop" ]
+  # Pores that open to the air, and have its grey, are specimen: slits 10 pixels wide, a disc of radius 90.
+  awk 'BEGIN { for (z = 0; z < 4; z++) for (y = 0; y < 200; y++) for (x = 0; x < 200; x++)
+    printf "%c", ((x - 99.5)^2 + (y - 99.5)^2 > 8100 || x % 25 < 10 ? 3 : 110) }' > slits.raw
+  run --separate-stderr "$CT" build slits.raw --raw 200x200x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto \
+    --json -o slits.hdf
+  [ "$status" -eq 0 ]
+  echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p' | awk -F, '{ ok = $4 * $5 > 100 * 100
+    for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 100; y = $2 + int(i / 2) * $5 - 100; ok = ok && x^2 + y^2 < 91^2 }
+    exit !ok }'
   run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
   [ "$status" -eq 0 ]
   [[ "$stderr" == *"whole stack"* ]]
