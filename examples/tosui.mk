@@ -4,6 +4,7 @@
 SHELL = /bin/bash
 ROOT := $(dir $(lastword $(MAKEFILE_LIST)))..
 BIN ?= $(if $(wildcard $(ROOT)/build/bin/sphsolve),$(ROOT)/build/bin/)
+override BIN := $(patsubst %//,%/,$(addsuffix /,$(BIN)))
 CT2MODEL = $(BIN)ct2model
 SPHSOLVE = $(BIN)sphsolve
 ANALYZE = $(BIN)analyze
@@ -16,6 +17,9 @@ VOID_RATIO ?= 0.725+-0.005
 VOXEL_SIZE ?= 8.745um
 # Two names to make, of which `clean` would remove both.
 $(foreach n,OUT SLICES,$(if $(word 2,$($(n))),$(error $(n)="$($(n))": make takes no name with a space in it; give a link to it)))
+
+# $(call cubes,N...): sizes of models N voxels wide, in the shape of the scan.
+cubes = $(shell $(CT2MODEL) info $(SLICES) --voxel-size $(VOXEL_SIZE) --json 2> /dev/null | python3 ../cubes.py $(1))
 
 SCAN = $(wildcard $(SLICES)/*) $(SLICES) $(call given,SLICES VOID_RATIO VOXEL_SIZE)
 

@@ -124,6 +124,18 @@ run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the
   [[ "$output" == *"run-32x32x14"* && "$output" != *"model-16x16x7.hdf -o"* ]]
 }
 
+@test "examples: a scan of another shape than the sample's needs no SIZE, and BIN no slash" {
+  local bin=${PATH%%:*}
+  cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR/examples"
+  unset MAKEFLAGS MFLAGS
+  mkdir thin && cp "$ROOT"/data-samples/small/slice_000*.png "$ROOT"/data-samples/small/slice_001*.png thin
+  local settings=("BIN=$bin" "SLICES=$PWD/thin" "ROOT=$ROOT")
+  make -n -C specimen "${settings[@]}" | grep -q -- "--size 48x48x8 "
+  make -C calibration "${settings[@]}" THRESHOLDS=62 > log 2>&1 || { cat log; false; }
+  grep -q -- "^$bin/ct2model build .*--size 32x32x5 " log
+  make -n -C gradients "${settings[@]}" | grep -q -- "--size 16x16x2 "
+}
+
 @test "examples: a study made with another variable is made anew, each of them" {
   local bin=${PATH%%:*}/
   cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR/examples"
