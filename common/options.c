@@ -236,7 +236,8 @@ static enum status apply_common(const struct options *options) {
     else
       bytes = -1;
     if (!(bytes > 0 && bytes < 1e18))
-      TRY_FAIL(STATUS_USAGE, "--max-memory %s: write it like 8GB or 500MB", size);
+      TRY_FAIL(STATUS_USAGE,
+               "--max-memory %s: a size in MB, GB, MiB or GiB is wanted, like 8GB or 500MB", size);
     memory_set_limit((size_t)bytes);
   }
 cleanup:

@@ -105,8 +105,9 @@ static enum status run_pipeline(const struct options *options, const struct requ
       if (build) {
         name_void_ratio(request->output, one.void_ratio, output);
         one.output = output;
-      } else if (i > 0) {
-        one.output = NULL; /* the curve is the same for all */
+      } else {
+        /* The curve is the same for all: written, and said so, at last. */
+        one.output = i + 1 < request->void_ratio_count ? NULL : request->output;
       }
       if (!options_json(options) && log_level() > LOG_QUIET)
         printf("%svoid ratio %g\n", i > 0 ? "\n" : "", one.void_ratio);

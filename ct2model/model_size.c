@@ -52,10 +52,9 @@ static enum status judge_drawn(const size_t in[3], const double voxel[3], const 
         out[0], out[1], out[2]);
   }
   if (most > DRAWN_TOLD * least)
-    log_warning(
-        "the scan's voxels are %.3g times as long as wide: what lies between is drawn from "
-        "neighbours, and k may be a quarter too low; its share scan of the error holds that",
-        most / least);
+    log_warning("the scan's voxels are %.3g times as long as wide: what lies between is drawn from "
+                "neighbours, and k may be too low, by as much as its share scan of the error says",
+                most / least);
   return STATUS_OK;
 }
 

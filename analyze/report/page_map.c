@@ -117,7 +117,7 @@ static void write_outlines(const struct canvas *canvas, FILE *stream) {
   fputs("\"/>\n", stream);
 }
 
-/* The unit in which a colour bar's numbers are short. */
+/* The unit in which a colour bar's numbers are short, seven characters with their signs. */
 struct map_unit {
   double factor;
   const char *name;
@@ -130,7 +130,7 @@ static struct map_unit unit_of(bool speed, double high) {
   const struct map_unit *unit = units[speed];
   int i = 1;
   if (unit[1].factor * high >= 1000.0) i = 0;
-  while (i < 3 && unit[i].factor * high < 0.01) i++;
+  while (i < 3 && unit[i].factor * high < 0.1) i++;
   return unit[i];
 }
 
@@ -147,9 +147,10 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
   fprintf(stream, "<text x=\"%.1f\" y=\"18\">%s</text>", x, unit.name);
   for (int i = 0; i <= 4; i++) {
     const double value = speed ? high * (4 - i) / 4.0 : high * (2 - i) / 2.0;
-    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%s%.2g</text>", x + 20.0,
+    fprintf(stream, "<text x=\"%.1f\" y=\"%.1f\">%s%.*g</text>", x + 20.0,
             39.0 + (tall - 40.0) * i / 4.0,
-            i == 0 || (!speed && i == 4) ? (i == 0 ? "&#8805; " : "&#8804; ") : "", value);
+            i == 0 || (!speed && i == 4) ? (i == 0 ? "&#8805; " : "&#8804; ") : "",
+            fabs(value) < 99.5 ? 2 : 3, value);
   }
   if (plane->soil != NULL) {
     const double y = tall + 14.0;

@@ -30,9 +30,10 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
       if (!isfinite(grey)) {
         char name[160];
         stack_slice_name(stack, region->origin[2] + z, name, sizeof name);
-        return FAIL(STATUS_INPUT,
-                    "%s: pixel %zu,%zu is not a number; crop it away (--crop) or repair the slice",
-                    name, region->origin[0] + x, region->origin[1] + y);
+        return FAIL(
+            STATUS_INPUT,
+            "%s: pixel %zu,%zu is no finite number; crop it away (--crop) or repair the slice",
+            name, region->origin[0] + x, region->origin[1] + y);
       }
       out[y * region->size[0] + x] = grey;
     }

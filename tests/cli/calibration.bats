@@ -33,6 +33,8 @@ for e, model, swept in zip((0.65, 0.725, 0.8), [every] + every["void_ratios"], [
 assert sweep["threshold"] < sweep["void_ratios"][1]["threshold"]  # more pore: a higher threshold
 END
   [ "$(head -1 list.csv | cut -d, -f1,2)" = threshold,void_ratio ]
+  [ "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n written)" = \
+    "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n . | tail -1)" ]
   for wrong in 0.7,0.7 0.7, ,0.7 0.7,x 0.7,50; do
     run --separate-stderr ct2model sweep $SCAN --voxel-size 8.745um --void-ratio $wrong
     [ "$status" -eq 2 ] && [[ "$stderr" == *--void-ratio* ]] || { echo "$wrong: $status $stderr"; false; }

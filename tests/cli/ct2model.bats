@@ -373,6 +373,16 @@ a.tofile(open("nan.raw", "wb"))'
   [[ "$stderr" == *"whole stack"* ]]
 }
 
+@test "an infinite grey and a size in kB are called what they are" {
+  cd "$WORK"
+  /usr/bin/python3 -c 'import array, sys
+array.array("f", [1.0] * 600 + [float("inf")] + [2.0] * 399).tofile(sys.stdout.buffer)' > inf.raw
+  run ! "$CT" build inf.raw --raw 10x10x10:f32le --voxel-size 1um --void-ratio 1 -o inf.hdf
+  [[ "$output" == *"pixel 0,0 is no finite number"* ]]
+  run ! "$CT" build inf.raw --raw 10x10x10:f32le --voxel-size 1um --void-ratio 1 --max-memory 900kB -o inf.hdf
+  [[ "$output" == *"900kB: a size in MB, GB, MiB or GiB is wanted"* ]]
+}
+
 @test "the flow axis turns the scan" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"

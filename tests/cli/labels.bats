@@ -285,7 +285,7 @@ END
   for i in $(seq 0 4 55); do cp "$(printf '%s/slice_%04d.png' "$ROOT/data-samples/small" "$i")" apart; done
   far() { ct2model build apart --void-ratio 0.725 --voxel-size "8.745um,8.745um,$1" --crop 0,0,0,64,64,14 -o far.hdf; }
   run --separate-stderr far 34.98um
-  [ "$status" -eq 0 ] && [[ "$stderr" == *"4 times as long as wide: what lies between is drawn"* ]]
+  [ "$status" -eq 0 ] && [[ "$stderr" == *"4 times as long as wide: what lies between is drawn"*"too low, by as much as its share scan"* ]]
   scene stokes far.hdf > far.cfg
   share() { sphsolve run far.cfg -o far-run --set lattice.spacing='"35 um"' --json 2> /dev/null | sed -n 's/.*"scan": \([0-9.e-]*\),*/\1/p'; }
   drawn=$(share)

@@ -200,11 +200,17 @@ END
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" gas.hdf model= pressure=5e-6
   analyze report gas.hdf -o gas.html -q > /dev/null
   grep -q '">mPa</text>' gas.html
+  for pressure in 6.4e-4 3.4; do
+    /usr/bin/python3 "$ROOT/tests/cli/make_run.py" other-$pressure.hdf model= pressure=$pressure
+    analyze report other-$pressure.hdf -o other-$pressure.html -q > /dev/null
+  done
   /usr/bin/python3 -c '
-import html, re
-for svg in re.findall("<svg class=.map.*?</svg>", open("gas.html").read(), re.S):
-    numbers = [html.unescape(t) for t in re.findall("<text [^>]*>([^<]*)</text>", svg)][1:6]
-    assert len(numbers) == 5 and all(len(t.lstrip("≥≤ ")) <= 6 for t in numbers), numbers'
+import html, re, sys
+for page in sys.argv[1:]:
+    for svg in re.findall("<svg class=.map.*?</svg>", open(page).read(), re.S):
+        numbers = [html.unescape(t) for t in re.findall("<text [^>]*>([^<]*)</text>", svg)][1:6]
+        assert len(numbers) == 5 and all(len(t) <= 7 and "e" not in t for t in numbers), (page, numbers)' \
+    gas.html other-6.4e-4.html other-3.4.html
 }
 
 @test "a TMPDIR that is not there costs the page no picture" {
