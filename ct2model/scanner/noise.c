@@ -99,3 +99,11 @@ double noise_length(const struct noise_sums *sums, int axis) {
   }
   return 0.5 * (low + high);
 }
+
+/* Bartlett (1946, J. R. Stat. Soc. Suppl. 8: 27): of noise alike by rho(r) so many voxels tell as
+ * much of its variance as one of noise that is not, the sum of rho^2; rho is exp(-r^2 / (4 l^2)).
+ */
+double noise_deviation_error(const struct noise_sums *sums, double length) {
+  const double alike = pow(fmax(sqrt(2.0 * M_PI) * length, 1.0), 3.0);
+  return sqrt(0.5 * alike / sums->apart_pairs);
+}

@@ -24,4 +24,8 @@ double noise_left(const struct noise_sums *sums);
  * as much from one voxel to the next along `axis`; 0: not correlated. */
 double noise_length(const struct noise_sums *sums, int axis);
 
+/* How far chance moves that deviation, over itself (1 sigma): of noise alike over `length` voxels,
+ * few voxels are independent. */
+double noise_deviation_error(const struct noise_sums *sums, double length);
+
 #endif

@@ -22,8 +22,10 @@ static const double ENOUGH = 500.0; /* voxels, for a mean grey */
 static const double CLEAR = 0.3;
 /* For the noise, of which some tens of voxels are alike where it is correlated over one. */
 static const double PAIRS = 5000.0, FEW = 2000.0;
-/* Noise of grains over that of pores from which on more than chance sets them apart. */
-static const double LESS = 0.97;
+/* Noise of grains over that of pores from which on it counts, where chance moves it by less than
+ * KNOWN; elsewhere it must differ by SURE standard errors: of noise alike over a voxel few voxels
+ * tell (docs/notes/2026-11-26-hidden-fines.md). */
+static const double LESS = 0.97, KNOWN = 0.025, SURE = 2.3;
 /* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
  * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
 static const double SOFT = 0.1;
@@ -87,6 +89,16 @@ static double mean_length(const struct noise_sums *sums, const double voxel[3]) 
   return axes > 0.0 ? length / axes : NAN;
 }
 
+/* Whether grains show less noise than pores, beyond chance: the ratio of their deviations, and
+ * their lengths in voxels. */
+static bool has_less(const struct noise_sums *grain, double grain_length,
+                     const struct noise_sums *pore, double pore_length, double ratio) {
+  const double chance =
+      hypot(noise_deviation_error(grain, grain_length), noise_deviation_error(pore, pore_length));
+  return grain->apart_pairs >= PAIRS && ratio < LESS &&
+         (chance < KNOWN || 1.0 - ratio > SURE * chance);
+}
+
 /* As it is seen in `scanner`, for scans made up that are to look alike; over what it was before the
  * scan was cut off is returned. Seen in pores; but fines that the blur hides there look like noise,
  * so that grains may have clearly less of it, texture and all. */
@@ -99,13 +111,13 @@ static double measure_noise(struct windows *all, double noise_ratio, const struc
   struct noise_sums sums = sum_noise(all, noise_ratio, fit, false, ends[0]);
   const struct noise_sums grain = sum_noise(all, noise_ratio, fit, true, ends[1]);
   if (sums.count < FEW) sums = grain;
+  const double length = mean_length(&sums, voxel), grain_length = mean_length(&grain, voxel);
   const double left = noise_left(&sums);
   const double seen = noise_deviation(&sums), other = noise_deviation(&grain);
-  const bool less = grain.apart_pairs >= PAIRS && other / noise_left(&grain) * left < LESS * seen;
+  const bool less = has_less(&grain, grain_length / all->unit, &sums, length / all->unit,
+                             other / noise_left(&grain) * left / seen);
   scanner->noise = contrast * (less ? other / noise_left(&grain) * left : seen);
-  scanner->noise_correlation = mean_length(&sums, voxel);
-  if (less)
-    scanner->noise_correlation = fmin(scanner->noise_correlation, mean_length(&grain, voxel));
+  scanner->noise_correlation = less ? fmin(length, grain_length) : length;
   scanner->contrast_to_noise = (fit->grain - fit->pore) * contrast / scanner->noise;
   return left;
 }

@@ -100,6 +100,20 @@ assert abs(found['contrast_to_noise'] / 4.7 - 1) < 0.08
 assert abs(found['noise_correlation_m'] / (0.98 * 9.4367e-6) - 1) < 0.08"
 }
 
+@test "noise alike over a voxel and a fringe are not taken for fines" {
+  # Angular grains of 24 voxels, none of them fine: blur 2 voxels, contrast 4.5 times the noise. All of the relief counted.
+  "$GENERATE" --quiet --output "$WORK/clean" --size 96x96x64 --seed 9040 --void-ratio 0.730664990508822 --grain-size 129.21um --voxel-size 5.3756um \
+    --blur 10.8253um --noise-ratio 4.54 --noise-length 1.04 --fringe 0.7 --beam 0.05
+  built clean 0.744 --voxel-size 5.3756um
+  python3 -c "
+import json
+found = json.load(open('$WORK/clean5.3756um.json'))['scanner']
+print(found)
+assert found['fine_relief'] < 0.3
+assert abs(found['contrast_to_noise'] / 4.54 - 1) < 0.05
+assert abs(found['noise_correlation_m'] / (1.04 * 5.3756e-6) - 1) < 0.05"
+}
+
 @test "noise leaves no grains that touch nothing, nor pores that lead nowhere" {
   sand specks --seed 36 --blur 11.66um --noise-ratio 5
   "$CT" build "$WORK/specks" --void-ratio 0.725 --size 96x96x48 --json --quiet -o "$WORK/specks.hdf" > "$WORK/specks.json"

@@ -8,15 +8,17 @@
 #include <cmocka.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
 enum { SIDE = 64, N = SIDE * SIDE * SIDE };
 static const double DEVIATION = 0.25;
 
-/* Nearly normal: the sum of twelve uniform numbers (SplitMix64). */
-static void draw(double black, float *grey) {
-  for (uint64_t i = 0; i < N; i++) {
+/* Nearly normal: the sum of twelve uniform numbers (SplitMix64), from the `first` on. */
+static void draw_from(uint64_t first, double black, float *grey) {
+  for (uint64_t v = 0; v < N; v++) {
+    const uint64_t i = first + v;
     double sum = -6.0;
     for (uint64_t k = 0; k < 12; k++) {
       uint64_t z = (12 * i + k + 1) * 0x9e3779b97f4a7c15U;
@@ -24,8 +26,11 @@ static void draw(double black, float *grey) {
       z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
       sum += (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
     }
-    grey[i] = (float)fmax(DEVIATION * sum, black);
+    grey[v] = (float)fmax(DEVIATION * sum, black);
   }
+}
+static void draw(double black, float *grey) {
+  draw_from(0, black, grey);
 }
 
 static void test_cut_off(void **state) {
@@ -70,7 +75,40 @@ static void test_levels(void **state) {
   memory_free(&grey);
 }
 
+/* The deviation of noise alike over a length scatters from draw to draw as is said of one. */
+static void test_chance(void **state) {
+  (void)state;
+  enum { DRAWS = 24 };
+  static const double LENGTH[] = {0.5, 1.0};
+  const size_t size[3] = {SIDE, SIDE, SIDE};
+  float *grey = NULL, *work = NULL;
+  assert_int_equal(memory_allocate(&grey, N, sizeof *grey, "test"), 0);
+  assert_int_equal(memory_allocate(&work, N, sizeof *work, "test"), 0);
+  for (size_t l = 0; l < 2; l++) {
+    const double sigma[3] = {LENGTH[l], LENGTH[l], LENGTH[l]};
+    double sum = 0.0, square = 0.0, said = 0.0;
+    for (size_t d = 0; d < DRAWS; d++) {
+      draw_from((l * DRAWS + d) * N, -INFINITY, grey);
+      gaussian_filter(grey, size, sigma, work, grey);
+      for (size_t i = 0; i < N; i++) work[i] = 10.0F;
+      struct noise_sums sums = {0};
+      noise_add(grey, work, size, 1.5, 1.0, 0.0, INFINITY, &sums);
+      const double seen = noise_deviation(&sums);
+      sum += seen / DRAWS;
+      square += seen * seen / DRAWS;
+      said += noise_deviation_error(&sums, LENGTH[l]) / DRAWS;
+    }
+    const double scatter = sqrt((square / (sum * sum) - 1.0) * DRAWS / (DRAWS - 1.0));
+    print_message("noise alike over %g voxels: scatter %.4f, said %.4f\n", LENGTH[l], scatter,
+                  said);
+    assert_true(fabs(scatter / said - 1.0) < 0.4);
+  }
+  memory_free(&grey);
+  memory_free(&work);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cut_off), cmocka_unit_test(test_levels)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_cut_off), cmocka_unit_test(test_levels),
+                                     cmocka_unit_test(test_chance)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
