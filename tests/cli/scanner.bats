@@ -104,7 +104,7 @@ assert abs(found['noise_correlation_m'] / (0.98 * 9.4367e-6) - 1) < 0.08"
   # Angular grains of 24 voxels, none of them fine: blur 2 voxels, contrast 4.5 times the noise. All of the relief counted.
   "$GENERATE" --quiet --output "$WORK/clean" --size 96x96x64 --seed 9040 --void-ratio 0.730664990508822 --grain-size 129.21um --voxel-size 5.3756um \
     --blur 10.8253um --noise-ratio 4.54 --noise-length 1.04 --fringe 0.7 --beam 0.05
-  built clean 0.744 --voxel-size 5.3756um
+  built clean 0.744 --voxel-size 5.3756um --crop 0,0,0,96,96,60
   python3 -c "
 import json
 found = json.load(open('$WORK/clean5.3756um.json'))['scanner']
