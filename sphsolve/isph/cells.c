@@ -308,15 +308,17 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - water,
                                      sums.gradient_sum, sums.moment, sums.wall_moment);
     memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
-    if (s->on.surface && s->on.soil) isph_front_find(s, chunk, i);
     /* From the water alone, so that it is exact for linear fields next to a wall too; none where
      * the neighbours are too few for it. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     isph_moment_inverse(dimensions, sums.moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
-    if (s->on.soil) isph_moment_defect(s, i, sums.moment, sums.wall_moment);
-    for (int k = 0; k < 6 && s->linear != NULL; k++)
-      s->linear[i][k] = (float)(sums.moment[k] + sums.wall_moment[k]);
+    for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
+    if (s->on.soil) {
+      const double one_sided = s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
+      isph_moment_defect(s, i, sums.moment, one_sided);
+    }
+    for (int k = 0; k < 6 && s->linear != NULL; k++) s->linear[i][k] = (float)sums.moment[k];
   }
   return STATUS_OK;
 }

@@ -25,7 +25,9 @@
  * taken back by a uniform strain: all particles move along the force towards the lowest one, so far
  * that E^{n+1} = E^n. Velocities are not scaled for it: waves hold less than 1e-5 of the energy and
  * would pay for all of it (a wave of 3 cm/s on a metre of water died within two periods). Only what
- * a new porosity adds to u = v/eps is taken from the velocities. */
+ * a new porosity adds to u = v/eps is taken from the velocities. C_r/eps Dv/Dt keeps v of water
+ * that crosses the face of soil: its m u^2/2 grows by (m v^2/2) D(1/eps^2), for which no pressure
+ * works. As much as the step's move has added is taken, however much it is. */
 
 #define DENSITY_EXCESS 0.0025 /* from this on the bound is eased, at twice this there is none */
 
@@ -103,7 +105,7 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
 }
 
 #define STRAIN_MOST 1e-3 /* in a step */
-#define TRIM_MOST 0.01   /* of the kinetic energy, in a step */
+#define TRIM_MOST 0.01   /* of the kinetic energy, in a step, where a new porosity adds less */
 
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
@@ -139,10 +141,10 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
     }
 }
 
-void isph_energy_limit_velocity(struct isph *s, double most) {
+void isph_energy_limit_velocity(struct isph *s, double most, double moved) {
   double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
   if (!(excess > 0 && kinetic > 0)) return;
-  double scale = sqrt(1 - fmin(excess / kinetic, TRIM_MOST));
+  double scale = sqrt(1 - fmin(excess, fmax(TRIM_MOST * kinetic, kinetic - moved)) / kinetic);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];

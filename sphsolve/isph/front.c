@@ -2,33 +2,78 @@
 
 #include <math.h>
 
+#include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/images.h"
 
 #define FRONT_FROM 0.9   /* of o */
 #define FRONT_WEIGHT 0.1 /* at o = 1 */
+#define SIDED_FROM 0.6   /* of o: neighbours across begin to stand on one side; */
+#define SIDED_FULL 0.7   /* they do */
+#define VOID_SHUT 0.2    /* of |sum V grad W| left by the wall ahead: it is there, */
+#define VOID_OPEN 0.4    /* it does not count */
+
+/* Of a neighbourhood: sum V grad W and, g with all walls, sum |V grad W.g|, both without walls
+ * beyond a void, and the second moment of those. */
+struct sides {
+  double open[3], across, beyond[6];
+};
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* How far a goes from `from` to `full`, 0 .. 1. */
+static double share(double a, double from, double full) {
+  return fmax(0, fmin(1, (a - from) / (full - from)));
+}
 
 ROW void add_pairs(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
-                   size_t i, double *sum) {
+                   size_t i, struct sides *sides) {
   const double *xi = s->position[i], *g = s->gradient_sum[i];
   double r[3];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    *sum += s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] *
-            fabs(r[0] * g[0] + r[1] * g[1] + r[2] * g[2]);
-  }
-  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-    isph_separation_at(images, s, xi, s->boundary_position, chunk->wall[p], r);
-    *sum += isph_wall_volume(s, chunk->wall[p] & PAIR_MASK) * (double)chunk->wall_slope[p] *
-            fabs(r[0] * g[0] + r[1] * g[1] + r[2] * g[2]);
+    sides->across +=
+        s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] * fabs(dot(r, g));
   }
 }
 
-void isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i) {
-  const double *g = s->gradient_sum[i];
-  double sum = 0;
-  if (s->soil_fraction[i] == 0 || s->surface[i] >= FRONT_WEIGHT) return;
-  ISPH_ROW(s, i, add_pairs, s, chunk, i, &sum);
-  if (!(sum > 0)) return;
-  const double o = (g[0] * g[0] + g[1] * g[1] + g[2] * g[2]) / sum;
-  s->surface[i] = fmax(s->surface[i], FRONT_WEIGHT * (o - FRONT_FROM) / (1 - FRONT_FROM));
+static void add_walls(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                      struct sides *sides) {
+  const double *xi = s->position[i], *g = s->gradient_sum[i];
+  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+    const size_t j = chunk->wall[p] & PAIR_MASK;
+    double r[3], mirror[6], ratio, gap = 0, *beyond = sides->beyond;
+    isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
+    if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
+      const double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
+      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+      gap = surface_gap(s, i, r, mirror);
+    }
+    const double f = isph_wall_volume(s, j) * (double)chunk->wall_slope[p], out = gap * f;
+    sides->across += (f - out) * fabs(dot(r, g));
+    for (int a = 0; a < 3; a++) sides->open[a] -= out * r[a];
+    beyond[0] += out * r[0] * r[0], beyond[1] += out * r[0] * r[1], beyond[2] += out * r[0] * r[2];
+    beyond[3] += out * r[1] * r[1], beyond[4] += out * r[1] * r[2], beyond[5] += out * r[2] * r[2];
+  }
+}
+
+double isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i, double moment[6]) {
+  double *g = s->gradient_sum[i];
+  struct sides sides = {.open = {g[0], g[1], g[2]}};
+  if (s->soil_fraction[i] == 0) return 0;
+  ISPH_ROW(s, i, add_pairs, s, chunk, i, &sides);
+  add_walls(s, chunk, i, &sides);
+  if (!(sides.across > 0)) return 0;
+  const double *open = sides.open, o = dot(open, g) / sides.across;
+  const double left = share(sqrt(dot(g, g) / dot(open, open)), VOID_SHUT, VOID_OPEN);
+  const double *beyond = sides.beyond;
+  const double trace = moment[0] + moment[3] + moment[5] - beyond[0] - beyond[3] - beyond[5];
+  const double asymmetry = surface_asymmetry(s, s->support[i], open, trace);
+  double w = FRONT_WEIGHT * share(o, FRONT_FROM, 1);
+  if (trace > 0) w = fmax(w, share(asymmetry, SURFACE_FROM, SURFACE_FULL));
+  s->surface[i] = fmax(s->surface[i], left * w);
+  for (int a = 0; a < 3; a++) g[a] += left * (open[a] - g[a]);
+  for (int k = 0; k < 6; k++) moment[k] -= left * beyond[k];
+  return left * share(o, SIDED_FROM, SIDED_FULL);
 }

@@ -7,14 +7,29 @@
  * is 1 there, below .5 within disordered water, .7 to .9 at fronts in disorder, which the asymmetry
  * knows. At rest any weight of the surface gives the same pressure. In motion the whole of it, half
  * a particle ahead, is too near where rows stand 1/eps apart: fronts ran up to a quarter early;
- * with a tenth they keep to a plug's balance. */
+ * with a tenth they keep to a plug's balance.
+ *
+ * A wall ahead is no water: what of it lies beyond the void is left out of all these sums, until
+ * the void is shut, |sum V grad W| with that wall less than .4 to .2 of that without. Counted as
+ * neighbours walls took a front from the surface a row ahead of them, and its last row leapt. */
 #ifndef TOSUI_SPHSOLVE_ISPH_FRONT_H
 #define TOSUI_SPHSOLVE_ISPH_FRONT_H
 
+#include <math.h>
+
 #include "sphsolve/isph/state.h"
 
-/* Raises how far particle i in soil is on a surface to what that says; from its pairs, walls and
- * gradient sum. */
-void isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i);
+#define FRONT_DEEP 0.75 /* of the share of soil: below, a particle is not deep in it */
+
+/* How far particle i is deep in soil, 0 .. 1. */
+static inline double isph_front_deep(const struct isph *s, size_t i) {
+  return fmax(0, (s->soil_fraction[i] - FRONT_DEEP) / (1 - FRONT_DEEP));
+}
+
+/* Raises how far particle i in soil is on a surface to what that says, from its pairs, walls and
+ * gradient sum; walls beyond a void are taken out of the gradient sum and of `moment`, the second
+ * moment of all its neighbours (xx xy xz yy yz zz). Returns how far, 0 .. 1, its neighbours across
+ * stand on one side. */
+double isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i, double moment[6]);
 
 #endif

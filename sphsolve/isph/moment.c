@@ -1,5 +1,7 @@
+#include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/symmetric.h"
 
 #include <math.h>
 
@@ -13,8 +15,14 @@
  * d the dimensions. For neighbours spread evenly over all directions sum V slope (r.C.r/r^2) r r =
  * (2 C + tr(C) 1)/(d + 2) = E, which takes the defect out to first order. A pair has one factor, at
  * least 1/2, in all operators: the matrix stays symmetric and definite, divergence and gradient
- * each other's adjoint as before. C fades towards free water, where M is near 1, and is none on the
- * surface and next to it, where neighbours are missing indeed. */
+ * each other's adjoint as before. C fades towards free water, where M is near 1.
+ *
+ * On a surface, n its normal, half of the moment across is missing indeed, and
+ *   E = (1 - 2 n.M.n) n n.
+ * The foremost row of a front has .62 of it where half a space has .5, and the pressure behind
+ * drove it and the next row by half as much again: fronts were 4 to 6 % early. What closes the row
+ * of a particle on the surface (effects/surface.h) is of the corrected slopes too. Next to the face
+ * of soil C is none on the surface and beside it: rows of ponds stir there, for ever, with it. */
 
 #define DEFECT_MOST 0.5 /* of C (Frobenius), so that slopes stay positive */
 
@@ -35,12 +43,25 @@ void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
   inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
 }
 
-void isph_moment_defect(struct isph *s, size_t i, const double moment[6],
-                        const double wall_moment[6]) {
+/* The missing moment e, on a surface only of the half that its void leaves there. */
+static void one_sided_defect(const double n[3], double share, double e[6]) {
+  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const double nn[6] = {n[0] * n[0], n[0] * n[1], n[0] * n[2],
+                        n[1] * n[1], n[1] * n[2], n[2] * n[2]};
+  if (!(square > 0)) return;
+  double across = nn[0] * e[0] + nn[3] * e[3] + nn[5] * e[5] +
+                  2 * (nn[1] * e[1] + nn[2] * e[2] + nn[4] * e[4]); /* 1 - n.M.n */
+  across = 2 * across / square - 1;
+  for (int k = 0; k < 6; k++) e[k] += share * (across * nn[k] / square - e[k]);
+}
+
+void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double one_sided) {
   float *defect = s->moment_defect[i];
   double e[6], size = 0, d = s->dimensions;
-  for (int k = 0; k < 6; k++) e[k] = -moment[k] - wall_moment[k];
+  for (int k = 0; k < 6; k++) e[k] = -moment[k];
   e[0] += 1, e[5] += 1, e[3] += s->dimensions == 3;
+  if (s->on.surface) one_sided = fmax(one_sided, s->surface[i]);
+  if (one_sided > 0) one_sided_defect(s->gradient_sum[i], one_sided, e);
   double trace = e[0] + e[3] + e[5];
   for (int k = 0; k < 6; k++) {
     bool diagonal = k == 0 || k == 3 || k == 5;
@@ -59,9 +80,10 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? sum / square : 0;
 }
 
-/* Corrects the slopes of particle i's pairs, and finds the moment they then have. */
+/* Corrects the slopes of particle i's pairs, and finds the moment they then have, and by what they
+ * change the gradient sum. */
 ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                        size_t i, double moment[6]) {
+                        size_t i, double moment[6], double change[3]) {
   const double *xi = s->position[i];
   double own[6], mean[6], r[3];
   for (int k = 0; k < 6; k++) own[k] = (double)s->moment_defect[i][k];
@@ -69,8 +91,10 @@ ROW void correct_slopes(enum isph_images images, const struct isph *s, struct is
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_defect[j][k]);
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    chunk->slope[p] *= (float)(1 + along(mean, r));
+    const double more = along(mean, r);
+    chunk->slope[p] *= (float)(1 + more);
     double f = s->volume[j] * (double)chunk->slope[p];
+    for (int a = 0; a < 3; a++) change[a] += f * more / (1 + more) * r[a];
     moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
     moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
   }
@@ -80,12 +104,28 @@ ROW void correct_slopes(enum isph_images images, const struct isph *s, struct is
   }
 }
 
-/* No correction next to a surface. */
+/* No correction next to a surface, but deep in soil. */
 static void spare_surface(struct isph *s) {
   double *near = s->work[0];
   isph_find_near_surface(s, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    for (int k = 0; k < 6; k++) s->moment_defect[i][k] *= (float)(1 - near[i]);
+    for (int k = 0; k < 6; k++)
+      s->moment_defect[i][k] *= (float)(1 - near[i] * (1 - isph_front_deep(s, i)));
+}
+
+/* Of what closes the row of a particle on the surface deep in soil, no more than the moment that is
+ * missing: along the normal the pairs give n.M.n and the void, P = 0 half a size ahead, w size |sum
+ * V grad W| (effects/surface.h); in half a space both are 1/2. Few as the neighbours of a particle
+ * ahead of its row are, both together came to 1.1, and gravity drove it so much more than its row.
+ */
+static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
+  double *n = s->gradient_sum[i];
+  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const double closes = s->surface[i] * isph_size_of(s, s->volume[i]) * sqrt(square);
+  if (!(closes > 0)) return;
+  const double missing = fmin(0.5, fmax(0, 1 - symmetric_along(moment, n) / square));
+  const double scale = 1 - isph_front_deep(s, i) * (1 - fmin(1, missing / closes));
+  for (int a = 0; a < 3; a++) n[a] *= scale;
 }
 
 void isph_moment_correct(struct isph *s) {
@@ -95,10 +135,15 @@ void isph_moment_correct(struct isph *s) {
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double moment[6] = {0}, inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-      ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment);
+      double moment[6] = {0}, inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3] = {0};
+      ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
+      if (s->on.surface && s->surface[i] > 0) {
+        for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
+        close_no_more(s, i, moment);
+      }
       isph_moment_inverse(s->dimensions, moment, inverse);
       for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];
     }
   }
+  if (s->on.surface) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->gradient_sum)});
 }

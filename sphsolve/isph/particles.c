@@ -55,7 +55,7 @@ static double shift_stiffness(const struct isph *s) {
  * with a support of a few spacings misses 1 are taken out of every operator. */
 static void normalise_kernel(struct isph *s) {
   double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0;
-  double top = 0, trace = 0; /* of a level surface's outermost layer */
+  double top = 0, trace = 0, sum_top = 0; /* of a level surface's outermost layer */
   int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
   for (int k = -reach; k <= reach; k++)
     for (int j = -reach_y; j <= reach_y; j++)
@@ -64,12 +64,14 @@ static void normalise_kernel(struct isph *s) {
         if (r2 >= ratio * ratio) continue;
         isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), ratio, &w, &slope);
         sum_w += w, sum_m += slope * i * i;
+        if (k <= 0) sum_top += w;
         if (k <= 0) top -= slope * k, trace += slope * r2;
         if (r2 > 0) sum_s += slope;
       }
   s->kernel_w = 1 / sum_w;
   s->kernel_slope = 1 / sum_m;
   s->slope_sum = sum_s / sum_m;
+  s->kernel_top = sum_top / sum_w;
   s->asymmetry_top = top * ratio / trace;
   s->shift_stiffness = shift_stiffness(s);
 }

@@ -480,10 +480,11 @@ enum status isph_advance(struct isph *s, double dt) {
   s->time += dt;
   s->step++;
   s->seconds_correct += clock_seconds() - start;
+  const double moved = s->on.energy ? isph_kinetic_energy(s) : 0;
   TRY(isph_refresh(s));
   isph_budget_settled(s);
   /* What the new porosity and the walls' guard made of it. */
-  if (s->on.energy && s->total == total) isph_energy_limit_velocity(s, most + given);
+  if (s->on.energy && s->total == total) isph_energy_limit_velocity(s, most + given, moved);
 cleanup:
   return status;
 }

@@ -368,6 +368,96 @@ static void fronts_in_tight_soil_go_on(void **state) {
   assert_true(fabs((.4 - low) / sunk - 1) < .08);
 }
 
+static int ascending(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* Where the front stands, in whatever order the 19 lowest particles do: their water fills a height
+ * of 1/eps spacings, with its mean in the middle. */
+static double front_by_volume(const struct isph *s, double eps) {
+  double z[1024], sum = 0;
+  assert_true(s->count < 1024);
+  for (size_t i = 0; i < s->count; i++) z[i] = s->position[i][2];
+  qsort(z, s->count, sizeof *z, ascending);
+  for (int i = 0; i < 19; i++) sum += z[i] / 19;
+  return sum - .5 * s->spacing / eps;
+}
+
+/* When a plug's front has sunk by `until`, s: (H + C_r s) q' = g (H + s) - eps s (a q + b q^2), the
+ * form m15, 18 cm of water, grains of 1 cm. */
+static double plug_passes(double eps, double until) {
+  const double d = .01, dt = 1e-5, cr = 1 + .34 * (1 - eps) / eps;
+  const double a = 1e-3 * pow(1 - eps, 2) / (pow(eps, 3) * d * d),
+               b = 1.1 * (1 - eps) / (pow(eps, 3) * d);
+  double q = 0, sunk = 1e-9, time = 0;
+  for (; sunk < until; time += dt) {
+    const double over = .18 - eps * sunk;
+    q += dt * (9.81 * (over + sunk) - eps * sunk * (a * q + b * q * q)) / (over + cr * sunk);
+    sunk += dt * q / eps;
+  }
+  return time;
+}
+
+/* The most of the moment along its normal that pairs and void together make of a particle on the
+ * surface, in soil and away from its faces; 1 is all of it. */
+static double moment_most(const struct isph *s) {
+  double most = 0;
+  for (size_t i = 0; i < s->count; i++) {
+    double inverse[6], m[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+    for (int k = 0; k < 6; k++) inverse[k] = (double)s->correction[i][(int[]){0, 1, 2, 4, 5, 8}[k]];
+    const double *n = s->gradient_sum[i], square = n[0] * n[0] + n[2] * n[2];
+    if (s->surface[i] < .9 || s->position[i][2] > .15 || s->position[i][2] < .03) continue;
+    isph_moment_inverse(2, inverse, m);
+    const double along = m[0] * n[0] * n[0] + 2 * m[2] * n[0] * n[2] + m[8] * n[2] * n[2];
+    most = fmax(most, along / square + s->surface[i] * sqrt(s->volume[i] * square));
+  }
+  return most;
+}
+
+/* 18 cm of water fall through 20 cm of dry soil: when the front, by the volume of its water, comes
+ * within half a row of the bottom, and when its lowest particle touches it (the last half spacing
+ * at the speed of the one before), against a plug. Without correction of the foremost rows' moments
+ * the front is up to 3.3 % late. Nowhere do pairs and void make more than a whole moment. */
+static void fronts_stand_where_their_water_ends(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    const double eps = k ? .34 : .32, until[3] = {.2 - .005 / eps, .185, .195};
+    struct run run;
+    double passed[3] = {0}, most = 0;
+    char scene[768];
+    snprintf(scene, sizeof scene,
+             "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+             "domain = { size = [\"0.19 m\", \"0.48 m\"]; spacing = \"1 cm\"; periodic = [false, "
+             "false]; };\n"
+             "regions = ( { type = \"water\"; box = [\"0\", \"0.2 m\", \"0.19 m\", \"0.38 m\"]; "
+             "},\n{ type = \"porous\"; box = [\"0\", \"0\", \"0.19 m\", \"0.2 m\"]; "
+             "porosity = %g; grain_size = \"1 cm\"; } );\n"
+             "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\nisph = { form = \"m15\"; };\n",
+             eps);
+    start(&run, scene);
+    const struct isph *s = &run.s;
+    while ((passed[0] == 0 || passed[2] == 0) && s->time < 2) {
+      double low = 1;
+      assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+      for (size_t i = 0; i < s->count; i++)
+        low = fmin(low, s->position[i][2] - .5 * sqrt(s->volume[i]));
+      if (passed[0] == 0 && front_by_volume(s, eps) <= .2 - until[0]) passed[0] = s->time;
+      most = fmax(most, moment_most(s));
+      for (int n = 1; n < 3; n++)
+        if (passed[n] == 0 && low <= .2 - until[n]) passed[n] = s->time;
+    }
+    const double lowest = passed[2] + .5 * (passed[2] - passed[1]);
+    const double exact[2] = {plug_passes(eps, until[0]), plug_passes(eps, .2)};
+    print_message("front after %.4f s, exact %.4f; lowest %.4f, %.4f; moment %.3f\n", passed[0],
+                  exact[0], lowest, exact[1], most);
+    assert_true(fabs(passed[0] / exact[0] - 1) < .02);
+    assert_true(fabs(lowest / exact[1] - 1) < .05);
+    assert_true(most < 1.01);
+    finish(&run);
+  }
+}
+
 /* Under a wall that reaches into the soil: nothing jumps as a particle comes out from under it. */
 static void edges_of_walls_are_passed_unnoticed(void **state) {
   (void)state;
@@ -403,6 +493,7 @@ int main(void) {
       cmocka_unit_test(columns_go_on_from_what_has_left),
       cmocka_unit_test(heads_fall_through_windows_smoothly),
       cmocka_unit_test(fronts_in_tight_soil_go_on),
+      cmocka_unit_test(fronts_stand_where_their_water_ends),
       cmocka_unit_test(edges_of_walls_are_passed_unnoticed),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,6 +1,7 @@
 /* Free surfaces and open flow by method isph against exact solutions and measurements
  * (docs/physics/isph.md names each). Usage: verify_isph RESULTS.json [CASE...]     all cases, or
  * those whose names start with CASE */
+#include "tests/verify/free_fall.h"
 #include "tests/verify/isph_rig.h"
 
 /* Water over soil at rest: rho g H at the bottom whatever the porosity; the level too. */
@@ -313,60 +314,6 @@ static void standing_wave(void) {
     double reference = 2 * M_PI / 5.541131;
     snprintf(name, sizeof name, "standing wave: period, %g cm", 100 * h);
     report(name, reference, period, (fine ? .02 : .04) * reference, started);
-    finish(&run);
-  }
-}
-
-/* Water falls through soil (M15 section 5 in 2-D): when its first particle touches the bottom,
- * against the balance of a plug, (H + C_r s) q' = G g (H + s) - eps s (a q + b q^2), s' = q/eps, G
- * = 1/eps in the soil with `m15`. The last half spacing at the speed of the one before: where the
- * first particle comes to rest is the wall's affair. */
-static double plug(double eps, bool paper, double depth, double head, double until) {
-  double d = .01, cr = 1 + .34 * (1 - eps) / eps, q = 0, s = 1e-9, t = 0, dt = 1e-5;
-  double a = 1000 * 1e-6 * pow(1 - eps, 2) / (pow(eps, 3) * d * d);
-  double b = 1.1 * (1 - eps) / (pow(eps, 3) * d), scale = paper ? 1 : 1 / eps;
-  for (; s < fmin(until, depth); t += dt) {
-    double over = head - eps * s;
-    q += dt * (9.81 * (over + s) - scale * eps * s * (a * q + b * q * q)) / (over + scale * cr * s);
-    s += dt * q / eps;
-  }
-  return t;
-}
-
-static void free_fall(void) {
-  for (int k = 0; k < 16; k++) {
-    static const double eps[] = {.3, .4, .5, .8}, depth = .2, head = .2;
-    bool paper = k < 8;
-    double h = k % 8 < 4 ? .01 : .005, e = eps[k % 4], pass[2] = {0}, before = depth, last = 0;
-    struct run run = {0};
-    char name[96];
-    double started = clock_seconds();
-    start(&run,
-          "scene = { method = \"isph\"; end_time = \"2 s\"; };\n"
-          "domain = { size = [\"0.2 m\", \"0.5 m\"]; spacing = \"%g m\"; periodic = [false, "
-          "false]; };\n"
-          "regions = ( { type = \"water\"; box = [\"0\", \"0.2 m\", \"0.2 m\", \"0.4 m\"]; },\n"
-          "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.2 m\"]; porosity = %g; "
-          "grain_size = \"1 cm\"; } );\n"
-          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n"
-          "isph = { dt = \"%g s\"; form = \"%s\"; };\n",
-          h, e, .1 * h, paper ? "m15" : "akbari");
-    while (pass[1] == 0 && run.s.time < 2) {
-      double low = INFINITY;
-      advance(&run, run.s.time + .1 * h);
-      for (size_t i = 0; i < run.s.count; i++)
-        low = fmin(low, run.s.position[i][2] - .5 * sqrt(run.s.volume[i]));
-      for (int m = 0; m < 2; m++) {
-        double at = m == 0 ? 1.5 * h : .5 * h;
-        if (pass[m] == 0 && low <= at)
-          pass[m] = last + (run.s.time - last) * (before - at) / (before - low);
-      }
-      before = low, last = run.s.time;
-    }
-    double whole = plug(e, paper, depth, head, depth);
-    snprintf(name, sizeof name, "free fall through soil: arrival, %s, eps %g, %g cm",
-             paper ? "m15" : "akbari", e, 100 * h);
-    report(name, whole, pass[1] + .5 * (pass[1] - pass[0]), .05 * whole, started);
     finish(&run);
   }
 }

@@ -17,6 +17,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/isph/front.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
@@ -35,12 +36,25 @@
  * move nothing. */
 #define RELAXATION_CROWD 0.1
 
+#define RELAXATION_LEAD 0.1 /* most of the kernel sum that counts of a particle ahead of its row   \
+                             */
+
 /* That time; 0 in free water and without a force. */
 static inline double time_by_weight(const struct isph *s, size_t i) {
   const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
   const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   const double size = isph_size_of(s, s->volume[i]);
   return force > 0 ? size * s->porosity[i] * (a + sqrt(a * a + 4 * b * force)) / (2 * force) : 0;
+}
+
+/* The rate, 1/s, at which a particle ahead of its row comes back to it, as the row catches up: on
+ * the surface deep in soil, where rows of a front part, by what its kernel sum has less than a
+ * level surface's, and in the time in which the water moves by a particle's size. */
+static inline double leads(const struct isph *s, size_t i) {
+  const double *v = s->velocity[i], size = isph_size_of(s, s->volume[i]);
+  const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / s->porosity[i];
+  const double lacks = fmax(0, fmin(RELAXATION_LEAD, s->kernel_top - s->kernel_sum[i]));
+  return isph_front_deep(s, i) * s->surface[i] * lacks * speed / size;
 }
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
@@ -60,7 +74,9 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   double left = s->drag_factor != NULL ? s->drag_factor[i] : 1, asked = deficit * left;
   if (s->surface != NULL) asked += crowded * (1 - left);
   if (deficit < 0) asked *= s->relaxation_factor;
-  return eps * asked / relaxation_time;
+  asked /= relaxation_time;
+  if (s->porosity != NULL && s->surface != NULL) asked += left * leads(s, i);
+  return eps * asked;
 }
 
 static inline bool isph_relaxation_wanted(const struct effect_context *context,

@@ -34,7 +34,8 @@ static inline double surface_asymmetry(const struct isph *s, double support,
 }
 
 #define SURFACE_MOMENT 0.4    /* one whose moment is less in some direction too: a sheet */
-#define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface */
+#define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface, */
+#define SURFACE_FULL 0.8      /* and is */
 #define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
 
 /* How far a particle is on the surface, 0 .. 1, by the asymmetry of its neighbourhood (walls count
@@ -59,7 +60,8 @@ static inline double surface_weight(const struct isph *s, double support, double
   double trace =
       moment[0] + moment[3] + moment[5] + wall_moment[0] + wall_moment[3] + wall_moment[5];
   if (!(trace > 0)) return 1;
-  double asymmetry = (surface_asymmetry(s, support, gradient_sum, trace) - SURFACE_FROM) / 0.3;
+  double asymmetry = (surface_asymmetry(s, support, gradient_sum, trace) - SURFACE_FROM) /
+                     (SURFACE_FULL - SURFACE_FROM);
   double thin = (0.8 + 0.35 * walls - kernel_sum) / 0.08, w = asymmetry > thin ? asymmetry : thin;
   if (!s->on.soil && w < 1) {
     double whole[6];
