@@ -64,6 +64,43 @@ static bool is_within_phase(const struct grey_phases *phases, const struct grey_
          (phases->valley_depth > VALLEY_SURE || phases->contrast_to_noise < APART_LEAST);
 }
 
+/* The bins from grey `low` to `high` of a histogram, which keeps their counts. */
+static struct grey_histogram bins_between(const struct grey_histogram *whole, double low,
+                                          double high) {
+  const double last = (double)whole->bins;
+  const size_t first = (size_t)fmin(fmax((low - whole->low) / whole->width, 0.0), last);
+  const size_t end = (size_t)fmin(fmax((high - whole->low) / whole->width, 0.0), last);
+  struct grey_histogram part = {.low = whole->low + (double)first * whole->width,
+                                .width = whole->width,
+                                .bins = end > first ? end - first : 0,
+                                .counts = whole->counts + first};
+  for (size_t i = 0; i < part.bins; i++) part.total += part.counts[i];
+  return part;
+}
+
+#define VALLEY_SHALLOW 0.8 /* of the lower peak beside it: a valley that noise has not filled */
+/* Otsu's threshold parts two phases. Under a bright mineral the darker side is pore and another
+ * one: it has two peaks, with a valley between them and one to the bright mineral. */
+static void warn_of_third_phase(struct pipeline *pipeline) {
+  const struct grey_histogram *all = &pipeline->calibration;
+  /* Without the darkest grey: a scan cut off at black has a heap there, and no phase. */
+  const double black = grey_histogram_quantile(all, 0.0) + 1.01 * all->width;
+  const struct grey_histogram dark = bins_between(all, black, pipeline->otsu);
+  struct grey_phases darker, brighter;
+  const double parting = dark.total > 0 ? grey_histogram_otsu(&dark) : NAN;
+  if (isnan(parting)) return;
+  grey_histogram_phases(&dark, parting, &darker);
+  const struct grey_histogram bright = bins_between(all, parting, INFINITY);
+  grey_histogram_phases(&bright, pipeline->otsu, &brighter);
+  if (darker.valley_depth < VALLEY_SHALLOW && brighter.valley_depth < VALLEY_SHALLOW)
+    log_warning(
+        "the scan shows three phases (greys %.4g, %.4g, %.4g), and Otsu's threshold takes "
+        "the darker two for pore: if the middle one is grain, give the measured "
+        "--void-ratio or --threshold %.4g",
+        pipeline_grey(pipeline, darker.pore_peak), pipeline_grey(pipeline, brighter.pore_peak),
+        pipeline_grey(pipeline, brighter.grain_peak), pipeline_grey(pipeline, darker.valley));
+}
+
 void fragile_warn(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
   const struct request *request = pipeline->request;
@@ -89,6 +126,7 @@ void fragile_warn(struct pipeline *pipeline) {
                 "out)",
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
+  if (request->rule == THRESHOLD_OTSU) warn_of_third_phase(pipeline);
   /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */
   double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
   double shift = fabs(pipeline->threshold_slope_original) * error / contrast;

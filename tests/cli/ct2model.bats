@@ -527,6 +527,27 @@ P
   done
 }
 
+@test "a third phase that Otsu's threshold takes for pore is told of, and two phases are not" {
+  cd "$WORK"
+  # Pores, quartz and a bright mineral in blocks of 6 voxels; the edges of an image of two have no peak of their own.
+  /usr/bin/python3 - <<'P'
+import random
+r = random.Random(8)
+for name, grains in ("three", (115, 240)), ("two", (115, 115)):
+    blocks = {(x, y, z): r.choice((40, 40, 40, *grains, *grains)) for z in range(4) for y in range(8) for x in range(8)}
+    open(name + ".raw", "wb").write(bytes(min(max(round(r.gauss(blocks[x // 6, y // 6, z // 6], 12)), 0), 255)
+                                          for z in range(24) for y in range(48) for x in range(48)))
+P
+  run_ct build three.raw --raw 48x48x24:u8 --voxel-size 1um --threshold otsu -o otsu.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" =~ "three phases (greys "(3|4)[0-9.]*", 11"[0-9.]*", 2"[0-9.]*"), and Otsu's threshold takes the darker two for pore"(.*)"--threshold "([0-9.]+) ]] || { echo "$stderr"; false; }
+  # What it advises parts pore from grain.
+  run_ct build three.raw --raw 48x48x24:u8 --voxel-size 1um --threshold "${BASH_REMATCH[3]}" -o advised.hdf
+  [[ "$stderr" != *"three phases"* ]]
+  run_ct build two.raw --raw 48x48x24:u8 --voxel-size 1um --threshold otsu -o two.hdf
+  [[ "$stderr" != *"three phases"* ]]
+}
+
 @test "sweep writes a table that rises and holds the match" {
   cd "$WORK"
   run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o sweep.csv --json

@@ -213,7 +213,9 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   const bool last = c->left == 0 || c->tried == ERROR_LEVELS_MAX;
-  const bool enough = is_enough(c) || last;
+  /* What a checkpoint holds is finished, even if less is asked for now than the lattices before it
+   * know: their solutions are gone, and the last one's is the run's. */
+  const bool enough = !c->resumed && (is_enough(c) || last);
   if (enough && uncertainty_largest(u) <= c->wanted) return false;
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";
