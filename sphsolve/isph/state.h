@@ -141,7 +141,7 @@ struct isph {
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
   double shift_stiffness;        /* of grad C on the lattice, in spacings; see shifting.h */
   double kernel_top;             /* sum V W in a surface's top layer */
-  double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 in a surface's top layer */
+  double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 there */
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
@@ -360,8 +360,7 @@ void isph_find_near_surface(const struct isph *s, double *near);
 
 /* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
-/* C of particle i, from the second moment of its neighbourhood (xx xy xz yy yz zz) and how far its
- * neighbours across stand on one side. */
+/* C of particle i, by the second moment (xx xy xz yy yz zz) and how one-sided what is across is */
 void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double one_sided);
 /* Multiplies the slope of each pair by its factor, from the C of both. */
 void isph_moment_correct(struct isph *s);
@@ -378,8 +377,7 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
 /* Changes the displacements ahead so that their work against the force is at most `available`, the
  * kinetic energy before the step and what relaxation gave, less the kinetic energy now. */
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available);
-/* Slows the water until its energy is at most `most`. `moved`, J or J/m: the kinetic energy after the
- * move, with the porosities before it. */
+/* Slows the water to an energy of `most`; `moved`: the kinetic one of the old porosities, moved. */
 void isph_energy_limit_velocity(struct isph *s, double most, double moved);
 
 /* The mobility of pair p of particle i, to j: that of its way where there are links; at a corner of
