@@ -94,9 +94,9 @@ json_t *tensor_json(const struct tensor *t) {
   return object;
 }
 
-/* What symmetry says of the terms off the diagonal. */
+/* What symmetry says of the terms off the diagonal, and where the sample's sides are in k. */
 static void write_symmetry(const struct tensor *t, FILE *stream) {
-  const char *between = "";
+  const char *between = "", *wraps = "Along ";
   for (int a = 0; a < 3; a++)
     if (t->mirrored[a]) {
       fprintf(stream, "%s%c", *between ? between : "The model is its own mirror image along ",
@@ -104,6 +104,15 @@ static void write_symmetry(const struct tensor *t, FILE *stream) {
       between = ", ";
     }
   if (*between) fputs(": the terms off the diagonal with that axis are zero. ", stream);
+  for (int a = 0; a < 3 && *between; a++)
+    if (!t->mirrored[a]) {
+      fprintf(stream, "%s%c", wraps, "xyz"[a]);
+      wraps = ", ";
+    }
+  if (*wraps == ',')
+    fputs(" it wraps: unless the sample repeats itself there, its sides are in k of these, and "
+          "ct2model build --sides mirrored treats all axes alike. ",
+          stream);
   if (t->principal_low[0] <= t->principal_high[2])
     fputs("No two principal values differ by more than their errors: the axes mean little. ",
           stream);

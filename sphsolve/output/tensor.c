@@ -208,14 +208,27 @@ static double in_unit(const struct tensor *t, size_t u, double k) {
   return k * per * (units[u].area ? t->to_area : 1);
 }
 
-static void print_symmetry(const struct tensor *t) {
-  char axes[16] = "", text[32];
+/* Axes that are mirrored or, `mirrored` false, are not: "x, y". */
+static void list_axes(const struct tensor *t, bool mirrored, char axes[16]) {
+  axes[0] = '\0';
   for (int a = 0; a < 3; a++)
-    if (t->mirrored[a]) sprintf(axes + strlen(axes), "%s%c", *axes ? ", " : "", "xyz"[a]);
+    if (t->mirrored[a] == mirrored)
+      sprintf(axes + strlen(axes), "%s%c", *axes ? ", " : "", "xyz"[a]);
+}
+
+static void print_symmetry(const struct tensor *t) {
+  char axes[16], wrapped[16], text[32];
+  list_axes(t, true, axes);
+  list_axes(t, false, wrapped);
   if (*axes) {
     const int count = t->mirrored[0] + t->mirrored[1] + t->mirrored[2];
     printf("           the model is its own mirror image along %s: %s are zero by symmetry\n", axes,
            count > 1 ? "all terms off the diagonal" : "the terms off the diagonal with it");
+    if (*wrapped)
+      printf("           along %s it wraps: unless the sample repeats itself there, its sides are "
+             "in k\n"
+             "           of these, and ct2model build --sides mirrored treats all axes alike\n",
+             wrapped);
   }
   if (isfinite(t->asymmetry))
     printf("           k_ij and k_ji differ by %s %% of the mean at most (Onsager: not at all)%s\n",
