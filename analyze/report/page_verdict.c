@@ -294,11 +294,11 @@ static void judge_advice(json_t *result, double scanned) {
   else if (hypot(resolution, rest) <= wanted)
     text[0] = '\0';
   else if (rest >= LATTICE_MOST * wanted && rest < wanted && !scan)
-    snprintf(text, sizeof text,
-             "For 5 %%: %s%s; %s alone takes it to %s %% at best, where the %s binds.",
-             remedies[largest].remedy, more ? " more precisely" : "",
-             model ? "a model with smaller voxels" : "a finer lattice", percent_format(rest, all),
-             part);
+    snprintf(
+        text, sizeof text,
+        "For 5 %%: %s%s; %s alone takes it only just below, to %s %% at best, where the %s binds.",
+        remedies[largest].remedy, more ? " more precisely" : "",
+        model ? "a model with smaller voxels" : "a finer lattice", percent_format(rest, all), part);
   else if (rest >= LATTICE_MOST * wanted)
     snprintf(text, sizeof text,
              most > 0.95 * rest ? "For 5 %%: %s%s%s (%s %% by the %s alone)."

@@ -57,8 +57,8 @@ static void test_advice(void **state) {
   (void)state;
   /* The lattice could bring it just below what is wanted, and by no lattice that can be paid. */
   advice_is(3e-6, "lattice", 0.03, 0.049, NAN,
-            "For 5 %: measure the void ratio; a finer lattice alone takes it to 4.9 % at best, "
-            "where the threshold binds.");
+            "For 5 %: measure the void ratio; a finer lattice alone takes it only just below, to "
+            "4.9 % at best, where the threshold binds.");
   advice_is(3e-6, "lattice", 0.1, NAN, 0,
             "For 5 %: refine the lattice from 12 to about 8.5 um, some 2.8 times as many points.");
   /* The last lattice of a model is as fine as the scan. */
