@@ -29,7 +29,7 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
 /* A fringe and a wider blur are alike: blurs that differ by WIDER of themselves for each unit of
  * fringe explain a scan as well, and a fringe found too large looks like relief. Over contrasts of
  * 9 times the noise few are too large by a tenth, under 6 some by .3 (DOUBT over the contrast, up
- * to DOUBT_MOST), so that relief counts which shows under either
+ * to DOUBT_MOST): the mean of the relief with the fringe found and with that much less of it counts
  * (docs/notes/2026-11-26-hidden-fines.md). */
 static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
 /* Voxels a side: walls enough, restored six times in a second. */

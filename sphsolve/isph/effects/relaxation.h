@@ -36,8 +36,8 @@
  * move nothing. */
 #define RELAXATION_CROWD 0.1
 
-#define RELAXATION_LEAD 0.1 /* most of the kernel sum that counts of a particle ahead of its row   \
-                             */
+/* Most of the kernel sum that counts of a particle ahead of its row. */
+#define RELAXATION_LEAD 0.1
 
 /* That time; 0 in free water and without a force. */
 static inline double time_by_weight(const struct isph *s, size_t i) {
