@@ -39,6 +39,10 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most);
 
+/* An input error at `node` where a region is of a type that only a box can have. */
+enum status scene_refuse_box_only(struct config *config, config_node *node,
+                                  const struct region *region);
+
 /* The boxes of one region. */
 struct scene_parts {
   size_t count;

@@ -90,6 +90,17 @@ cleanup:
   return status;
 }
 
+enum status scene_refuse_box_only(struct config *config, config_node *node,
+                                  const struct region *region) {
+  if (region->type == REGION_INFLOW)
+    return config_error(config, node, "an inflow region is a thin box on a side; give its box");
+  if (region->type == REGION_RAIN)
+    return config_error(config, node, "rain falls from a box; give its box");
+  if (region->type == REGION_ABSORBING)
+    return config_error(config, node, "waves fade in a box along a side; give its box");
+  return STATUS_OK;
+}
+
 bool scene_has_shape(struct config *config, config_node *group) {
   return config_child(config, group, "corners") != NULL ||
          config_child(config, group, "centre") != NULL;
@@ -102,12 +113,7 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
   config_node *node = config_child(config, group, circle ? "centre" : "corners");
   int axis = 1, count = 0;
   struct polygon *p;
-  if (region->type == REGION_INFLOW)
-    return config_error(config, node, "an inflow region is a thin box on a side; give its box");
-  if (region->type == REGION_RAIN)
-    return config_error(config, node, "rain falls from a box; give its box");
-  if (region->type == REGION_ABSORBING)
-    return config_error(config, node, "waves fade in a box along a side; give its box");
+  TRY(scene_refuse_box_only(config, node, region));
   if (config_child(config, group, "box") != NULL ||
       (!circle && config_child(config, group, "centre") != NULL))
     return config_error(config, group, "one of box, corners and centre is wanted");

@@ -32,12 +32,7 @@ enum status scene_read_stl(struct config *config, config_node *group, const stru
   double unit = NAN;
   if (scene->dimensions != 3)
     return config_error(config, node, "a 2-D scene has no bodies; give the corners of a polygon");
-  if (region->type == REGION_INFLOW)
-    return config_error(config, node, "an inflow region is a thin box on a side; give its box");
-  if (region->type == REGION_RAIN)
-    return config_error(config, node, "rain falls from a box; give its box");
-  if (region->type == REGION_ABSORBING)
-    return config_error(config, node, "waves fade in a box along a side; give its box");
+  TRY(scene_refuse_box_only(config, node, region));
   if (config_child(config, group, "box") != NULL)
     return config_error(config, group, "one of box and stl is wanted");
   TRY(config_string(config, group, "stl", &file, NULL));

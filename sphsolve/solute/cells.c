@@ -50,6 +50,14 @@ void solute_cells_free(struct solute_cells *c) {
 WRAP(solute_cells_wrap, float)
 WRAP(solute_cells_wrap_exact, double)
 
+/* What lies between cells, in the rows beyond the sides too. */
+static void wrap_faces(const struct solute_cells *c) {
+  for (int a = 0; a < 3; a++) {
+    solute_cells_wrap(c, c->conductance[a]);
+    if (c->flux[a] != NULL) solute_cells_wrap(c, c->flux[a]);
+  }
+}
+
 enum status solute_cells_of_flow(const struct solute_flow *f, const int axis[3],
                                  struct solute_cells *c) {
   enum status status = STATUS_OK;
@@ -80,10 +88,7 @@ enum status solute_cells_of_flow(const struct solute_flow *f, const int axis[3],
             c->flux[a][at] = (float)(area * (double)f->velocity[axis[a]][from] / f->speed);
         }
       }
-  for (int a = 0; a < 3; a++) {
-    solute_cells_wrap(c, c->conductance[a]);
-    if (c->flux[a] != NULL) solute_cells_wrap(c, c->flux[a]);
-  }
+  wrap_faces(c);
 cleanup:
   if (status != STATUS_OK) solute_cells_free(c);
   return status;
@@ -120,10 +125,7 @@ enum status solute_cells_coarsen(const struct solute_cells *f, struct solute_cel
           if (c->flux[a] != NULL) c->flux[a][at] = (float)flux[a];
         }
       }
-  for (int a = 0; a < 3; a++) {
-    solute_cells_wrap(c, c->conductance[a]);
-    if (c->flux[a] != NULL) solute_cells_wrap(c, c->flux[a]);
-  }
+  wrap_faces(c);
 cleanup:
   if (status != STATUS_OK) solute_cells_free(c);
   return status;
