@@ -93,15 +93,15 @@ static void sort(struct labels *labels) {
       swap(labels, j, j - 1);
 }
 
-/* The values of three slices, if they are few. */
+/* The values of three slices, if they are few; of the others too, until there are two. */
 static enum status look(const struct region *region, struct labels *labels, bool *few) {
   enum status status = STATUS_OK;
   const size_t plane = region->size[0] * region->size[1], nz = region->size[2];
   float *slice = NULL;
   *few = true;
   TRY(memory_allocate(&slice, plane, sizeof *slice, "a slice"));
-  for (size_t s = 0; s < 3 && *few; s++) {
-    const size_t z = s * (nz - 1) / 2;
+  for (size_t s = 0; s < nz + 3 && *few && (s < 3 || labels->count < 2); s++) {
+    const size_t z = s < 3 ? s * (nz - 1) / 2 : s - 3;
     TRY(region_read(region, &z, 1, slice));
     double last = NAN;
     for (size_t p = 0; p < plane && *few; p++) {

@@ -434,3 +434,9 @@ END
   sphsolve run s.cfg --set model.file=small.hdf -o small-tensor --tensor -q
   analyze report small-run.hdf -o small.html -q
 }
+
+@test "two labels are found where the first, middle and last slices show one" {
+  /usr/bin/python3 -c "open('layers.raw', 'wb').write(bytes(6 <= z < 9 for z in range(24) for _ in range(144)))"
+  ct2model build layers.raw --raw 12x12x24:u8 --voxel-size 26.666667um --mirror none --json -o layers.hdf > layers.json
+  jq -e '.segmented.pore == [0] and .segmented.grain == [1]' layers.json
+}
