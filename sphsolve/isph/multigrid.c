@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/levels.h"
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
 
 struct isph_multigrid {
@@ -116,6 +117,27 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
   add_up(grid, fine->node_count, unit, nodes);
 }
 
+/* Mobilities times volumes, over that of a cell. At an edge of soil with links (isph/link.h) a
+ * particle counts with the mean of its pairs: its own mobility, smoothed, may be less by 1e9 than
+ * what ties it to the water outside, and a grid that resists so much more than the matrix takes
+ * what is wrong in that water for an error of the soil's pressure. */
+static void find_mobilities(const struct isph *s, double cell, double *value) {
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      const size_t pairs = s->on.links && s->ground[i] == GROUND_MIXED ? s->pair_number[i] : 0;
+      double sum = 0, whole = 0;
+      for (size_t p = s->pair_first[i], n = p + pairs; p < n; p++) {
+        const size_t j = chunk->pair[p] & PAIR_MASK;
+        const double weight = s->volume[j] * (double)chunk->slope[p];
+        sum += weight * isph_mobility_between(s, chunk, p, i, j), whole += weight;
+      }
+      value[i] = (whole > 0 ? sum / whole : s->mobility[i]) * s->volume[i] / cell;
+    }
+  }
+}
+
 /* Mean coefficient of the cells. */
 static void find_coefficients(const struct isph *s) {
   struct isph_multigrid *grid = s->multigrid;
@@ -123,9 +145,7 @@ static void find_coefficients(const struct isph *s) {
   const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
   const double volume = fine->h[0] * fine->h[1] * fine->h[2];
   double *value = s->work[1];
-#pragma omp parallel for schedule(static)
-  for (size_t i = s->local.begin; i < s->local.end; i++)
-    value[i] = s->mobility[i] * s->volume[i] / volume;
+  find_mobilities(s, volume, value);
   const double unit = unit_of(s, value), scale = 1 / unit;
   memset(grid->whole, 0, fine->cell_count * sizeof *grid->whole);
   for (size_t i = s->local.begin; i < s->local.end; i++) {

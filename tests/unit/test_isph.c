@@ -357,6 +357,38 @@ static void iterations_stay(void **state) {
   finish(&run);
 }
 
+/* Nor for soil whose mobility is 1e-10 of the water's beside it; and in it the pressure is as
+ * exact, so that what seeps is the same from step to step. */
+static void fine_soil_is_solved_as_fast(void **state) {
+  (void)state;
+  struct run run;
+  int most = 0;
+  double before[3], now[3], jump = 0;
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+      "domain = { size = [\"34 cm\", \"6 cm\"]; spacing = \"1 cm\"; periodic = [false, false]; };\n"
+      "regions = ( { type = \"porous\"; box = [\"7 cm\", \"0\", \"17 cm\", \"6 cm\"]; porosity = "
+      "0.067; grain_size = \"1 um\"; },\n"
+      "{ type = \"porous\"; box = [\"17 cm\", \"0\", \"27 cm\", \"6 cm\"]; porosity = 0.62; "
+      "grain_size = \"9 um\"; },\n"
+      "{ type = \"water\"; box = [\"0\", \"0\", \"34 cm\", \"6 cm\"]; },\n"
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"6 cm\"]; head = \"8 cm\"; },\n"
+      "{ type = \"inflow\"; box = [\"33 cm\", \"0\", \"34 cm\", \"6 cm\"]; head = \"7 cm\"; } );\n"
+      "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  for (int n = 0; n < 80; n++) {
+    assert_int_equal(isph_advance(&run.s, 5e-3), STATUS_OK);
+    most = run.s.solve.iterations > most ? run.s.solve.iterations : most;
+    isph_darcy_velocity(&run.s, now);
+    if (n >= 60) jump = fmax(jump, fabs(now[0] / before[0] - 1));
+    memcpy(before, now, sizeof before);
+  }
+  print_message("%d iterations at most, flux from step to step %.2g %%\n", most, 100 * jump);
+  assert_in_range(most, 1, 25);
+  assert_true(jump < 0.005);
+  finish(&run);
+}
+
 /* The law of the wall and the viscous layer meet, and each holds on its side. */
 static void walls_hold_by_the_law_of_the_wall(void **state) {
   (void)state;
@@ -434,6 +466,7 @@ int main(void) {
       cmocka_unit_test(moving_soil_carries_water),
       cmocka_unit_test(a_piston_pushes),
       cmocka_unit_test(iterations_stay),
+      cmocka_unit_test(fine_soil_is_solved_as_fast),
       cmocka_unit_test(walls_hold_by_the_law_of_the_wall),
       cmocka_unit_test(tension_presses),
   };
