@@ -39,6 +39,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/vector.h"
 #include "sphsolve/isph/well.h"
 
 static double porosity_of(const struct isph *s, size_t i) {
@@ -47,10 +48,6 @@ static double porosity_of(const struct isph *s, size_t i) {
 
 static double inertia_of(const struct isph *s, size_t i) {
   return s->on.soil ? s->inertia[i] : 1;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 static void add_force(struct budget_sums *sums, enum budget_term term, double scale,

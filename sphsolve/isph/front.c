@@ -4,6 +4,7 @@
 
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/images.h"
+#include "sphsolve/isph/vector.h"
 
 #define FRONT_FROM 0.9   /* of o */
 #define FRONT_WEIGHT 0.1 /* at o = 1 */
@@ -17,10 +18,6 @@
 struct sides {
   double open[3], across, beyond[6];
 };
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
 
 /* How far a goes from `from` to `full`, 0 .. 1. */
 static double share(double a, double from, double full) {

@@ -238,25 +238,16 @@ void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double 
     ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, false, links);
 }
 
-/* n.m.n */
-static double along(const double m[6], const double n[3]) {
-  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  double sum = 0;
-  for (int a = 0; a < 3; a++)
-    for (int b = 0; b < 3; b++) sum += n[a] * m[at[a][b]] * n[b];
-  return sum;
-}
-
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]) {
   const double *n = links->normal, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const double all = along(links->all, n), carried = along(links->carried, n);
+  const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);
   struct isph_linked *linked = &s->linked[i];
   double across = 0;
   memset(linked, 0, sizeof *linked);
   if (s->ground[i] != GROUND_MIXED || !(square > 0) || !(all > 0)) return;
-  linked->drag_a = along(links->linear, n) / all;
-  linked->drag_b = along(links->forchheimer, n) / all;
+  linked->drag_a = symmetric_along(links->linear, n) / all;
+  linked->drag_b = symmetric_along(links->forchheimer, n) / all;
   for (int a = 0; a < 3; a++) {
     across += u[a] * n[a] / square;
     linked->normal[a] = n[a] / sqrt(square);

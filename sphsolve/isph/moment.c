@@ -2,6 +2,7 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/vector.h"
 
 #include <math.h>
 
@@ -45,13 +46,11 @@ void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
 
 /* The missing moment e, on a surface only of the half that its void leaves there. */
 static void one_sided_defect(const double n[3], double share, double e[6]) {
-  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const double square = dot(n, n);
   const double nn[6] = {n[0] * n[0], n[0] * n[1], n[0] * n[2],
                         n[1] * n[1], n[1] * n[2], n[2] * n[2]};
   if (!(square > 0)) return;
-  double across = nn[0] * e[0] + nn[3] * e[3] + nn[5] * e[5] +
-                  2 * (nn[1] * e[1] + nn[2] * e[2] + nn[4] * e[4]); /* 1 - n.M.n */
-  across = 2 * across / square - 1;
+  const double across = 2 * symmetric_along(e, n) / square - 1; /* 1 - 2 n.M.n */
   for (int k = 0; k < 6; k++) e[k] += share * (across * nn[k] / square - e[k]);
 }
 
@@ -74,10 +73,8 @@ void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double
 
 /* r.C.r / r^2 */
 static inline double along(const double c[6], const double r[3]) {
-  double square = r[0] * r[0] + r[1] * r[1] + r[2] * r[2];
-  double sum = c[0] * r[0] * r[0] + c[3] * r[1] * r[1] + c[5] * r[2] * r[2] +
-               2 * (c[1] * r[0] * r[1] + c[2] * r[0] * r[2] + c[4] * r[1] * r[2]);
-  return square > 0 ? sum / square : 0;
+  const double square = dot(r, r);
+  return square > 0 ? symmetric_along(c, r) / square : 0;
 }
 
 /* Corrects the slopes of particle i's pairs, and finds the moment they then have, and by what they
@@ -120,7 +117,7 @@ static void spare_surface(struct isph *s) {
  */
 static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
   double *n = s->gradient_sum[i];
-  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  const double square = dot(n, n);
   const double closes = s->surface[i] * isph_size_of(s, s->volume[i]) * sqrt(square);
   if (!(closes > 0)) return;
   const double missing = fmin(0.5, fmax(0, 1 - symmetric_along(moment, n) / square));

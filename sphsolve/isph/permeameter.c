@@ -7,6 +7,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/vector.h"
 #include "sphsolve/march/monitor.h"
 
 /* Whether a box spans the domain but along `axis` (3: along every axis). */
@@ -92,10 +93,6 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
   result->k_error =
       hypot(result->error.steadiness, isfinite(sampling) ? result->error.averaging : 0);
   return true;
-}
-
-static double dot(const double a[3], const double b[3]) {
-  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Mean of 1 / porosity over the water's volume. */
