@@ -21,10 +21,11 @@
  * it is .76 to 1.18 (docs/notes/2026-11-25-smooth-walls.md). */
 static const double SMOOTH = 1.16, ROUGH = 1.22;
 /* Fine relief: a quarter of the usual cost against that. Noise may have been measured 10 to 20 %
- * low, and what it does grows faster than it: so the noise made up is the one that leaves as much
- * unexplained as the scan does. 1 to 1.15 in sands of which the usual cost takes noise, 1.17 to
- * 1.45 where it takes small grains (docs/notes/2026-11-26-scans.md). */
-static const double LESS = 0.25, USUAL = 1.14, FINE = 1.39;
+ * low, or 10 % high where fines add to it, and what it does grows faster than it: so the noise made
+ * up is the one that leaves as much unexplained as the scan does. 1 to 1.1 in sands of which the
+ * usual cost takes noise, 1.15 to 1.47 where it takes small grains, a scanner found wrong apart
+ * (docs/notes/2026-11-27-fines.md). */
+static const double LESS = 0.25, USUAL = 1.10, FINE = 1.39;
 static const double NONE = 2.0; /* from here on the scanner is another one than was found */
 /* A fringe and a wider blur are alike: blurs that differ by WIDER of themselves for each unit of
  * fringe explain a scan as well, and a fringe found too large looks like relief. Over contrasts of
@@ -121,7 +122,6 @@ static enum status find_fine(const struct region *region, const struct scanner *
   TRY(look_at_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, lower, &ratio));
-  if (!(ratio.cube > USUAL)) goto cleanup;
   TRY(compare(scan, scanner, noise * sqrt(ratio.left), fine, &seen, deblur, lower, &ratio));
   *relief = ratio.cube < NONE ? ramp(ratio.cube, USUAL, FINE) : 0.0;
 cleanup:
@@ -152,8 +152,10 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
   scanner->smooth_walls = ramp(-ratio.cube, -ROUGH, -SMOOTH);
-  /* Noise as long as the blur looks like relief. */
-  if (scanner->smooth_walls > 0.0 || scanner->noise_correlation > scanner->blur) goto cleanup;
+  /* Noise longer than the blur and a voxel looks like relief: no scan is made up with it as long as
+   * it is (restore_scanner). */
+  const double longest = fmax(scanner->blur, scanner->unit);
+  if (scanner->smooth_walls > 0.0 || scanner->noise_correlation > longest) goto cleanup;
   its = *scanner;
   TRY(find_fine(region, &its, &scan, &deblur, lower, &relief));
   const double drop = fmin(scanner->fringe, fmin(DOUBT_MOST, DOUBT / scanner->contrast_to_noise));
