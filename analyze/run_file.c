@@ -40,7 +40,7 @@ static enum status need_positive(const struct run *run, const char *attribute, d
 
 static enum status read_attributes(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
-  double size[3];
+  double size[3], mirrored[3];
   double dimensions;
   TRY(read_text_or_empty(file, "/run", "method", &run->method));
   TRY(read_text_or_empty(file, "/run", "status", &run->status));
@@ -55,6 +55,8 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "spacing", 3, run->spacing));
   TRY(read_numbers(file, "origin", 3, run->origin));
   TRY(read_numbers(file, "size", 3, size));
+  TRY(read_numbers(file, "mirrored", 3, mirrored));
+  for (int d = 0; d < 3; d++) run->mirrored[d] = mirrored[d] > 0.0; /* NAN before 0.2 */
   TRY(read_numbers(file, "dimensions", 1, &dimensions));
   TRY(read_numbers(file, "bulk_count", 1, &run->bulk_count));
   TRY(read_numbers(file, "fluid_count", 1, &run->fluid_count));

@@ -42,6 +42,7 @@ struct run {
   double density, viscosity;    /* kg/m^3, Pa s */
   double spacing[3], origin[3]; /* m, x y z; origin is the centre of site (0,0,0) */
   size_t size[3];
+  bool mirrored[3]; /* the run mirrored its model along x, y, z */
   int dimensions;
   double bulk_count, fluid_count;
   double darcy_velocity[3]; /* as sphsolve found it; NAN if not stored */

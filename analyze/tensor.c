@@ -94,25 +94,36 @@ json_t *tensor_json(const struct tensor *t) {
   return object;
 }
 
+enum { BY_MODEL = 1, BY_RUN = 2 }; /* what made it its own mirror image, of tensor.mirrored */
+
+/* `before` and "x, y" of the axes with one of two values, if there are any. */
+static bool list_axes(const struct tensor *t, int value, int other, const char *before,
+                      FILE *stream) {
+  bool found = false;
+  for (int a = 0; a < 3; a++)
+    if (t->mirrored[a] == value || t->mirrored[a] == other) {
+      fprintf(stream, "%s%c", found ? ", " : before, "xyz"[a]);
+      found = true;
+    }
+  return found;
+}
+
 /* What symmetry says of the terms off the diagonal, and where the sample's sides are in k. */
 static void write_symmetry(const struct tensor *t, FILE *stream) {
-  const char *between = "", *wraps = "Along ";
-  for (int a = 0; a < 3; a++)
-    if (t->mirrored[a]) {
-      fprintf(stream, "%s%c", *between ? between : "The model is its own mirror image along ",
-              "xyz"[a]);
-      between = ", ";
-    }
-  if (*between) fputs(": the terms off the diagonal with that axis are zero. ", stream);
-  for (int a = 0; a < 3 && *between; a++)
-    if (!t->mirrored[a]) {
-      fprintf(stream, "%s%c", wraps, "xyz"[a]);
-      wraps = ", ";
-    }
-  if (*wraps == ',')
-    fputs(" it wraps: unless the sample repeats itself there, its sides are in k of these, and "
-          "ct2model build --sides mirrored treats all axes alike. ",
-          stream);
+  bool by_run = false;
+  for (int a = 0; a < 3; a++) by_run = by_run || t->mirrored[a] == BY_RUN;
+  const char *what = by_run ? "Each direction's sample is its own mirror image along "
+                            : "The model is its own mirror image along ";
+  if (list_axes(t, BY_MODEL, BY_RUN, what, stream)) {
+    fputs(": the terms off the diagonal with that axis are zero", stream);
+    if (list_axes(t, BY_RUN, BY_RUN, "; along ", stream))
+      fputs(" by the run, as pores do not meet where the model wraps round", stream);
+    fputs(". ", stream);
+    if (list_axes(t, 0, 0, "Along ", stream))
+      fputs(" it wraps: unless the sample repeats itself there, its sides are in k of these, and "
+            "ct2model build --sides mirrored treats all axes alike. ",
+            stream);
+  }
   if (t->principal_low[0] <= t->principal_high[2])
     fputs("No two principal values differ by more than their errors: the axes mean little. ",
           stream);

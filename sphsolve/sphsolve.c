@@ -21,6 +21,7 @@
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/plan/explain.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
@@ -62,7 +63,7 @@ static const struct option_table table = {
 #define OVERRIDES_MOST 256
 
 struct job {
-  int directions; /* runs among which --time is divided; 0: one */
+  bool tensor; /* one of three runs, along x, y and z */
   struct scene scene;
   struct lattice lattice;
   struct plan plan;
@@ -98,6 +99,7 @@ static enum status prepare(const struct options *options, const char *more, stru
   char why[EFFECT_WHY];
   TRY(read_scene(options, more, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
+  if (job->tensor) TRY(lattice_mirror_flow(&job->scene, &job->lattice));
   TRY(lattice_take_spacing(&job->scene, &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
   if (method->wall_layers != plan_wall_layers(&job->scene)) {
@@ -151,7 +153,7 @@ static enum status take_goal(const struct options *options, struct job *job) {
   if (options_given(options, "time")) {
     TRY(options_quantity(options, "time", DIM_TIME, &goal->seconds));
     if (!(goal->seconds > 0)) TRY_FAIL(STATUS_USAGE, "--time: more than 0 s is wanted, like 60s");
-    if (job->directions > 0) goal->seconds /= job->directions;
+    if (job->tensor) goal->seconds /= 3.0;
   }
   if (!(goal->error > 0 || goal->seconds > 0)) return STATUS_OK;
   if (!method->solves_creeping && method->resolves_pores)
@@ -314,20 +316,23 @@ static enum status run_tensor(const struct options *options, struct job *job, co
     snprintf(path, sizeof path, axis == last ? "%s" : "%s-%c", prefix, "xyz"[axis]);
     lattice_free(&job->lattice);
     scene_free(&job->scene);
-    *job = (struct job){0};
+    *job = (struct job){.tensor = true};
     TRY(prepare(options, force, job));
     if (!job->plan.context.method->resolves_pores)
       TRY_FAIL(STATUS_USAGE,
                "--tensor is of flow through pores (methods stokes and wcsph), and "
                "this scene runs by %s: leave it out",
                job->plan.context.method->name);
-    if (turn == 1) tensor_find_mirrors(&job->lattice, tensor);
-    job->directions = 3;
+    tensor_find_mirror(&job->lattice, axis, tensor);
     if (options_given(options, "error"))
       TRY(parse_wanted_error(options_text(options, "error"), &wanted));
     if (options_given(options, "resume"))
       found = tensor_read_column(&job->scene, &job->lattice, wanted, path, axis, tensor);
-    log_info("direction %c%s", "xyz"[axis], found ? ": its record is there already" : "");
+    log_info("direction %c%s%s", "xyz"[axis],
+             job -> lattice.model.mirrored[axis]
+                        ? ", mirrored along it: pores do not meet where the model repeats itself"
+                        : "",
+             found ? ": its record is there already" : "");
     /* Between two directions nothing else looks for a signal, and the next begins without one. */
     TRY(interrupt_look());
     if (!found || turn == 3) TRY(run_scene(options, job, path, tensor, axis, result));

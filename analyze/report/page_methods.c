@@ -73,12 +73,13 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
 }
 
 /* Which layers have their image, and what closes the rest: mirrored sides are x and y. */
-static void write_sides(const struct page_model *model, FILE *stream) {
+static void write_sides(const struct run *run, const struct page_model *model, FILE *stream) {
   bool sides = strcmp(model->sides, "mirrored") == 0;
   char axes[3] = "";
   size_t count = 0;
   for (int d = 0; d < 3; d++)
-    if (model->mirror_axis[0] == "xyz"[d] || (sides && d < 2)) axes[count++] = "xyz"[d];
+    if (model->mirror_axis[0] == "xyz"[d] || (sides && d < 2) || run->mirrored[d])
+      axes[count++] = "xyz"[d];
   for (size_t i = 0; i < count; i++)
     fprintf(stream, "%s%c",
             i == 0           ? "; it is mirrored along "
@@ -89,7 +90,8 @@ static void write_sides(const struct page_model *model, FILE *stream) {
 }
 
 /* Where the geometry comes from: no more than the model file says. */
-static void write_geometry(const struct page_model *model, struct cited *cited, FILE *stream) {
+static void write_geometry(const struct run *run, const struct page_model *model,
+                           struct cited *cited, FILE *stream) {
   if (!model->named) return;
   if (!model->found) {
     fputs(model->other ? ", from a model file that was changed or replaced after the run"
@@ -134,7 +136,7 @@ static void write_geometry(const struct page_model *model, struct cited *cited, 
     else
       fputs("; no measured void ratio was given", stream);
   }
-  write_sides(model, stream);
+  write_sides(run, model, stream);
 }
 
 static void write_solver(const struct run *run, struct cited *cited, FILE *stream) {
@@ -289,7 +291,7 @@ enum status page_methods(const struct subject *subject, const struct page_model 
   if (!run_is_cubic(run))
     fprintf(stream, " &times; %.4g &times; %.4g", unit * run->spacing[1], unit * run->spacing[2]);
   fputs(coarse ? " mm" : " &micro;m", stream);
-  write_geometry(model, &cited, stream);
+  write_geometry(run, model, &cited, stream);
   fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
           run->density, run->viscosity);
   write_solver(run, &cited, stream);

@@ -54,6 +54,18 @@ cleanup:
   return status;
 }
 
+/* Where the model is unlike itself. */
+static void find_unlike(const struct scene *scene, const struct voxel_model *model,
+                        struct model_facts *facts) {
+  const double *force = scene->driving;
+  facts->unlike[0] = facts->unlike[1] = facts->sides_wrapped;
+  facts->unlike[2] = model->periodic[2] && model_cut_pores(model, 2) > 0.0;
+  facts->flow_cut = facts->unlike[2] && force[0] == 0.0 && force[1] == 0.0;
+  for (int a = 0; a < 2; a++)
+    if (force[a] != 0.0 && force[1 - a] == 0.0 && force[2] == 0.0)
+      facts->flow_cut = facts->unlike[a] && model->periodic[a] && model_cut_pores(model, a) > 0.0;
+}
+
 /* Copies `model` into the lattice, with `layers` walls on both sides of axes that do not repeat. */
 static enum status from_model(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
@@ -76,7 +88,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->model.count = model_site_count(&model);
   lattice->model.voxel = cbrt(model.spacing[0] * model.spacing[1] * model.spacing[2]);
   lattice->bulk_count = (double)lattice->model.count;
-  lattice->model.ends_cut = model.periodic[2] && model_cut_pores(&model, 2) > 0.0;
+  find_unlike(scene, &model, &lattice->model);
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {

@@ -81,7 +81,7 @@ static struct scan_quality read_scan(struct h5_file *file) {
 enum status model_facts_read(const char *path, struct model_facts *facts) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  char *sides = NULL;
+  char *sides = NULL, *mirror = NULL;
   *facts = (struct model_facts){0};
   TRY(hash_file(path, &facts->hash));
   TRY(h5_open(path, &file));
@@ -91,6 +91,10 @@ enum status model_facts_read(const char *path, struct model_facts *facts) {
   facts->threshold_uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
   facts->soil_error = h5_attribute_or_nan(file, "/model", "micro_ln_permeability_uncertainty");
   facts->scan = read_scan(file);
+  if (h5_attribute_exists(file, "/model", "mirror_axis")) {
+    TRY(h5_read_attribute_text(file, "/model", "mirror_axis", &mirror));
+    facts->z_mirrored = !strcmp(mirror, "z");
+  }
   if (!h5_attribute_exists(file, "/model", "sides")) goto cleanup;
   TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
   facts->sides_wrapped = !strcmp(sides, "periodic");
@@ -98,5 +102,6 @@ enum status model_facts_read(const char *path, struct model_facts *facts) {
 cleanup:
   h5_close(file);
   memory_free(&sides);
+  memory_free(&mirror);
   return status;
 }

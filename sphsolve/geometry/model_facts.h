@@ -38,11 +38,16 @@ struct model_facts {
   /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or
    * mirrored, so that it holds its sample twice along each axis. */
   bool sides_wrapped, sides_mirrored;
-  bool ends_cut; /* its first and last layers along z, too, are of no periodic body (cut_pores.h) */
+  bool z_mirrored; /* as `--mirror` of ct2model does unless it is told otherwise */
+  /* Axes along which it wraps round and its pores do not meet: x and y where sides are wrapped, z
+   * where its first and last layers are of no periodic body (cut_pores.h). */
+  bool unlike[3];
+  bool flow_cut;    /* pores do not meet where it repeats itself along the one axis of its flow */
+  bool mirrored[3]; /* the lattice is mirrored along this axis, and the file's model is not */
   struct scan_quality scan;
 };
 
-/* All but `count`, `voxel` and `ends_cut`. */
+/* All but `count`, `voxel`, `unlike`, `flow_cut` and `mirrored`. */
 enum status model_facts_read(const char *path, struct model_facts *facts);
 
 #endif

@@ -42,6 +42,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
   for (int a = 0; a < 3; a++)
     if (axes[a]) {
       mirrored->size[a] *= 2;
+      mirrored->model.unlike[a] = false;
       copies *= 2;
     }
   mirrored->y_mirrored = axes[1];
@@ -63,6 +64,21 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(mirrored);
+  return status;
+}
+
+enum status lattice_mirror_flow(const struct scene *scene, struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  struct lattice wrapped = *lattice;
+  const struct model_facts *model = &wrapped.model;
+  const bool axes[3] = {scene->driving[0] != 0.0, scene->driving[1] != 0.0, false};
+  if (!model->flow_cut || !model->z_mirrored || axes[0] == axes[1]) return STATUS_OK;
+  TRY(lattice_mirror_sides(&wrapped, axes, lattice));
+  lattice->model.flow_cut = false;
+  memcpy(lattice->model.mirrored, axes, sizeof axes);
+  lattice_free(&wrapped);
+cleanup:
+  if (status != STATUS_OK) *lattice = wrapped;
   return status;
 }
 

@@ -11,8 +11,13 @@
 enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[3],
                                  struct lattice *mirrored);
 
-/* The same with walls on those sides, as in a tube: `layers` sites of wall after the last along x
- * and y. Free with lattice_free. */
+/* A crop that ct2model mirrored along z, mirrored alike along x or y where that is the flow's axis
+ * and its pores do not meet there: wrapped round along the flow it lets less through, by halves,
+ * and k along x and y is to mean what it means along z. Any other lattice stays as it is. */
+enum status lattice_mirror_flow(const struct scene *scene, struct lattice *lattice);
+
+/* A lattice that wraps round with walls on its sides, as in a tube: `layers` sites of wall after
+ * the last along x and y. Free with lattice_free. */
 enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
                                 struct lattice *closed);
 

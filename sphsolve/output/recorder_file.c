@@ -215,6 +215,8 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   char hash[17];
   snprintf(hash, sizeof hash, "%016llx", (unsigned long long)lattice->model.hash);
   int dimensions = lattice->dimensions;
+  const bool *by_run = lattice->model.mirrored;
+  const int mirrored[3] = {by_run[0], by_run[1], by_run[2]};
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
   /* What drives the flow of k: the force, or between two heads their fall. */
   const double *g = scene->gravity, *f = result->hydraulic_gradient;
@@ -256,6 +258,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(h5_write_attribute(file, "/run", "origin", H5_F64, 3, lattice->origin));
   TRY(h5_write_attribute(file, "/run", "size", H5_U64, 3, size));
   TRY(h5_write_attribute(file, "/run", "dimensions", H5_I32, 1, &dimensions));
+  TRY(h5_write_attribute(file, "/run", "mirrored", H5_I32, 3, mirrored));
   TRY(write_count(file, "steps", (uint64_t)result->steps));
   TRY(write_count(file, "bulk_count", (uint64_t)round(lattice->bulk_count)));
   TRY(write_count(file, "fluid_count", lattice->fluid_count));

@@ -35,9 +35,10 @@ static bool is_mirrored(const struct lattice *l, int axis) {
   return true;
 }
 
-void tensor_find_mirrors(const struct lattice *lattice, struct tensor *tensor) {
+void tensor_find_mirror(const struct lattice *lattice, int axis, struct tensor *tensor) {
   tensor->voxel = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  for (int a = 0; a < 3; a++) tensor->mirrored[a] = is_mirrored(lattice, a);
+  tensor->mirrored[axis] = is_mirrored(lattice, axis);
+  tensor->by_run[axis] = lattice->model.mirrored[axis];
 }
 
 /* Eigenvalues and unit vectors (rows) of a symmetric matrix, largest first (Jacobi 1846). */
@@ -161,6 +162,12 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
   memory_free(&state);
   memory_free(&hash);
   if (!same) return false;
+  int32_t mirrored[3] = {0};
+  if (h5_attribute_exists(file, "/run", "mirrored") &&
+      h5_read_attribute(file, "/run", "mirrored", H5_I32, 3, mirrored) != STATUS_OK)
+    return false;
+  for (int a = 0; a < 3; a++)
+    if ((mirrored[a] != 0) != lattice->model.mirrored[a]) return false;
   if (wanted > 0) return h5_attribute_or_nan(file, "/run/error", "total") <= wanted;
   return h5_read_attribute(file, "/run", "size", H5_U64, 3, size) == STATUS_OK &&
          size[0] == lattice->size[0] && size[1] == lattice->size[1] && size[2] == lattice->size[2];
@@ -208,22 +215,27 @@ static double in_unit(const struct tensor *t, size_t u, double k) {
   return k * per * (units[u].area ? t->to_area : 1);
 }
 
-/* Axes that are mirrored or, `mirrored` false, are not: "x, y". */
-static void list_axes(const struct tensor *t, bool mirrored, char axes[16]) {
-  axes[0] = '\0';
+/* "x, y" */
+static void list_axes(const bool axes[3], char text[16]) {
+  text[0] = '\0';
   for (int a = 0; a < 3; a++)
-    if (t->mirrored[a] == mirrored)
-      sprintf(axes + strlen(axes), "%s%c", *axes ? ", " : "", "xyz"[a]);
+    if (axes[a]) sprintf(text + strlen(text), "%s%c", *text ? ", " : "", "xyz"[a]);
 }
 
 static void print_symmetry(const struct tensor *t) {
-  char axes[16], wrapped[16], text[32];
-  list_axes(t, true, axes);
-  list_axes(t, false, wrapped);
+  char axes[16], wrapped[16], by_run[16], text[32];
+  const bool wraps[3] = {!t->mirrored[0], !t->mirrored[1], !t->mirrored[2]};
+  list_axes(t->mirrored, axes);
+  list_axes(wraps, wrapped);
+  list_axes(t->by_run, by_run);
   if (*axes) {
     const int count = t->mirrored[0] + t->mirrored[1] + t->mirrored[2];
-    printf("           the model is its own mirror image along %s: %s are zero by symmetry\n", axes,
+    printf("           %s its own mirror image along %s: %s are zero by symmetry\n",
+           *by_run ? "each direction's sample is" : "the model is", axes,
            count > 1 ? "all terms off the diagonal" : "the terms off the diagonal with it");
+    if (*by_run)
+      printf("           along %s by this run, as pores do not meet where the model wraps round\n",
+             by_run);
     if (*wrapped)
       printf("           along %s it wraps: unless the sample repeats itself there, its sides are "
              "in k\n"
@@ -297,7 +309,7 @@ enum status tensor_write(const struct tensor *t, struct h5_file *file) {
     for (int j = 0; j < 3; j++) area[i][j] = t->to_area * t->k[i][j];
     const char *slash = strrchr(t->columns[i].path, '/');
     paths[i] = slash != NULL ? slash + 1 : t->columns[i].path;
-    mirrored[i] = t->mirrored[i];
+    mirrored[i] = t->mirrored[i] ? t->by_run[i] ? 2 : 1 : 0;
   }
   const struct {
     const char *name, *unit;

@@ -21,7 +21,8 @@ struct tensor_column {
 
 struct tensor {
   struct tensor_column columns[3];
-  bool mirrored[3];    /* the body is its own mirror image along the axis */
+  bool mirrored[3];    /* the body is its own mirror image along the axis, where flow takes it */
+  bool by_run[3];      /* as its run mirrored it, not its model */
   double to_area;      /* nu / g: intrinsic permeability, m^2, over k, m/s */
   double voxel;        /* m, geometric mean of the axes */
   double k[3][3];      /* m/s, symmetric; row: flow, column: gradient */
@@ -34,9 +35,10 @@ struct tensor {
   bool isotropic; /* the principal values do not differ by more than their errors */
 };
 
-/* Along which axes the body is its own mirror image (sites and their distances to the wall): along
- * such an axis a force makes no mean flow across itself, so the terms off the diagonal are zero. */
-void tensor_find_mirrors(const struct lattice *lattice, struct tensor *tensor);
+/* Whether the body that is driven along `axis` is its own mirror image along it (sites and their
+ * distances to the wall): such a force makes no mean flow across itself, so the terms off the
+ * diagonal are zero. */
+void tensor_find_mirror(const struct lattice *lattice, int axis, struct tensor *tensor);
 /* The column of a run driven along `axis`: its Darcy velocity (m/s), its error, and k of the finest
  * lattice over its k (NAN: it is k). With the third the rest is found. */
 void tensor_set_column(const struct scene *scene, const double darcy_velocity[3],

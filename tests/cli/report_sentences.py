@@ -54,6 +54,7 @@ unmatched = r"(?:; ([\d.]+) was measured on the specimen|; no measured void rati
 def is_mirror(axes, walls):
     sides = model.get("sides", "periodic")
     true = {model["mirror_axis"]} - {"none"} | (set("xy") if sides == "mirrored" else set())
+    true |= {axis for axis, by_run in zip("xyz", first.get("mirrored", (0, 0, 0))) if by_run}
     return set(re.findall(r"\b[xyz]\b", axes or "")) == true and bool(walls) == (sides == "closed")
 
 

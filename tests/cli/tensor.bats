@@ -80,6 +80,37 @@ assert max(d) / min(d) < 1 + 1e-3, d  # a cubic array: the same along all axes
 assert t["isotropic_within_error"]'
 }
 
+@test "a crop whose pores do not meet is mirrored along x and y as along z, each for its own flow" {
+  [ -n "$HDF" ] || skip "python3-h5py is not installed"
+  for axis in z x; do
+    ct2model build zigzag.npy --segmented 0 --voxel-size 10um --flow $axis --quiet -o zigzag-$axis.hdf
+    scene stokes zigzag-$axis.hdf > zigzag-$axis.cfg
+  done
+  sphsolve run zigzag-x.cfg -o zz --json > turned-about.json
+  run --separate-stderr sphsolve run zigzag-z.cfg -o zi --tensor --json
+  [ "$status" -eq 0 ]
+  echo "$output" > zigzag.json
+  [[ "$stderr" == *"direction x, mirrored along it: pores do not meet"* ]]
+  [[ "$stderr" != *"direction z, mirrored"* ]]
+  /usr/bin/python3 - <<'P'
+import json
+
+k, t = json.load(open("turned-about.json"))["k"], json.load(open("zigzag.json"))["tensor"]
+d = [t["k_m_per_s"][i][i] for i in range(3)]
+assert abs(d[0] / k - 1) < 0.01, (d, k)  # the slit goes on into its image; where it wraps round it is shut
+assert d[1] == 0 and t["mirrored"] == ["x", "z"], t
+P
+  analyze darcy zi.hdf | grep -q "sample is its own mirror image along x, z: .*; along x by the run, as pores do not meet"
+  analyze report zi-x.hdf -o zigzag.html --quiet
+  /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" zigzag.html zi-x.hdf
+  grep -q "it is mirrored along x and z" zigzag.html
+  # A run of its own keeps the model as it is.
+  sphsolve run zigzag-z.cfg -o plain --set 'force={body_acceleration=["9.80665 m/s^2","0","0"];}' --json > plain.json
+  /usr/bin/python3 -c 'import json; assert json.load(open("plain.json"))["k"] == 0'
+  run --separate-stderr sphsolve run zigzag-z.cfg -o zi --tensor --resume
+  [[ "$stderr" == *"direction x, mirrored along it"*": its record is there already"* ]]
+}
+
 @test "the tensor to an asked error, each direction by its own lattices; --resume takes what is there" {
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   sphsolve run mirrored.cfg -o open --tensor --error 20% --json > open.json

@@ -1,5 +1,6 @@
 """tensor_models.py: two bodies whose tensor is known: turned.hdf, slits across the diagonal of x and y; mirrored.hdf, a
-cubic array of spheres."""
+cubic array of spheres. And zigzag.npy, labels: a slit that rises along x by a third of the body and is at another place where
+the image begins again."""
 import math
 
 import h5py
@@ -24,3 +25,7 @@ write("turned.hdf", np.where(across < period / 2, across, period - across) - per
 m = 32
 z, y, x = (c - (m - 1) / 2 for c in np.meshgrid(*3 * [np.arange(m)], indexing="ij"))
 write("mirrored.hdf", (np.sqrt(x * x + y * y + z * z) - 0.4 * m) * H)
+
+n = 32
+z, y, x = np.meshgrid(*3 * [np.arange(n)], indexing="ij")
+np.save("zigzag.npy", (np.abs(y - 9 - 12 * x / (n - 1)) > 4.3).astype("u1"))

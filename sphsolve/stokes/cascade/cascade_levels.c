@@ -111,7 +111,8 @@ enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
 }
 
 double cascade_sides_copies(const struct lattice *base) {
-  return (base->model.sides_wrapped ? 4.0 : 1.0) * (base->model.ends_cut ? 2.0 : 1.0);
+  const bool *unlike = base->model.unlike;
+  return (unlike[0] ? 2.0 : 1.0) * (unlike[1] ? 2.0 : 1.0) * (unlike[2] ? 2.0 : 1.0);
 }
 
 /* Where the effect of the sides is solved: coarse, but narrow throats are to stay open; mirrored it
@@ -146,13 +147,10 @@ double cascade_sides_sites(const struct plan *plan) {
 double cascade_sides_times(const struct lattice *base, bool open) {
   const double y_part = open && base->micro_porosity == NULL ? 0.5 : 1.0;
   double sites = 1.0, times = 1.0;
-  if (base->model.ends_cut) times += sites *= open ? 1.0 : 2.0;
-  if (base->model.sides_wrapped) {
-    times += sites *= 2.0 * y_part;
-    times += sites *= 2.0;
-    times += 1.0;
-  }
-  return times;
+  if (base->model.unlike[2]) times += sites *= open ? 1.0 : 2.0;
+  if (base->model.unlike[1]) times += sites *= 2.0 * y_part;
+  if (base->model.unlike[0]) times += sites *= 2.0;
+  return times + (base->model.sides_wrapped ? 1.0 : 0.0);
 }
 
 /* Processor seconds of all that the share of the sides takes. */

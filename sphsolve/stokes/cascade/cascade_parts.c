@@ -89,13 +89,12 @@ static enum status solve_sides(struct cascade *c, double spacing, struct lattice
   bool axes[3] = {false};
   const struct stokes_solver none = {0};
   const struct model_facts *model = &c->base->model;
-  const bool unlike[3] = {model->sides_wrapped, model->sides_wrapped, model->ends_cut};
   *count = 1;
   TRY(lattice_resample(c->base, spacing, 0.0, wrapped));
   TRY(cascade_solve(c, wrapped, &none, &cascade_sides_goal, false, k));
   /* In z and y first: what is mirrored there is solved by half. */
   for (int a = 2; a >= 0; a--) {
-    if (!unlike[a]) continue;
+    if (!model->unlike[a]) continue;
     axes[a] = true;
     TRY(lattice_mirror_sides(wrapped, axes, &mirrored));
     TRY(cascade_solve(c, &mirrored, &none, &cascade_sides_goal, false, &k[(*count)++]));
@@ -112,6 +111,20 @@ cleanup:
 
 static bool sides_are_settled(double before, double share) {
   return share <= SIDES_LARGE || fabs(share - before) < 0.1 * share; /* not where one is NAN */
+}
+
+static void warn_of_cut_ends(const struct cascade *c) {
+  const double *force = c->scene->driving;
+  const bool across = c->base->model.flow_cut && force[2] == 0.0;
+  log_warning("%s: pores do not meet where the model repeats itself along %c, and the share of "
+              "the sides is large for that: %s, unless the image is periodic",
+              c->scene->model_path,
+              !across           ? 'z'
+              : force[0] != 0.0 ? 'x'
+                                : 'y',
+              across ? "run it with --tensor, which mirrors it there, or build it with --sides "
+                       "mirrored"
+                     : "build it with --mirror z");
 }
 
 enum status cascade_add_sides(struct cascade *c) {
@@ -141,14 +154,12 @@ enum status cascade_add_sides(struct cascade *c) {
                 "leads through the lattice on which it is looked for; smaller voxels would tell",
                 c->scene->model_path);
   }
-  if (model->ends_cut && k[0] > 0.0 && k[count - 1] > 0.0) {
+  if ((model->unlike[2] || model->flow_cut) && k[0] > 0.0 && k[count - 1] > 0.0) {
     c->mirrored = k[count - 1];
-    log_warning("%s: pores do not meet where the model repeats itself along z, and the share of "
-                "the sides is large for that: build it with --mirror z, unless the image is "
-                "periodic",
-                c->scene->model_path);
+    warn_of_cut_ends(c);
   }
-  if (!model->sides_wrapped) goto cleanup;
+  /* A tube has walls at x and y, and flow along z. */
+  if (!model->sides_wrapped || c->scene->driving[2] == 0.0) goto cleanup;
   TRY(lattice_close_sides(&wrapped, (size_t)c->plan->context.method->wall_layers, &closed));
   TRY(cascade_solve(c, &closed, &none, &cascade_sides_goal, false, &tube));
   if (k[0] > 0.0 && tube > 0.0) c->uncertainty.sides_closed = log(tube / k[0]);
