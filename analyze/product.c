@@ -154,6 +154,21 @@ void write_percent(FILE *stream, double share) {
     fprintf(stream, "%.*f %%", digits, percent);
 }
 
+/* To so many digits before the point. */
+static double rounded(double value, int zeros) {
+  const double unit = pow(10.0, zeros);
+  return unit * round(value / unit);
+}
+
+const char *short_number(double value, int digits, char text[32]) {
+  const int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
+  if (order >= digits && order < 6)
+    snprintf(text, 32, "%.0f", rounded(value, order - digits + 1));
+  else
+    snprintf(text, 32, "%.*g", digits, value);
+  return text;
+}
+
 void value_with_error(char *text, size_t size, double value, double error, const char *sign) {
   const int order = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   if (!isfinite(error)) {
@@ -167,6 +182,8 @@ void value_with_error(char *text, size_t size, double value, double error, const
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
   if (order >= -3 && order < 6) {
     const int decimals = digits - 1 - order;
+    if (decimals < 0) value = rounded(value, -decimals);
+    if (error >= 100.0) error = rounded(error, (int)floor(log10(error)) - 1);
     snprintf(text, size, error < 100.0 ? "%.*f %s %.2g" : "%.*f %s %.0f",
              decimals > 0 ? decimals : 0, value, sign, error);
   } else {

@@ -3,10 +3,40 @@
 #include <math.h>
 
 #include "common/log.h"
+#include "common/memory.h"
 
 /* Of three phases in generated scans the shares are off by 3 % of themselves there, beyond by 10.
  */
 #define NOISY 0.1
+
+/* Fewer are no image of pores, whatever is said of them. */
+#define VOXELS_LEAST 512
+
+/* No void ratio was given: is it asked for, or is there nothing that it would divide? */
+static enum status refuse_undivided(const struct region *region) {
+  enum status status = STATUS_OK;
+  const size_t *n = region->size, count = n[0] * n[1];
+  const char *path = region->stack->files[0].path;
+  float *slice = NULL, low = INFINITY, high = -INFINITY;
+  if (count * n[2] < VOXELS_LEAST)
+    TRY_FAIL(STATUS_INPUT, "%s: %zu x %zu x %zu voxels are too few to tell pores from grains", path,
+             n[0], n[1], n[2]);
+  TRY(memory_allocate(&slice, count, sizeof *slice, "a slice"));
+  for (size_t z = 0; z < n[2] && !(high > low); z++) {
+    TRY(region_read(region, &z, 1, slice));
+    for (size_t i = 0; i < count; i++) low = fminf(low, slice[i]), high = fmaxf(high, slice[i]);
+  }
+  if (!(high > low))
+    TRY_FAIL(STATUS_INPUT,
+             "%s: all voxels of the region have one value, %g: no pores are to be seen", path,
+             region->scale * (double)low);
+  TRY_FAIL(STATUS_USAGE,
+           "--void-ratio is missing: give the measured one, --threshold VALUE or otsu, "
+           "or --segmented for an image of labels");
+cleanup:
+  memory_free(&slice);
+  return status;
+}
 
 enum status segment_take(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
@@ -40,9 +70,7 @@ enum status segment_take(struct pipeline *pipeline) {
              "%s: is segmented: there is no threshold to sweep; build takes it as it is",
              pipeline->stack.files[0].path);
   if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio) && !pipeline->labels.on)
-    TRY_FAIL(STATUS_USAGE,
-             "--void-ratio is missing: give the measured one, --threshold VALUE or otsu, "
-             "or --segmented for an image of labels");
+    TRY(refuse_undivided(&pipeline->region));
 cleanup:
   return status;
 }

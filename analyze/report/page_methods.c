@@ -72,6 +72,9 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
   fprintf(stream, " [%zu]", n + 1);
 }
 
+/* Creeping flow is that without inertia; past this Reynolds number a reader wants to know. */
+#define INERTIA_TELLS 0.1
+
 /* Which layers have their image, and what closes the rest: mirrored sides are x and y. */
 static void write_sides(const struct run *run, const struct page_model *model, FILE *stream) {
   bool sides = strcmp(model->sides, "mirrored") == 0;
@@ -139,6 +142,21 @@ static void write_geometry(const struct run *run, const struct page_model *model
   write_sides(run, model, stream);
 }
 
+/* What was done to the surface of the grains before the run, to be done again by who repeats it. */
+static void write_surface(const struct page_model *model, FILE *stream) {
+  if (model->rule == RULE_LABELS && model->smoothing > 0.0)
+    fprintf(
+        stream,
+        "Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of "
+        "%.4g &micro;m, at the volume of their pores. ",
+        1e6 * model->smoothing);
+  if (model->blur_removed)
+    fprintf(stream,
+            "The scanner&rsquo;s blur, by the edges of the scan a Gaussian with a standard "
+            "deviation of %.4g &micro;m, was taken out of the surface. ",
+            1e6 * model->blur);
+}
+
 static void write_solver(const struct run *run, struct cited *cited, FILE *stream) {
   if (strcmp(run->method, "stokes") == 0) {
     fputs(
@@ -146,6 +164,8 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
         stream);
     cite(stream, "morris", cited);
     fputs(" on the lattice itself. ", stream);
+    if (run->reynolds > INERTIA_TELLS)
+      fprintf(stream, "Inertia is left out, at a Reynolds number of %.2g. ", run->reynolds);
   } else if (strcmp(run->method, "isph") == 0) {
     fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
           "incompressible smoothed particle hydrodynamics",
@@ -294,6 +314,7 @@ enum status page_methods(const struct subject *subject, const struct page_model 
   write_geometry(run, model, &cited, stream);
   fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
           run->density, run->viscosity);
+  write_surface(model, stream);
   write_solver(run, &cited, stream);
   write_walls(run, model, &cited, stream);
   write_soil(model, stream);

@@ -73,6 +73,9 @@ void page_model_read(const struct run *run, struct page_model *model) {
   model->porosity = h5_attribute_or_nan(file, "/model", "porosity");
   if (isnan(model->porosity)) model->porosity = model->void_ratio / (1.0 + model->void_ratio);
   model->specific_surface = h5_attribute_or_nan(file, "/model", "specific_surface");
+  model->smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
+  model->blur = h5_attribute_or_nan(file, "/scanner", "blur");
+  model->blur_removed = h5_attribute_or_nan(file, "/scanner", "removed") > 0.0;
   model->wall_distance = h5_exists(file, "/model/wall_distance");
   model->grain_fraction = h5_exists(file, "/model/grain_fraction");
   model->soil = h5_exists(file, "/model/micro_porosity");

@@ -25,6 +25,9 @@ struct page_model {
   double threshold, void_ratio, void_ratio_measured;
   double void_ratio_walls; /* within the walls, where that is what was matched */
   double voxel_scanned;              /* m */
+  double smoothing;                  /* m: standard deviation, of labels */
+  double blur;                       /* m: standard deviation, as measured on the scan */
+  bool blur_removed;                 /* from the surface */
   double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */
   char mirror_axis[8];               /* "x", "y", "z", "none", "": unknown */
   char sides[16];                    /* "periodic", "closed", "mirrored", "": unknown */

@@ -244,7 +244,9 @@ static const struct {
   const char *part, *remedy;
 } remedies[] = {{"resolution", ""},
                 {"scan", "a finer or sharper scan is needed"},
-                {"sides", "a larger sample is needed"},
+                {"sides",
+                 "a larger sample is needed, or one mirrored at its sides (ct2model build --sides "
+                 "mirrored)"},
                 {"void_ratio", "build the model nearer to the measured void ratio"},
                 {"threshold", "measure the void ratio"},
                 {"micro", "measure the permeability of the soil below the voxel more precisely"},
@@ -314,18 +316,22 @@ static void judge_advice(json_t *result, double scanned) {
     /* The index falls as the spacing squared. */
     const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
     const double spacing = 1e6 * json_number_or_nan(result, "spacing_m");
+    const int fine_digits = finer < 1.05 ? 3 : 2;
+    char fine[32], own[32];
     if (!scan && spacing / finer < 0.99e6 * scanned)
       snprintf(text, sizeof text,
-               "For 5 %%: a scan with voxels of about %.2g um; its own are %.4g um, the %s's %.4g.",
-               spacing / finer, 1e6 * scanned, model ? "model" : "lattice", spacing);
+               "For 5 %%: a scan with voxels of about %s um; its own are %.4g um, the %s's %.4g.",
+               short_number(spacing / finer, fine_digits, fine), 1e6 * scanned,
+               model ? "model" : "lattice", spacing);
     else if (model || scan)
-      snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %.2g um instead of %.3g.",
-               needs, spacing / finer, spacing);
+      snprintf(text, sizeof text, "For 5 %%: a %s with voxels of about %s um instead of %s.", needs,
+               short_number(spacing / finer, fine_digits, fine), short_number(spacing, 3, own));
     else
       snprintf(text, sizeof text,
-               "For 5 %%: refine the lattice from %.3g to about %.2g um, some %.*f times as many "
+               "For 5 %%: refine the lattice from %s to about %s um, some %.*f times as many "
                "points.",
-               spacing, spacing / finer, finer < 2 ? 1 : 0, finer * finer * finer);
+               short_number(spacing, 3, own), short_number(spacing / finer, fine_digits, fine),
+               finer < 2 ? 1 : 0, finer * finer * finer);
   }
   json_object_set_new(result, "advice", json_string(text));
 }

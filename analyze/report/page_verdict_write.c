@@ -134,6 +134,7 @@ static void write_orientation(const json_t *result, FILE *out) {
   } rows[] = {{"kozeny_carman", "Kozeny-Carman"}, {"hazen", "Hazen"}, {"terzaghi", "Terzaghi"}};
   const json_t *formulas = json_object_get(result, "formulas");
   const double k = json_number_or_nan(result, "k_m_per_s");
+  char text[32], of_k[32];
   fputs("<table class=\"facts\"><caption>For orientation</caption><tbody>\n<tr><th>DIN 18130-1 "
         "(test: ISO 17892-11)</th><td>",
         out);
@@ -144,17 +145,17 @@ static void write_orientation(const json_t *result, FILE *out) {
   for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
     const double value = json_number_or_nan(formulas, rows[i].key);
     if (!isfinite(value)) continue;
-    fprintf(out, "<tr><th>%s</th><td>%.2g cm/s", rows[i].name, 100.0 * value);
-    if (k > 0.0) fprintf(out, " (%.2g times this k)", value / k);
+    fprintf(out, "<tr><th>%s</th><td>%s cm/s", rows[i].name, short_number(100.0 * value, 2, text));
+    if (k > 0.0) fprintf(out, " (%s times this k)", short_number(value / k, 2, of_k));
     fputs("</td></tr>\n", out);
   }
   fputs("</tbody></table>\n", out);
   if (formulas != NULL)
     fprintf(out,
             "<p class=\"note\">The formulas take the model&rsquo;s porosity and the surface of its "
-            "grains; grain size %.3g &micro;m is that of spheres of the same surface, not a "
+            "grains; grain size %s &micro;m is that of spheres of the same surface, not a "
             "d<sub>10</sub>. Classes are those of water.</p>\n",
-            1e6 * json_number_or_nan(formulas, "grain_size_m"));
+            short_number(1e6 * json_number_or_nan(formulas, "grain_size_m"), 3, text));
 }
 
 static void write_others(const json_t *results, const struct subject *subject, FILE *out) {

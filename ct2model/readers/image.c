@@ -281,10 +281,29 @@ static enum status read_bytes(const char *path, uint64_t offset, size_t size, si
   return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
 }
 
+/* Of pixels that lie by columns, z first: a page has one of every so many, through the whole file.
+ * Planes of one x are read after each other, and what is not of the page is dropped. */
+static enum status read_columns(const struct image *image, size_t page, unsigned char *out) {
+  enum status status = STATUS_OK;
+  const size_t nx = image->size[0], ny = image->size[1], one = pixel_size(image->type);
+  const size_t bytes = image->pages * ny * one;
+  unsigned char *plane = NULL;
+  TRY(memory_allocate(&plane, bytes, 1, "columns of an array"));
+  for (size_t x = 0; x < nx; x++) {
+    TRY(read_bytes(image->path, image->data_offset + (uint64_t)x * bytes, bytes, page, plane));
+    for (size_t y = 0; y < ny; y++)
+      memcpy(out + (y * nx + x) * one, plane + (y * image->pages + page) * one, one);
+  }
+cleanup:
+  memory_free(&plane);
+  return status;
+}
+
 enum status image_read_contiguous(const struct image *image, size_t page, void *out) {
   const size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
   const uint64_t offset = image->data_offset + (uint64_t)page * bytes;
-  enum status status = image->inflated != NULL
+  enum status status = image->columns ? read_columns(image, page, out)
+                       : image->inflated != NULL
                            ? inflate_read(image->inflated, offset, bytes, out)
                            : read_bytes(image->data_path != NULL ? image->data_path : image->path,
                                         offset, bytes, page, out);

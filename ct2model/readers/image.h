@@ -38,6 +38,7 @@ struct image {
     WIDENED_I64,
     WIDENED_U64
   } widened;                     /* stored so, read as type */
+  bool columns;                  /* of contiguous pixels z runs first, then y (Fortran's order) */
   uint64_t *page_offsets;        /* of the directories of a multi-page TIFF */
   unsigned orientation;          /* of a TIFF: where its first row and column are */
   bool invert;                   /* white is zero */

@@ -105,9 +105,7 @@ static enum status npy_open(const char *path, struct image *image) {
              "%s: is empty, over 2^32 long on an axis, or no array of 2 or 3 axes; save one volume "
              "as [z][y][x]",
              path);
-  if (order == NULL || strncmp(order, "False", 5) != 0)
-    TRY_FAIL(STATUS_INPUT, "%s: is stored in Fortran's order; save numpy.ascontiguousarray(image)",
-             path);
+  image->columns = order != NULL && strncmp(order, "True", 4) == 0;
   image->data_offset = at + length;
   image->plain = true;
   TRY(image_claim_pixels(image, false));

@@ -157,7 +157,9 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
     const char *what, *remedy;
   } parts[] = {{u->resolution, "resolution", finer[u->needs]},
                {u->scan, "the scan", "a finer or sharper scan lessens it"},
-               {u->sides, "the sample's sides", "a larger sample lessens it"},
+               {u->sides, "the sample's sides",
+                "a larger sample lessens it; mirrored at its sides "
+                "(ct2model build --sides mirrored) it has none"},
                {u->void_ratio, "the model's void ratio", "build it nearer to the measured one"},
                {u->threshold, measured ? "the measured void ratio" : "the threshold",
                 measured ? "measure it more precisely" : "measure the void ratio"},

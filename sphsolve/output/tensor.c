@@ -14,6 +14,9 @@
 /* Distances of mirrored sites may differ by what their search rounds. */
 #define MIRROR_TOLERANCE 1e-4
 
+/* Of the largest principal value: less is what sums round. */
+#define ROUNDING 1e-10
+
 /* Site `at` seen in the mirror across `axis`. */
 static size_t image(const struct lattice *l, const size_t at[3], int axis) {
   size_t to[3] = {at[0], at[1], at[2]};
@@ -99,8 +102,8 @@ static void assemble(struct tensor *t) {
       const struct tensor_column *a = &t->columns[i], *b = &t->columns[j];
       const bool zero = i != j && (t->mirrored[i] || t->mirrored[j]);
       const double ij = b->velocity[i], ji = a->velocity[j];
-      /* + 0: no -0 of a direction that nothing leads along */
-      t->k[i][j] = zero ? 0 : (i == j ? ij : 0.5 * (ij + ji)) + 0.0;
+      /* + 0: no -0; and no less than 0 along itself of a direction that nothing leads along */
+      t->k[i][j] = zero ? 0 : (i == j ? fmax(0, ij) : 0.5 * (ij + ji)) + 0.0;
       down[i][j] = i == j ? b->low * fabs(ij) : 0;
       up[i][j] = i == j ? b->high * fabs(ij) : 0;
       if (i != j && !zero) {
@@ -116,6 +119,8 @@ static void assemble(struct tensor *t) {
   t->asymmetry = mean > 0 ? gap : NAN;
   principal((const double(*)[3])t->k, t->principal, t->axes);
   for (int p = 0; p < 3; p++) {
+    /* Friction gives nothing back: what lies below 0, or is rounding of the largest, is 0. */
+    if (t->principal[p] < ROUNDING * t->principal[0]) t->principal[p] = 0;
     t->principal_low[p] = fmax(0, t->principal[p] - principal_error(t->axes[p], down));
     t->principal_high[p] = t->principal[p] + principal_error(t->axes[p], up);
   }
@@ -146,18 +151,21 @@ void tensor_set_column(const struct scene *scene, const double darcy_velocity[3]
   finish_column(prefix, tensor, column);
 }
 
-/* Whether a record says that it was finished, of this scene and model, on these sites. */
+/* Whether a record says that it was finished, of this scene and model, on these sites; or knows k
+ * as well as is wanted, whatever was asked of it. */
 static bool is_finished(struct h5_file *file, const struct scene *scene,
                         const struct lattice *lattice, double wanted) {
   uint64_t size[3] = {0};
   char *text = NULL, *state = NULL, *hash = NULL, of_model[17];
   snprintf(of_model, sizeof of_model, "%016llx", (unsigned long long)lattice->model.hash);
-  bool same =
-      h5_exists(file, "/run/scene") && h5_read_text(file, "/run/scene", &text) == STATUS_OK &&
-      h5_read_attribute_text(file, "/run", "status", &state) == STATUS_OK &&
-      h5_read_attribute_text(file, "/run", "model_hash", &hash) == STATUS_OK &&
-      !strcmp(text, scene->text) && !strcmp(hash, of_model) &&
-      (!strcmp(state, "converged") || !strcmp(state, "steady") || !strcmp(state, "blocked"));
+  bool same = h5_exists(file, "/run/scene") &&
+              h5_read_text(file, "/run/scene", &text) == STATUS_OK &&
+              h5_read_attribute_text(file, "/run", "status", &state) == STATUS_OK &&
+              h5_read_attribute_text(file, "/run", "model_hash", &hash) == STATUS_OK &&
+              !strcmp(text, scene->text) && !strcmp(hash, of_model) &&
+              (!strcmp(state, "converged") || !strcmp(state, "steady") ||
+               !strcmp(state, "blocked") || (wanted > 0 && !strcmp(state, "budget")));
+  const bool blocked = same && !strcmp(state, "blocked");
   memory_free(&text);
   memory_free(&state);
   memory_free(&hash);
@@ -168,7 +176,7 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
     return false;
   for (int a = 0; a < 3; a++)
     if ((mirrored[a] != 0) != lattice->model.mirrored[a]) return false;
-  if (wanted > 0) return h5_attribute_or_nan(file, "/run/error", "total") <= wanted;
+  if (wanted > 0) return blocked || h5_attribute_or_nan(file, "/run/error", "total") <= wanted;
   return h5_read_attribute(file, "/run", "size", H5_U64, 3, size) == STATUS_OK &&
          size[0] == lattice->size[0] && size[1] == lattice->size[1] && size[2] == lattice->size[2];
 }

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 
@@ -132,6 +133,14 @@ static void print_candidate(const struct candidate *c) {
          c->bytes / 1e6);
 }
 
+/* Nobody waits longer, s. */
+#define LONGEST (30.0 * 86400.0)
+#define BEYOND ": over 30 days, or over the %.0f MB of memory here"
+
+static bool is_within_reach(const struct candidate *c) {
+  return c->seconds <= LONGEST && c->bytes <= memory_limit();
+}
+
 void recommend_print(const struct plan *plan, const struct recommendation *recommended) {
   const struct scene *scene = plan->context.scene;
   printf(
@@ -145,12 +154,22 @@ void recommend_print(const struct plan *plan, const struct recommendation *recom
     return;
   }
   const struct candidate *best = &recommended->candidates[0];
+  size_t beyond = 0;
   printf("cheapest   ");
   print_candidate(best);
+  if (!is_within_reach(best))
+    printf("           not within reach" BEYOND "; lattices and their errors above are\n",
+           1e-6 * memory_limit());
   for (size_t i = 1; i < recommended->count; i++) {
+    if (!is_within_reach(&recommended->candidates[i])) {
+      beyond++;
+      continue;
+    }
     printf("      then ");
     print_candidate(&recommended->candidates[i]);
   }
+  if (beyond > 0 && is_within_reach(best))
+    printf("           %zu more not within reach" BEYOND "\n", beyond, 1e-6 * memory_limit());
   printf("write      --set scene.method=%s --set %s.wall=%s", best->method->name,
          best->method->name, wall_scheme_names[best->wall]);
   if (*scene->model_path)

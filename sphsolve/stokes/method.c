@@ -360,8 +360,9 @@ static enum status keep_solved(struct stokes_job *job) {
     return FAIL(STATUS_INTERRUPTED, "interrupted in the set-up: there is nothing to go on from");
   const enum status status = write_checkpoint(job, s, &none, true);
   if (status != STATUS_OK) return status;
-  return FAIL(STATUS_INTERRUPTED, "interrupted after %d lattice%s; go on with --resume",
-              job->cascade.tried, job->cascade.tried == 1 ? "" : "s");
+  /* Its k is found, but not all that goes with it. */
+  return FAIL(STATUS_INTERRUPTED, "interrupted in lattice %d; go on with --resume",
+              job->cascade.tried);
 }
 
 /* What soil does to k. */

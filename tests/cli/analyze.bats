@@ -433,3 +433,20 @@ assert series["better_run"]["path"] == "own40.hdf", series
 assert abs(series["better_run"]["k_relative_error"] / alone["k_relative_error"] - 1) < 1e-6, (series, alone)
 assert series["better_run"]["k_relative_error"] < series["k_relative_error"], series'
 }
+
+@test "numbers have the digits that their error leaves sense to, and no exponent below a million" {
+  /usr/bin/python3 "$MAKE_RUN" wide.hdf k=0.397 levels=3 resolution=0.05 method=stokes name=wide
+  analyze darcy wide.hdf > wide.txt
+  # Of 41000 darcy the error is some 2000: the last two digits say nothing.
+  grep -Eq '= [0-9]{3}00 \+- [0-9]{2}00 darcy' wide.txt || { cat wide.txt; false; }
+}
+
+@test "Methods tell the Reynolds number of a creeping flow without its inertia, where it counts" {
+  /usr/bin/python3 "$MAKE_RUN" fast.hdf method=stokes k=1e-3 model=
+  /usr/bin/python3 -c 'import h5py; h5py.File("fast.hdf", "a")["run"].attrs["reynolds"] = 24.1'
+  analyze report fast.hdf -o fast.html --quiet
+  grep -q "Inertia is left out, at a Reynolds number of 24\." fast.html
+  /usr/bin/python3 -c 'import h5py; h5py.File("fast.hdf", "a")["run"].attrs["reynolds"] = 0.01'
+  analyze report fast.hdf -o slow.html --quiet
+  absent "Inertia is left out" slow.html
+}

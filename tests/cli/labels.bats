@@ -197,10 +197,11 @@ import h5py, numpy as np
 z, y, x = np.mgrid[:20, :24, :28]
 v = (20000 + 9000 * np.sin(x / 4) * np.sin(y / 3) * np.cos(z / 5) + 300 * np.sin(x * y * z)).astype("u2")
 v.tofile("v.raw")
-np.save("v.npy", v), np.save("big.npy", v.astype(">u2")), np.save("fortran.npy", np.asfortranarray(v))
+np.save("v.npy", v), np.save("big.npy", v.astype(">u2")), np.save("columns.npy", np.asfortranarray(v))
 np.save("wide.npy", v.astype("i8")), np.save("wider.npy", v.astype(">u8")), np.save("complex.npy", v.astype("c8"))
-np.save("tens.npy", (v // 16).astype("f4")), np.save("half.npy", (v // 16).astype("f2")), np.save("half-big.npy", (v // 16).astype(">f2"))
+np.save("tens.npy", (v // 16).astype("f4")), np.save("half.npy", np.asfortranarray((v // 16).astype("f2"))), np.save("half-big.npy", (v // 16).astype(">f2"))
 np.save("labels.npy", np.where(v > 20000, 1, 0))
+np.save("constant.npy", np.full((20, 20, 20), 3, "u1")), np.save("small.npy", v[:2, :3, :3])
 open("far.npy", "wb").write(open("v.npy", "rb").read().replace(b"(20, 24, 28), }        ", b"(99999999999, 9, 9), } "))
 np.save("float.npy", v.astype("f4")), np.save("one.npy", v[0, 0]), np.save("truth.npy", v > 20000)
 with h5py.File("v.h5", "w") as file:
@@ -215,7 +216,7 @@ with open("v.mat", "r+b") as file:
 END
   threshold() { ct2model build "$@" --void-ratio 0.8 --voxel-size 5um --json -o n.hdf --quiet | grep '"threshold_original"'; }
   raw=$(threshold v.raw --raw 28x24x20:u16le)
-  for image in v.npy big.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
+  for image in v.npy big.npy columns.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
     [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
   done
   for image in float.npy wide.npy wider.npy v.h5:/double; do
@@ -227,8 +228,10 @@ END
   ct2model build labels.npy --segmented 1 --voxel-size 5um -o labels.hdf --quiet
   /usr/bin/python3 -c 'import h5py; truth, labels = (h5py.File(f)["model/solid"][()] for f in ("truth.hdf", "labels.hdf")); assert (truth == labels).all()'
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "fortran.npy Fortran" "one.npy axes" "far.npy over.2.32.long" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
-    run --separate-stderr ct2model build ${words% *} --void-ratio 0.8 --voxel-size 5um -o wrong.hdf
+  for words in "constant.npy one.value,.3:" "small.npy 3.x.3.x.2.voxels.are.too.few" "one.npy axes" "far.npy over.2.32.long" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+    given="--void-ratio 0.8"
+    [[ $words != constant* && $words != small* ]] || given="" # nothing to ask a void ratio for
+    run --separate-stderr ct2model build ${words% *} $given --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
   # Headerless pixels read the wrong way round or in pairs are told; those read the right way, and noise, are not.

@@ -35,6 +35,8 @@ for path in (named, os.path.join(os.path.dirname(run_paths[0]), os.path.basename
             model["program"] = attributes(file, "provenance").get("program", "")
             model["wall_distance"], model["grain_fraction"] = ("model/" + n in file for n in ("wall_distance", "grain_fraction"))
             model["segmented"] = attributes(file, "calibration").get("segmented", 0) == 1
+            model["smoothing"] = attributes(file, "calibration").get("smoothing", 0)
+            model["scanner"] = attributes(file, "scanner")
             command = attributes(file, "provenance").get("command_line", "")
 
 scanned = model is not None and model["program"] == "ct2model"
@@ -94,7 +96,13 @@ SENTENCES = [
     (r"Flow was computed with Tosui [\d.]+ \[1\] on a lattice of (\d+) × (\d+) × (\d+) points of ([\d.]+) µm(.*)", is_geometry),
     (r"The fluid had a density of (\S+) kg/m³ and a viscosity of (\S+) Pa s",
      lambda rho, mu: near(rho, first["density"]) and near(mu, first["viscosity"])),
+    (r"Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of ([\d.]+) µm, at the volume of their "
+     r"pores", lambda width: model["segmented"] and near(width, 1e6 * model["smoothing"])),
+    (r"The scanner's blur, by the edges of the scan a Gaussian with a standard deviation of ([\d.]+) µm, was taken out of the "
+     r"surface", lambda blur: model["scanner"]["removed"] == 1 and near(blur, 1e6 * model["scanner"]["blur"])),
     (r"The steady creeping flow was solved with .*", lambda: first["method"] == "stokes"),
+    (r"Inertia is left out, at a Reynolds number of (\S+)", lambda re: abs(float(re) / first["reynolds"] - 1) < 0.06 and
+     first["reynolds"] > 0.1 and first["method"] == "stokes"),
     (r"The unified Navier-Stokes and extended Darcy equations were integrated .*", lambda: first["method"] == "isph"),
     (r"Weakly compressible smoothed particle hydrodynamics with a quintic spline .*", lambda: first["method"] == "wcsph"),
     (r"Grain surfaces carry dummy velocities \[\d+\]", lambda: first["wall"] == "adami"),
@@ -115,8 +123,17 @@ SENTENCES = [
 ]
 
 bad = []
+# What a reader needs to repeat the model, and what the run leaves out, is not left unsaid.
+needed = []
+if scanned and model["segmented"] and model["smoothing"] > 0:
+    needed.append("the labels smoothed")
+if scanned and model["scanner"].get("removed") == 1:
+    needed.append("blur, by the edges of the scan")
+if first["method"] == "stokes" and first.get("reynolds", 0) > 0.1:
+    needed.append("Inertia is left out")
 section = re.search(r'<section id="methods">.*?<p>(.*?)</p>', page, re.S)[1]
 prose = html.unescape(re.sub(r"<[^>]*>", "", section)).replace("\u2019", "'").replace("\u00a0", " ").strip()
+bad += [f"({words} is missing)" for words in needed if words not in prose]
 for sentence in re.split(r"\. (?=[A-Z0-9])|\.$", prose):
     sentence = sentence.strip()
     found = [m for pattern, true in SENTENCES if (m := re.fullmatch(pattern, sentence)) and true(*m.groups())]

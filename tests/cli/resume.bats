@@ -214,3 +214,20 @@ END
   sphsolve run over.cfg -o kept --set 'scene.end_time="40 ms"' --resume > said 2>&1
   run ! grep "starting anew" said
 }
+
+@test "a direction of the tensor that knows k well enough is taken, whatever was asked of it" {
+  /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"
+  /usr/bin/python3 "$BATS_TEST_DIRNAME/tensor_models.py"
+  cat > balls.cfg <<'END'
+scene = { name = "pores"; method = "stokes"; };
+model = { file = "mirrored.hdf"; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
+END
+  sphsolve run balls.cfg -o balls --tensor --error 0.01% --quiet
+  /usr/bin/python3 -c 'import h5py; assert h5py.File("balls-x.hdf")["run"].attrs["status"] in ("budget", b"budget")'
+  run --separate-stderr sphsolve run balls.cfg -o balls --tensor --error 20% --resume
+  [[ "$stderr" == *"direction x: its record is there already"* ]]
+  run --separate-stderr sphsolve run balls.cfg -o balls --tensor --error 0.01% --resume
+  [[ "$stderr" != *"already"* ]]
+}
