@@ -1,6 +1,6 @@
 """tensor_models.py: two bodies whose tensor is known: turned.hdf, slits across the diagonal of x and y; mirrored.hdf, a
 cubic array of spheres. And zigzag.npy, labels: a slit that rises along x by a third of the body and is at another place where
-the image begins again."""
+the image begins again. tube.hdf: a tube along z beside a bubble, shut along x and y."""
 import math
 
 import h5py
@@ -29,3 +29,8 @@ write("mirrored.hdf", (np.sqrt(x * x + y * y + z * z) - 0.4 * m) * H)
 n = 32
 z, y, x = np.meshgrid(*3 * [np.arange(n)], indexing="ij")
 np.save("zigzag.npy", (np.abs(y - 9 - 12 * x / (n - 1)) > 4.3).astype("u1"))
+
+n = 24
+z, y, x = np.meshgrid(*3 * [np.arange(n)], indexing="ij")
+tube = 4.3 - np.hypot(x - 11.2, y - 12.7)
+write("tube.hdf", np.maximum(tube, 3.3 - np.sqrt((x - 3) ** 2 + (y - 4.2) ** 2 + (z - 5.1) ** 2)) * H)
