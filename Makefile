@@ -134,6 +134,12 @@ $(BUILD)/tests/ranks_%: $(BUILD)/obj/tests/ranks/ranks_%.c.o $(BUILD)/lib/libsph
 	$(call say,LINK,$@)
 	$(Q)mkdir -p $(@D) && $(CC) $(LDFLAGS_ALL) -o $@ $^ $(DEP_LIBS)
 
+# What keeps ranks from spinning; a sanitizer wants to be loaded first.
+RANK_IDLE = $(if $(findstring fsanitize,$(SANITIZE)),,$(BUILD)/tests/idle.so)
+$(BUILD)/tests/idle.so: tests/ranks/preload/idle.c
+	$(call say,LINK,$@)
+	$(Q)mkdir -p $(@D) && $(CC) -O2 $(WARN) -shared -fPIC -o $@ $<
+
 # ---- libraries (everything but the mains) and programs ----
 define library_rule
 $(call library,$(1)): $(filter-out $(call main_of,$(1)),$(call object,$(SOURCES_$(1))))
@@ -172,7 +178,7 @@ $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/repl
 endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
-check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi))
+check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)
 
 # ---- the main job ----
