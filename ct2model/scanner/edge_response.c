@@ -13,18 +13,34 @@ double edge_bin_distance(size_t bin) {
 
 /* ---- fit ---- */
 
-/* Least squares of a + b u + c v to the bins, u and v the two parts of the response, or with c = b
- * times a fringe that is not NAN; the sum of the squares left. */
-static double fit_linear(const struct edge_response *response, double reach, double deviation,
-                         double shift, double fringe, double out[3]) {
-  const bool given = isfinite(fringe);
-  const int sought = given ? 2 : 3;
-  double m[3][4] = {{0}}, left = 0.0;
+/* The bins within reach that hold something: how far out each is, how many voxels, their mean. */
+struct filled {
+  size_t count;
+  double distance[EDGE_BINS], n[EDGE_BINS], mean[EDGE_BINS];
+};
+
+static void find_filled(const struct edge_response *response, double reach, struct filled *filled) {
+  filled->count = 0;
   for (size_t i = 0; i < EDGE_BINS; i++) {
     if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
-    const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
-    double row[4] = {1.0, 0.5 * erfc(t / sqrt(2.0)), -t * exp(-0.5 * t * t) / sqrt(2.0 * M_PI),
-                     response->sum[i] / n};
+    filled->distance[filled->count] = edge_bin_distance(i);
+    filled->n[filled->count] = response->count[i];
+    filled->mean[filled->count++] = response->sum[i] / response->count[i];
+  }
+}
+
+/* Least squares of a + b u + c v to the bins, u and v the two parts of the response, or with c = b
+ * times a fringe that is not NAN; the sum of the squares left. */
+static double fit_linear(const struct filled *filled, double deviation, double shift, double fringe,
+                         double out[3]) {
+  const bool given = isfinite(fringe);
+  const int sought = given ? 2 : 3;
+  double m[3][4] = {{0}}, left = 0.0, step[EDGE_BINS], bell[EDGE_BINS];
+  for (size_t i = 0; i < filled->count; i++) {
+    const double t = (filled->distance[i] - shift) / deviation, n = filled->n[i];
+    step[i] = erfc(t / sqrt(2.0));
+    bell[i] = exp(-0.5 * t * t);
+    double row[4] = {1.0, 0.5 * step[i], -t * bell[i] / sqrt(2.0 * M_PI), filled->mean[i]};
     if (given) row[1] += fringe * row[2];
     for (int a = 0; a < sought; a++)
       for (int b = 0; b < 4; b++) m[a][b] += n * row[a] * row[b];
@@ -39,12 +55,11 @@ static double fit_linear(const struct edge_response *response, double reach, dou
   }
   for (int p = 0; p < sought; p++) out[p] = m[p][3] / m[p][p];
   if (given) out[2] = fringe * out[1];
-  for (size_t i = 0; i < EDGE_BINS; i++) {
-    if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
-    const double t = (edge_bin_distance(i) - shift) / deviation, n = response->count[i];
-    left += n * pow(out[0] + out[1] * 0.5 * erfc(t / sqrt(2.0)) -
-                        out[2] * t * exp(-0.5 * t * t) / sqrt(2.0 * M_PI) - response->sum[i] / n,
-                    2.0);
+  for (size_t i = 0; i < filled->count; i++) {
+    const double t = (filled->distance[i] - shift) / deviation;
+    left += filled->n[i] * pow(out[0] + out[1] * 0.5 * step[i] -
+                                   out[2] * t * bell[i] / sqrt(2.0 * M_PI) - filled->mean[i],
+                               2.0);
   }
   return left;
 }
@@ -52,14 +67,11 @@ static double fit_linear(const struct edge_response *response, double reach, dou
 bool edge_fit_find(const struct edge_response *response, double reach, double fringe,
                    struct edge_fit *fit) {
   double count = 0.0, least = INFINITY, deviation = 0.0, shift = 0.0, linear[3] = {0};
-  size_t filled = 0;
+  struct filled filled;
   *fit = (struct edge_fit){.deviation = NAN};
-  for (size_t i = 0; i < EDGE_BINS; i++) {
-    if (fabs(edge_bin_distance(i)) > reach || response->count[i] < 1.0) continue;
-    count += response->count[i];
-    filled++;
-  }
-  if (count < 500.0 || filled < 12) return false;
+  find_filled(response, reach, &filled);
+  for (size_t i = 0; i < filled.count; i++) count += filled.n[i];
+  if (count < 500.0 || filled.count < 12) return false;
   double wide[2] = {0.3, fmin(reach, 5.0)}, far[2] = {-0.6, 0.6};
   for (int round = 0; round < 5; round++) {
     double best[2] = {deviation, shift};
@@ -68,7 +80,7 @@ bool edge_fit_find(const struct edge_response *response, double reach, double fr
         const double s = wide[0] * pow(wide[1] / wide[0], i / 20.0);
         const double d = far[0] + (far[1] - far[0]) * j / 12.0;
         double found[3] = {0};
-        const double left = fit_linear(response, reach, s, d, fringe, found);
+        const double left = fit_linear(&filled, s, d, fringe, found);
         if (!(left < least) || !(found[1] > 0.0) || !(found[2] > -0.3 * found[1])) continue;
         least = left;
         best[0] = s;
