@@ -19,7 +19,7 @@ say = $(if $(filter 1,$(V)),,@printf '  %-8s %s\n' $(1) $(2))
 
 CC = gcc
 CXX = g++
-OPT ?= -O3 -g
+OPT ?= -O3 -g1
 WARN = -Werror=implicit-function-declaration -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wstrict-prototypes -Wmissing-prototypes -Wvla
 WARNXX = -Wall -Wextra -Wshadow
 SANITIZE ?=
