@@ -78,7 +78,7 @@ END
 }
 
 @test "stokes: after SIGTERM k is the estimate from the lattices that were solved, with its error; --resume goes on" {
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um -o full.hdf --quiet > /dev/null
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 80x80x35 -o full.hdf --quiet > /dev/null
   term() { sphsolve run s06.cfg --set model.file=full.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --error 0.001% "$@"; }
   (term -o stopped > stopped.txt 2> stopped.log) &
   until [ "$(grep -c '^lattice' stopped.log)" -ge 4 ] || [ -s stopped.hdf ]; do sleep 0.02; done
@@ -99,7 +99,7 @@ END
   # Asked for less than the lattices before it know, the one that was stopped is finished all the same.
   for f in stopped*; do cp "$f" "less${f#stopped}"; done
   sphsolve run s06.cfg --set model.file=full.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --error 90% -o less --resume > less.txt 2>&1
-  grep -q "^status     converged" less.txt && grep -q "^k          0.029" less.txt && grep -q "from 5 lattices" less.txt || { cat less.txt; false; }
+  grep -q "^status     converged" less.txt && grep -q "^k          0.028" less.txt && grep -q "from 5 lattices" less.txt || { cat less.txt; false; }
   term -o stopped --resume > /dev/null 2>&1
   term -o never > /dev/null 2>&1
   resumable_same never stopped
