@@ -6,7 +6,7 @@ bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_path
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 32x32x14 -o dense.hdf --quiet > /dev/null
+  sample_model 32x32x14 dense.hdf
 }
 
 @test "explain of every sample scene is as recorded" {

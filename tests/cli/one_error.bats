@@ -43,7 +43,7 @@ END
 }
 
 @test "a measured void ratio without its uncertainty: run, darcy and page say what it is worth and that it is not counted" {
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 32x32x14 -o bare.hdf --quiet
+  sample_model 32x32x14 bare.hdf
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=bare.hdf -o bare-run > bare.txt
   grep -q "the void ratio was given without its +-: each 0.01 is [0-9.]* % of k, not counted" bare.txt
   run grep "given without" run.txt
@@ -99,7 +99,7 @@ END
 
 @test "of each method twelve lines, a verdict among them; the terms of its budget with -v" {
   scene wcsph m.hdf > wcsph.cfg
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o m16.hdf --quiet
+  sample_model 16x16x7 m16.hdf
   wcsph() { sphsolve run wcsph.cfg --set model.file=m16.hdf -o lines "$@"; }
   isph() { sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set scene.end_time='"0.2 s"' -o lines "$@"; }
   for method in wcsph isph; do

@@ -1,6 +1,7 @@
 #!/usr/bin/env bats
 # sphsolve-mpi (make MPI=1): the same answers and the same files on any number of ranks.
 bats_require_minimum_version 1.5.0
+load sample
 
 setup_file() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)
@@ -16,7 +17,7 @@ setup_file() {
   [ -e "$IDLE" ] || IDLE=
   [ -x "$build/bin/sphsolve-mpi" ] || return 0
   cd "$BATS_FILE_TMPDIR"
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 20x20x9 -o dense.hdf --quiet > /dev/null
+  sample_model 20x20x9 dense.hdf
   cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
 }
 setup() {
@@ -155,7 +156,7 @@ one_line() {
 }
 
 @test "memory too short for a part of the error leaves k on 2 ranks, and says so" {
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x21 -o mid.hdf --quiet
+  sample_model 40x40x21 mid.hdf
   for n in 1 2; do
     on $n sphsolve-mpi run s06.cfg --set model.file=mid.hdf --set scene.method=stokes --max-memory $((14 / n))MB --json \
       -o short$n > short$n.json 2> said
@@ -336,7 +337,7 @@ END
 }
 
 @test "the memory of a rank falls with their number, as explain --ranks predicts" {
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 -o middle.hdf --quiet > /dev/null
+  sample_model 40x40x18 middle.hdf
   cat > tank.cfg << 'END'
 scene = { name = "tank"; method = "isph"; end_time = "1 ms"; };
 domain = { size = ["2 m", "0.486 m", "1.189 m"]; spacing = "0.027 m"; periodic = [false, false, false]; };

@@ -1,8 +1,9 @@
 # Small runs of the three methods with all that a scene can hold, for resume.bats and scripts/stress-resume. ROOT is the
 # repository; the programs are on PATH.
+. "$ROOT/tests/cli/sample.bash"
 resumable_make() {
   for size in 16x16x7 32x32x14; do
-    ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size $size -o ${size%%x*}.hdf --quiet > /dev/null
+    sample_model $size ${size%%x*}.hdf
   done
   cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
   # water with a surface, two soils of which one moves, a well and a drain in the other; rain; a gate, a head and a flux that change with time

@@ -78,7 +78,7 @@ END
 }
 
 @test "stokes: after SIGTERM k is the estimate from the lattices that were solved, with its error; --resume goes on" {
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 80x80x35 -o full.hdf --quiet > /dev/null
+  sample_model 80x80x35 full.hdf
   term() { sphsolve run s06.cfg --set model.file=full.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --error 0.001% "$@"; }
   (term -o stopped > stopped.txt 2> stopped.log) &
   until [ "$(grep -c '^lattice' stopped.log)" -ge 4 ] || [ -s stopped.hdf ]; do sleep 0.02; done

@@ -5,7 +5,7 @@ bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_path
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o m.hdf --quiet > /dev/null
+  sample_model 16x16x7 m.hdf
   cat > flow.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
 domain = { size = ["0.4 m", "0.1 m"]; spacing = "1 cm"; };
