@@ -40,10 +40,10 @@ void product_add_run(struct product *product, json_t *object, size_t n);
 
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
-/* "0.1540 +- 0.0021", "(1.004 +- 0.079)e-04": both to the digits that the error leaves sense to;
- * "0.154" where it is not known. */
 /* To so many digits, and below a million without an exponent: 1930, 300, 0.048. */
 const char *short_number(double value, int digits, char text[32]);
+/* "0.1540 +- 0.0021", "(1.004 +- 0.079)e-04": both to the digits that the error leaves sense to;
+ * "0.154" where it is not known. */
 void value_with_error(char *text, size_t size, double value, double error, const char *sign);
 /* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-",
  * `unit` " cm/s". */
