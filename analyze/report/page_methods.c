@@ -312,9 +312,10 @@ enum status page_methods(const struct subject *subject, const struct page_model 
     fprintf(stream, " &times; %.4g &times; %.4g", unit * run->spacing[1], unit * run->spacing[2]);
   fputs(coarse ? " mm" : " &micro;m", stream);
   write_geometry(run, model, &cited, stream);
-  fprintf(stream, ". The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
-          run->density, run->viscosity);
+  fputs(". ", stream);
   write_surface(model, stream);
+  fprintf(stream, "The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
+          run->density, run->viscosity);
   write_solver(run, &cited, stream);
   write_walls(run, model, &cited, stream);
   write_soil(model, stream);
