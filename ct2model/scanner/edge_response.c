@@ -177,7 +177,7 @@ static bool voxel_at(const double point[3], const size_t size[3], size_t *voxel)
 
 void edge_response_add(const float *grey, const float *smooth, const float *distance,
                        const size_t size[3], const double stretch[3], double reach,
-                       struct edge_response *response) {
+                       const size_t middle[3], struct edge_response response[]) {
   const size_t step[3] = {1, size[0], size[0] * size[1]};
   for (size_t i = 0; i < step[2] * size[2]; i++) {
     const size_t at[3] = {i % size[0], i / size[0] % size[1], i / step[2]};
@@ -204,8 +204,10 @@ void edge_response_add(const float *grey, const float *smooth, const float *dist
     if (smooth[grain] > 1.35f || smooth[grain] < 0.7f || smooth[pore] > 0.3f) continue;
     const double bin = (d + EDGE_REACH) * EDGE_FINE;
     if (bin >= 0.0 && bin < EDGE_BINS) {
-      response->sum[(size_t)bin] += (double)grey[i];
-      response->count[(size_t)bin] += 1.0;
+      size_t part = 0;
+      for (int a = 0; middle != NULL && a < 3; a++) part |= (size_t)(at[a] >= middle[a]) << a;
+      response[part].sum[(size_t)bin] += (double)grey[i];
+      response[part].count[(size_t)bin] += 1.0;
     }
   next:;
   }

@@ -43,9 +43,10 @@ double edge_fit_transfer(const struct edge_fit *fit, double frequency);
 enum status edge_distances(const float *smooth, const size_t size[3], const double stretch[3],
                            double limit, float *distance);
 /* Adds the voxels of `grey` within `reach` of a surface that is alone over `reach` on both sides
- * and borders on a grain of common grey. */
+ * and borders on a grain of common grey. To one response, or with a `middle` (voxels of the window)
+ * to that of their octant about it, x first. */
 void edge_response_add(const float *grey, const float *smooth, const float *distance,
                        const size_t size[3], const double stretch[3], double reach,
-                       struct edge_response *response);
+                       const size_t middle[3], struct edge_response response[]);
 
 #endif

@@ -64,7 +64,7 @@ static enum status try_fringe(const struct windows *scan, const struct edge_resp
     for (size_t i = 0; i < made.count; i++) {
       const struct window *w = &made.window[i];
       edge_response_add(w->grey, w->smooth, w->distance, w->size, made.stretch, request->reach,
-                        &response);
+                        NULL, &response);
     }
     windows_end(&made);
   }

@@ -5,6 +5,7 @@
 
 #include "common/model_file.h"
 #include "ct2model/scan/survey.h"
+#include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
@@ -39,7 +40,7 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
     const struct window *w = &all->window[i];
     struct edge_response own = {0};
     struct edge_fit mine;
-    edge_response_add(w->grey, w->smooth, w->distance, w->size, all->stretch, reach, &own);
+    edge_response_add(w->grey, w->smooth, w->distance, w->size, all->stretch, reach, NULL, &own);
     for (size_t b = 0; b < EDGE_BINS; b++) {
       scanner->response.sum[b] += own.sum[b];
       scanner->response.count[b] += own.count[b];
@@ -323,6 +324,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     reach = wanted;
   }
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+  scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
   const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   const double seen_fringe = fit.fringe;
