@@ -83,6 +83,11 @@ enum status average_darcy(const struct run *run, struct average *average) {
   enum status status = STATUS_OK;
   size_t rows = 0;
   double *times = NULL, *values = NULL;
+  /* Where no pore leads through, the water is known to rest. */
+  if (strcmp(run->status, "blocked") == 0) {
+    *average = (struct average){.rows = 1, .standard_error = NAN, .without_drift = true};
+    return STATUS_OK;
+  }
   /* What isph found of the second half of its record is its k. */
   const bool isph = strcmp(run->method, "isph") == 0 && isfinite(run->k) &&
                     isfinite(run->error.steadiness);

@@ -25,9 +25,9 @@ struct average {
 enum status average_record(const double *times, const double *values, size_t n,
                            struct average *average);
 
-/* Darcy velocity of a run along its driving force: for method stokes the one converged value with
- * the run's own k_error, for isph that of the second half with the run's own error, else the mean
- * of its history after the start-up. */
+/* Darcy velocity of a run along its driving force: 0 where no pore leads through, for method stokes
+ * the one converged value with the run's own k_error, for isph that of the second half with the
+ * run's own error, else the mean of its history after the start-up. */
 enum status average_darcy(const struct run *run, struct average *average);
 
 #endif

@@ -158,7 +158,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
     const struct run_history *h = &table[i];
     char end[32], from[32] = "drifts", density[32] = "-", error[40] = "unknown", text[32];
     snprintf(end, sizeof end, h->stationary ? "%.4g iterations" : "%.4g s", h->times[h->rows - 1]);
-    if (h->stationary)
+    if (h->stationary || strcmp(h->run->status, "blocked") == 0)
       snprintf(from, sizeof from, "stationary");
     else if (h->average.without_drift)
       snprintf(from, sizeof from, "%.4g s", h->average.from_time);

@@ -28,8 +28,9 @@ static enum status write_labels(struct h5_file *file, const struct pipeline *pip
   TRY(write_slice(file, pipeline));
   TRY(h5_write_attribute(file, group, "segmented", H5_I32, 1, &segmented));
   TRY(write_number(file, group, "smoothing_voxels", LABEL_SMOOTHING));
-  TRY(write_number(file, group, "smoothing",
-                   LABEL_SMOOTHING * cbrt(voxel[0] * voxel[1] * voxel[2])));
+  const double edge = cbrt(voxel[0] * voxel[1] * voxel[2]);
+  TRY(write_number(file, group, "smoothing", LABEL_SMOOTHING * edge));
+  TRY(write_number(file, group, "smoothing_even", LABEL_SMOOTHING_WIDE * edge));
   TRY(write_number(file, group, "k_change_by_smoothing", labels_effect_on_k(&pipeline->labels)));
   const double unsure = labels_void_ratio_error(&pipeline->labels);
   if (unsure > 0.0) TRY(write_number(file, group, "void_ratio_uncertainty", unsure));
@@ -160,6 +161,7 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   TRY(write_number(file, "/model", "correlation_length", morphology->correlation_length));
   TRY(write_number(file, "/model", "pore_voxels_touching_grain", morphology->touching));
   TRY(write_number(file, "/model", "local_thickness_median", morphology->thickness_median));
+  TRY(write_number(file, "/model", "critical_width", morphology->critical_width));
   TRY(write_number(file, "/model", "expected_error_of_k", morphology->expected_error));
   TRY(write_curves(file, pipeline));
   double voxel = 1.0, longest = 0.0;

@@ -93,6 +93,7 @@ static void json_of_morphology(const struct pipeline *pipeline, json_t *root) {
   json_put_number(root, "correlation_length_m", m->correlation_length);
   json_put_number(root, "pore_voxels_touching_grain", m->touching);
   json_put_number(root, "local_thickness_median_voxels", m->thickness_median);
+  json_put_number(root, "critical_width_voxels", m->critical_width);
   json_put_number(root, "expected_error_of_k", m->expected_error);
   size_t finer[3];
   bool enough;
@@ -289,23 +290,24 @@ static void print_widths(const struct morphology *m) {
 }
 
 /* The pores against the voxels, and what would be fine enough: the error of a second-order wall
- * across N voxels is about 1 / (2 N^2). */
+ * across N voxels is about 1 / (2 N^2), and the flow is ruled by its narrowest places. */
 static void print_pores(const struct pipeline *pipeline) {
   const struct morphology *m = &pipeline->morphology;
   size_t size[3];
   bool enough;
-  printf("pore widths       %.0f %% of the pore voxels touch a grain", 100.0 * m->touching);
-  if (!isfinite(m->thickness_median)) {
-    printf("; pores too many voxels wide to be measured\n");
-    return;
+  printf("pore widths       %.0f %% of the pore voxels touch a grain\n", 100.0 * m->touching);
+  if (m->critical_width > 0.0) {
+    printf("critical width    %.2g voxels at the narrowest of the widest way along z",
+           m->critical_width);
+    if (!pipeline_finer_size(pipeline, 0.05, size, &enough))
+      printf(": fine enough to resolve the flow to some 5 %%\n");
+    else if (pipeline->size[0] == pipeline->region.size[0])
+      printf(": too coarse for 5 %%, and the scan holds no more: a finer scan is needed\n");
+    else
+      printf(": too coarse for 5 %%; --size %zux%zux%zu %s\n", size[0], size[1], size[2],
+             enough ? "would do" : "is the best this scan can give");
   }
-  if (!pipeline_finer_size(pipeline, 0.05, size, &enough))
-    printf(": fine enough to resolve the flow to 5 %%\n");
-  else if (pipeline->size[0] == pipeline->region.size[0])
-    printf(": too coarse for 5 %%, and the scan holds no more: a finer scan is needed\n");
-  else
-    printf(": too coarse for 5 %%; --size %zux%zux%zu %s\n", size[0], size[1], size[2],
-           enough ? "would do" : "is the best this scan can give");
+  if (!isfinite(m->thickness_median)) return;
   printf("median width      %.1f voxels across a pore\n", m->thickness_median);
   print_widths(m);
 }

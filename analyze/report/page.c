@@ -171,6 +171,7 @@ static enum status write_body(struct page *page) {
   fputs("<section id=\"provenance\"><h2>Provenance</h2>\n", out);
   for (size_t i = 0; i < page->subject.n; i++)
     TRY(page_provenance(page->subject.runs[i].name, page->subject.runs[i].path, out));
+  if (page->model.found) TRY(page_provenance("model", page->model.path, out));
   for (size_t i = 0; i < page->subject.solute_count; i++)
     TRY(page_provenance("solute", page->subject.solutes[i], out));
   fputs("</section>\n", out);

@@ -193,13 +193,15 @@ enum status page_flow_section(struct page *page) {
   TRY(write_pictures(page));
   fputs("<figure><div id=\"view\"><div class=\"still3d\">", out);
   TRY(flow_write_still(&page->flow, out));
-  fputs("</div></div>\n<figcaption>Grains and streamlines of <em>", out);
+  const bool flows = page->flow.speed_high > 0.0;
+  fprintf(out, "</div></div>\n<figcaption>Grains%s of <em>", flows ? " and streamlines" : "");
   html_text(out, page->subject.runs[0].name);
-  fprintf(
-      out,
-      "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). Drag to turn, wheel or pinch "
-      "to zoom; the slider cuts the grains.",
-      1e3 * page->flow.speed_high);
+  if (flows)
+    fprintf(out, "</em>, coloured by speed from 0 (light) to %.3g mm/s (dark). ",
+            1e3 * page->flow.speed_high);
+  else
+    fputs("</em>; the water rests. ", out);
+  fputs("Drag to turn, wheel or pinch to zoom; the slider cuts the grains.", out);
   lattice_note_write(&page->subject.runs[0], " ", ".", out);
   fputs("</figcaption></figure></section>\n", out);
 cleanup:

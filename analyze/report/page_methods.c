@@ -144,12 +144,17 @@ static void write_geometry(const struct run *run, const struct page_model *model
 
 /* What was done to the surface of the grains before the run, to be done again by who repeats it. */
 static void write_surface(const struct page_model *model, FILE *stream) {
-  if (model->rule == RULE_LABELS && model->smoothing > 0.0)
+  if (model->rule == RULE_LABELS && model->smoothing > 0.0) {
     fprintf(
         stream,
         "Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of "
-        "%.4g &micro;m, at the volume of their pores. ",
+        "%.4g &micro;m",
         1e6 * model->smoothing);
+    if (model->smoothing_even > 0.0)
+      fprintf(stream, ", where they are even enough of %.4g &micro;m without its second moment",
+              1e6 * model->smoothing_even);
+    fputs(", at the volume of their pores. ", stream);
+  }
   if (model->blur_removed)
     fprintf(stream,
             "The scanner&rsquo;s blur, by the edges of the scan a Gaussian with a standard "

@@ -74,6 +74,7 @@ void page_model_read(const struct run *run, struct page_model *model) {
   if (isnan(model->porosity)) model->porosity = model->void_ratio / (1.0 + model->void_ratio);
   model->specific_surface = h5_attribute_or_nan(file, "/model", "specific_surface");
   model->smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
+  model->smoothing_even = h5_attribute_or_nan(file, "/calibration", "smoothing_even");
   model->blur = h5_attribute_or_nan(file, "/scanner", "blur");
   model->blur_removed = h5_attribute_or_nan(file, "/scanner", "removed") > 0.0;
   model->wall_distance = h5_exists(file, "/model/wall_distance");

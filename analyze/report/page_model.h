@@ -25,7 +25,7 @@ struct page_model {
   double threshold, void_ratio, void_ratio_measured;
   double void_ratio_walls; /* within the walls, where that is what was matched */
   double voxel_scanned;              /* m */
-  double smoothing;                  /* m: standard deviation, of labels */
+  double smoothing, smoothing_even;  /* m: standard deviations, of labels; where walls are even */
   double blur;                       /* m: standard deviation, as measured on the scan */
   bool blur_removed;                 /* from the surface */
   double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */

@@ -147,6 +147,9 @@ cleanup:
   return status;
 }
 
+/* A model may be made of thousands of slices. */
+enum { INPUTS_SHOWN = 12 };
+
 enum status page_provenance(const char *name, const char *path, FILE *stream) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -163,14 +166,17 @@ enum status page_provenance(const char *name, const char *path, FILE *stream) {
     TRY(read_texts(file, "/provenance/input_files", &files));
     TRY(read_texts(file, "/provenance/input_hashes", &hashes));
   }
-  for (size_t i = 0; i < files.count; i++) {
+  for (size_t i = 0; i < files.count && i < INPUTS_SHOWN; i++) {
     fputs("<tr><th>input, XXH3</th><td>", stream);
     html_text(stream, files.text[i]);
     fputs("<br><code>", stream);
     html_text(stream, text_at(&hashes, i));
     fputs("</code></td></tr>\n", stream);
   }
-  TRY(attribute_rows(file, "/run", stream));
+  if (files.count > INPUTS_SHOWN)
+    fprintf(stream, "<tr><th>inputs more</th><td>%zu, in the file</td></tr>\n",
+            files.count - INPUTS_SHOWN);
+  if (h5_exists(file, "/run")) TRY(attribute_rows(file, "/run", stream));
   fputs("</tbody></table></div>\n", stream);
   if (h5_exists(file, "/run/scene")) {
     TRY(h5_read_text(file, "/run/scene", &scene));

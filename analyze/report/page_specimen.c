@@ -201,6 +201,8 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
       100.0 * h5_attribute_or_nan(file, "/model", "pore_voxels_touching_grain"), "%");
   row(stream, "Median pore width", h5_attribute_or_nan(file, "/model", "local_thickness_median"),
       "voxels");
+  row(stream, "Critical width (of the widest way along z)",
+      h5_attribute_or_nan(file, "/model", "critical_width"), "voxels");
   row(stream, "Correlation length", 1e6 * h5_attribute_or_nan(file, "/model", "correlation_length"),
       "&micro;m");
   fputs("</tbody></table>\n<div class=\"pictures\">", stream);

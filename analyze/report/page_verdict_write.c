@@ -49,7 +49,7 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
 /* "0.030 cm/s, 0.026 to 0.034 (95 %)", or with a power of ten behind. */
 static void interval(FILE *out, double value, double low, double high, const char *unit) {
   const double half = 0.5 * (high - low);
-  if (value == 0 && half == 0) {
+  if (value == 0 && !(half > 0)) {
     fprintf(out, "0 %s", unit);
     return;
   }
@@ -378,9 +378,9 @@ enum status verdict_write(const json_t *data, const struct subject *subject, FIL
   fputs("</p><p class=\"note\">", out);
   write_string(result, "note", out);
   fputs("</p>\n", out);
-  write_budget(result, out);
+  if (k > 0.0) write_budget(result, out); /* a body that nothing leads through has no error of k, */
   fputs("</div><div>", out);
-  write_orientation(result, out);
+  if (k > 0.0) write_orientation(result, out); /* and no class of soil */
   fputs("</div></div>\n", out);
   TRY(find_tensor(result, subject, &tensor, &has_tensor));
   if (has_tensor) tensor_html(&tensor, out);

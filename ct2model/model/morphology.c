@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/model/critical_width.h"
 
 static double touching_share(const struct voxel_model *model, size_t layers) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
@@ -181,7 +182,7 @@ static enum status measure_thickness(const struct voxel_model *model, size_t lay
   size_t pores = 0, used = model->size[0] * model->size[1] * layers;
   uint8_t *width = NULL;
   double counts[4 * THICKNESS_BINS] = {0};
-  morphology->thickness_median = morphology->expected_error = NAN;
+  morphology->thickness_median = NAN;
   TRY(morphology_widths(model, layers, &width));
   if (width == NULL) return STATUS_OK;
   for (size_t i = 0; i < used; i++) {
@@ -200,7 +201,6 @@ static enum status measure_thickness(const struct voxel_model *model, size_t lay
   }
   for (int b = 0; b < THICKNESS_BINS && pores > 0; b++)
     morphology->thickness_histogram[b] /= (double)pores;
-  morphology->expected_error = 0.5 / pow(morphology->thickness_median, 2.0);
 cleanup:
   memory_free(&width);
   return status;
@@ -279,6 +279,10 @@ enum status morphology_measure(const struct voxel_model *model, size_t layers,
   morphology->touching = touching_share(model, layers);
   morphology->correlation_length = correlation_length(model);
   TRY(measure_thickness(model, layers, morphology));
+  TRY(critical_width_find(model, layers, &morphology->critical_width));
+  morphology->expected_error = morphology->critical_width > 0.0
+                                   ? fmin(0.5 / pow(morphology->critical_width, 2.0), 1.0)
+                                   : NAN;
   TRY(measure_windows(model, layers, morphology));
 cleanup:
   return status;

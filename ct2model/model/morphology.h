@@ -18,7 +18,9 @@ struct morphology {
    * the pore that holds the voxel; NAN where the model is too large to compute it. */
   double thickness_median;                    /* voxels */
   double thickness_histogram[THICKNESS_BINS]; /* share of pore voxels, one bin a voxel width */
-  double expected_error; /* of k by the resolution, relative: 1 / (2 N^2), N the median */
+  double critical_width;                      /* voxels (critical_width.h); 0: no way along z */
+  /* Of k by the resolution, relative: 1 / (2 N^2), N the critical width, 1 at most; NAN: no way. */
+  double expected_error;
   /* Void ratio in cubic windows: mean and standard deviation over those that fit. */
   size_t window_count;
   size_t window[WINDOW_SIZES], window_places[WINDOW_SIZES]; /* voxels; how many windows */

@@ -239,7 +239,8 @@ stored = dict(file["model"].attrs)
 for name, key in {"porosity": 0, "connected_porosity": 0, "isolated_pores": 0, "isolated_pore_voxels": 0, "floating_grains": 0,
                   "floating_grain_voxels": 0, "pore_voxels_touching_grain": 0, "expected_error_of_k": 0,
                   "specific_surface": "specific_surface_per_m", "specific_surface_model": "specific_surface_model_per_m",
-                  "correlation_length": "correlation_length_m", "local_thickness_median": "local_thickness_median_voxels"}.items():
+                  "correlation_length": "correlation_length_m", "critical_width": "critical_width_voxels",
+                  "local_thickness_median": "local_thickness_median_voxels"}.items():
     assert abs(stored[name] - said[key or name]) <= 1e-12 * abs(stored[name]), name
 assert [said["percolates"][a] for a in "zyx"] == [bool(v) for v in stored["percolates"]]
 assert list(file["quality/local_thickness"]) == said["local_thickness_histogram"]
@@ -251,7 +252,8 @@ assert abs(sum(said["local_thickness_histogram"]) - 1) < 1e-9
 P
   run_ct build spheres.raw ${RAW/--quiet/} --void-ratio 3.959 --size 12x12x12 -o q.hdf
   for line in "on a path along z"*"only the latter conducts" "percolates "*"leads through" "isolated pores "*"on no path" \
-    "floating grains "*"touch no other" "specific surface "*"grain surface" "% of the pore voxels touch a grain" "median width " \
+    "floating grains "*"touch no other" "specific surface "*"grain surface" "% of the pore voxels touch a grain" \
+    "critical width "*"widest way along z: " "median width " \
     "width histogram "*"share of the pores" "correlation "*"is independent" "representative "*"from one window"; do
     [[ "$output" == *$line* ]] || { echo "missing: $line"; false; }
   done

@@ -81,9 +81,14 @@ a = np.full((16, 16, 16), 255, np.uint8)
 a[2:14, 3:8, 3:8] = 0
 np.save("blocked.npy", a)'
   ct2model build blocked.npy --segmented 0 --voxel-size 2um -q -o blocked.hdf > /dev/null 2>&1
-  sphsolve run scene.cfg --set model.file=blocked.hdf -o run-blocked -q > /dev/null 2>&1
-  analyze report run-blocked.hdf -o blocked.html -q > /dev/null
-  grep -q "there is no velocity to show" blocked.html
+  for method in wcsph stokes; do # the last is read on
+    sphsolve run scene.cfg --set model.file=blocked.hdf --set scene.method=$method --force -o run-blocked -q > /dev/null 2>&1
+    analyze report run-blocked.hdf -o blocked.html --force -q > /dev/null
+    grep -q "there is no velocity to show" blocked.html
+    grep -q "<var>k</var> = 0 cm/s" blocked.html
+    grep -q "<td>ct2model build blocked.npy" blocked.html # where the model comes from
+    run ! grep -qE "For orientation|What the error is made of|has not settled|streamlines of" blocked.html
+  done
   data blocked.html '(lambda v: v["k_m_per_s"] == 0 and "nothing leads through" in v["good_for"])(page["verdict"][0])'
   sed 's#<script.*##;/Dygraph=t/d;/NaN/d' blocked.html > text
   run ! grep -qiw -- "-\?nan" text

@@ -36,6 +36,7 @@ for path in (named, os.path.join(os.path.dirname(run_paths[0]), os.path.basename
             model["wall_distance"], model["grain_fraction"] = ("model/" + n in file for n in ("wall_distance", "grain_fraction"))
             model["segmented"] = attributes(file, "calibration").get("segmented", 0) == 1
             model["smoothing"] = attributes(file, "calibration").get("smoothing", 0)
+            model["smoothing_even"] = attributes(file, "calibration").get("smoothing_even", 0)
             model["scanner"] = attributes(file, "scanner")
             command = attributes(file, "provenance").get("command_line", "")
 
@@ -96,8 +97,10 @@ SENTENCES = [
     (r"Flow was computed with Tosui [\d.]+ \[1\] on a lattice of (\d+) × (\d+) × (\d+) points of ([\d.]+) µm(.*)", is_geometry),
     (r"The fluid had a density of (\S+) kg/m³ and a viscosity of (\S+) Pa s",
      lambda rho, mu: near(rho, first["density"]) and near(mu, first["viscosity"])),
-    (r"Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of ([\d.]+) µm, at the volume of their "
-     r"pores", lambda width: model["segmented"] and near(width, 1e6 * model["smoothing"])),
+    (r"Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of ([\d.]+) µm, where they are even enough "
+     r"of ([\d.]+) µm without its second moment, at the volume of their pores",
+     lambda width, even: model["segmented"] and near(width, 1e6 * model["smoothing"]) and
+     near(even, 1e6 * model["smoothing_even"])),
     (r"The scanner's blur, by the edges of the scan a Gaussian with a standard deviation of ([\d.]+) µm, was taken out of the "
      r"surface", lambda blur: model["scanner"]["removed"] == 1 and near(blur, 1e6 * model["scanner"]["blur"])),
     (r"The steady creeping flow was solved with .*", lambda: first["method"] == "stokes"),

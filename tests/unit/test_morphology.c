@@ -47,6 +47,31 @@ static void test_slits(void **state) {
   assert_true(fabs(sum - 1.0) < 1e-12);
 }
 
+/* A wall of three layers across the slits, with a gap of `gap` voxels: it rules, though hardly any
+ * pore is as narrow. */
+static void make_gap(double gap) {
+  make_slits();
+  for (size_t i = 10 * N * N; i < 13 * N * N; i++) {
+    const double in = 0.5 * gap - fabs((double)(i % 16) + 0.5 - 4.5);
+    solid[i] = in <= 0.0;
+    distance[i] = (float)(2.0 * in);
+  }
+}
+
+static void test_narrowest_place(void **state) {
+  (void)state;
+  struct morphology m;
+  struct voxel_model model = make_model();
+  make_gap(3.0);
+  assert_int_equal(morphology_measure(&model, N, &m), STATUS_OK);
+  assert_true(m.thickness_median > 7.0);
+  assert_true(fabs(m.critical_width - 3.0) < 0.13);
+  assert_true(fabs(m.expected_error - 0.5 / 9.0) < 0.006);
+  make_gap(0.0);
+  assert_int_equal(morphology_measure(&model, N, &m), STATUS_OK);
+  assert_true(m.critical_width == 0.0 && isnan(m.expected_error));
+}
+
 static void test_windows_of_a_periodic_pattern(void **state) {
   (void)state;
   struct morphology m;
@@ -79,6 +104,7 @@ static void test_correlation_of_noise(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_slits),
+      cmocka_unit_test(test_narrowest_place),
       cmocka_unit_test(test_windows_of_a_periodic_pattern),
       cmocka_unit_test(test_correlation_of_noise),
   };
