@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/report/page_html.h"
+#include "analyze/tensor.h"
 #include "common/hdf5_file.h"
 #include "common/kernel.h"
 #include "common/provenance.h"
@@ -306,6 +307,8 @@ enum status page_methods(const struct subject *subject, const struct page_model 
                          const struct methods_facts *facts, FILE *stream) {
   enum status status = STATUS_OK;
   struct cited cited = {0};
+  struct tensor tensor;
+  bool has_tensor;
   const struct run *run = &subject->runs[0];
   fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
   cite(stream, "tosui", &cited);
@@ -328,6 +331,10 @@ enum status page_methods(const struct subject *subject, const struct page_model 
     fprintf(stream, "%zu runs entered this page; lattice, model and fluid are the first&rsquo;s. ",
             subject->n);
   write_result(run, facts, &cited, stream);
+  TRY(tensor_read(run, &tensor, &has_tensor));
+  if (has_tensor)
+    fputs("The tensor of permeability is from three flows, each driven along one of x, y and z. ",
+          stream);
   TRY(write_solutes(subject, &cited, stream));
   fputs("</p>\n<ol class=\"references\">\n", stream);
   for (size_t i = 0; i < cited.count; i++)

@@ -24,7 +24,7 @@ runs = []
 for path in run_paths:
     with h5py.File(path) as file:
         runs.append({**attributes(file, "run"), "error": attributes(file, "run/error"),
-                     "levels": list(file["run/levels/spacing"][()]) if "run/levels" in file else []})
+                     "levels": list(file["run/levels/spacing"][()]) if "run/levels" in file else [], "tensor": "run/tensor" in file})
 first, levels = runs[0], runs[0]["levels"]
 model, command = None, ""
 named = first.get("model_path", "")
@@ -118,6 +118,7 @@ SENTENCES = [
      r"half widths", lambda more: len(gradients) > 1 and (not more or len(spacings) > 1)),
     (r"Permeability is the superficial velocity over the hydraulic gradient(, extrapolated over .*)?; errors are 95 % half widths",
      lambda more: len(gradients) == 1 and (not more or len(spacings) > 1)),
+    (r"The tensor of permeability is from three flows, each driven along one of x, y and z", lambda: first["tensor"]),
     (r"The error of resolution is a grid convergence index \[\d+\]", lambda: len(spacings) > 1),
     (r"The error of resolution is that of the limit of (\d+) lattices with spacings from ([\d.]+) to ([\d.]+) µm, averaged over the "
      r"orders of convergence \[\d+\](; the permeability is that limit)?",
@@ -134,6 +135,8 @@ if scanned and model["scanner"].get("removed") == 1:
     needed.append("blur, by the edges of the scan")
 if first["method"] == "stokes" and first.get("reynolds", 0) > 0.1:
     needed.append("Inertia is left out")
+if first["tensor"]:
+    needed.append("from three flows")
 section = re.search(r'<section id="methods">.*?<p>(.*?)</p>', page, re.S)[1]
 prose = html.unescape(re.sub(r"<[^>]*>", "", section)).replace("\u2019", "'").replace("\u00a0", " ").strip()
 bad += [f"({words} is missing)" for words in needed if words not in prose]

@@ -112,6 +112,8 @@ P
   analyze report zi-x.hdf -o zigzag.html --quiet
   /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" zigzag.html zi-x.hdf
   grep -q "it is mirrored along x and z" zigzag.html
+  analyze report zi.hdf -o tensor.html --quiet
+  /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" tensor.html zi.hdf
   # A run of its own keeps the model as it is.
   sphsolve run zigzag-z.cfg -o plain --set 'force={body_acceleration=["9.80665 m/s^2","0","0"];}' --json > plain.json
   /usr/bin/python3 -c 'import json; assert json.load(open("plain.json"))["k"] == 0'
