@@ -164,6 +164,11 @@ cleanup:
   return status;
 }
 
+/* A voxel within reach has a slope between its neighbours. */
+double edge_response_limit(double reach, const double stretch[3]) {
+  return reach + fmin(1.001 * fmax(stretch[0], fmax(stretch[1], stretch[2])), 2.0);
+}
+
 /* The voxel that holds a point of voxel coordinates; false beyond the window. */
 static bool voxel_at(const double point[3], const size_t size[3], size_t *voxel) {
   size_t at[3];

@@ -42,6 +42,8 @@ double edge_fit_transfer(const struct edge_fit *fit, double frequency);
  * in the pore; in voxels times `stretch`. */
 enum status edge_distances(const float *smooth, const size_t size[3], const double stretch[3],
                            double limit, float *distance);
+/* The least limit of distances that edge_response_add with that reach sees nothing of. */
+double edge_response_limit(double reach, const double stretch[3]);
 /* Adds the voxels of `grey` within `reach` of a surface that is alone over `reach` on both sides
  * and borders on a grain of common grey. To one response, or with a `middle` (voxels of the window)
  * to that of their octant about it, x first. */

@@ -60,7 +60,8 @@ static enum status try_fringe(const struct windows *scan, const struct edge_resp
   for (int sign = -1; sign <= 1; sign += 2) {
     TRY(windows_make_up(scan, *ratio * edge_fit_blur(&fit), trial->fringe, sign * request->noise,
                         request->length, &made));
-    TRY(windows_find_surfaces(&made, request->contrast_to_noise, request->reach));
+    TRY(windows_find_surfaces(&made, request->contrast_to_noise,
+                              edge_response_limit(request->reach, scan->stretch)));
     for (size_t i = 0; i < made.count; i++) {
       const struct window *w = &made.window[i];
       edge_response_add(w->grey, w->smooth, w->distance, w->size, made.stretch, request->reach,

@@ -23,14 +23,14 @@ static int weights_of(double sigma, float weight[GAUSSIAN_MOST + 1]) {
 }
 
 /* out = weight[0] rows[0] + sum over k of weight[k] (rows[-k] + rows[k]), n of each. What a run of
- * voxels adds up to stays in registers. */
+ * voxels adds up to stays in registers; the last run begins so early that it ends with the row. */
 typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
 enum { WIDE = 16, RUN = 4 * WIDE };
 #define AT(row, x) (*(const lanes *)((row) + (x)))
 TARGETS static void weigh_rows(const float *const *rows, const float *restrict weight, int reach,
                                size_t n, float *restrict out) {
-  size_t x = 0;
-  for (; x + RUN <= n; x += RUN) {
+  for (size_t begin = 0; n >= RUN && begin < n; begin += RUN) {
+    const size_t x = begin + RUN <= n ? begin : n - RUN;
     // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): weights are made before
     const float *own = rows[0] + x, w = weight[0];
     lanes s = w * AT(own, 0), t = w * AT(own, WIDE), u = w * AT(own, 2 * WIDE),
@@ -45,7 +45,7 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
     lanes *to = (lanes *)(out + x);
     to[0] = s, to[1] = t, to[2] = u, to[3] = v;
   }
-  for (; x < n; x++) {
+  for (size_t x = 0; n < RUN && x < n; x++) {
     // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the same
     float sum = weight[0] * rows[0][x];
     for (int k = 1; k <= reach; k++) sum += weight[k] * (rows[-k][x] + rows[k][x]);
@@ -63,7 +63,13 @@ static void filter_row(const float *in, const float *weight, int reach, size_t n
     const size_t piece = n - x < PIECE ? n - x : PIECE, all = piece + 2 * (size_t)reach;
     for (size_t i = 0; i < all; i++) {
       const long at = (long)(x + i) - reach;
-      line[i] = in[at >= 0 && at < (long)n ? (size_t)at : reflect(at, n)];
+      if (at >= 0 && at < (long)n) {
+        const size_t left = n - (size_t)at, count = left < all - i ? left : all - i;
+        memcpy(line + i, in + at, count * sizeof *line);
+        i += count - 1;
+      } else {
+        line[i] = in[reflect(at, n)];
+      }
     }
     weigh_rows(shifted + reach, weight, reach, piece, out + x);
   }

@@ -3,8 +3,10 @@
 #include <math.h>
 #include <omp.h>
 #include <stdbool.h>
+#include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 #include "ct2model/scanner/gaussian.h"
 
 /* Voxels that depths are smoothed over. Distances between voxels take few values, and a flood must
@@ -13,83 +15,79 @@
 static const double SMOOTHED = 1.0;
 static const float FAR_AWAY = 1e12F;
 
-/* Squared distances along one line, given those across: the lower envelope of parabolas
- * (Felzenszwalb and Huttenlocher 2012). `place` and `from` hold the envelope, n of each. */
-static void line_distances(const float *in, size_t n, float step, float *out, size_t *place,
-                           float *from) {
+/* Along the first axis, where each voxel is 0 or FAR_AWAY: how far the last 0 is on either side. */
+static void row_distances(float *row, size_t n, float step) {
   const float square = step * step;
-  size_t last = 0;
-  place[0] = 0;
-  from[0] = -INFINITY;
-  for (size_t q = 1; q < n; q++) {
-    float meet = 0.0F;
-    for (;; last--) {
-      const size_t p = place[last];
-      meet = ((in[q] - in[p]) / square + (float)(q * q) - (float)(p * p)) / (2.0F * (float)(q - p));
-      if (meet > from[last] || last == 0) break;
-    }
-    place[++last] = q;
-    from[last] = meet;
+  float far = FAR_AWAY;
+  for (size_t x = 0; x < n; x++) {
+    far = row[x] > 0.0F ? far + 1.0F : 0.0F;
+    row[x] = far;
   }
-  for (size_t q = 0, at = 0; q < n; q++) {
-    while (at < last && from[at + 1] < (float)q) at++;
-    const float d = (float)q - (float)place[at];
-    out[q] = d * d * square + in[place[at]];
+  for (size_t x = n; x-- > 0;) {
+    far = row[x] > 0.0F ? far + 1.0F : 0.0F;
+    const float least = far < row[x] ? far : row[x];
+    row[x] = least < FAR_AWAY ? least * least * square : FAR_AWAY;
   }
 }
 
-/* Lines beside each other are taken together: they share what the cache holds of them. */
+/* Lines beside each other are taken together. */
 enum { TOGETHER = 16 };
 
-/* What a thread needs for that. */
-struct lines {
-  size_t length, *place;
-  float *in, *from, *out;
-};
-
-static void axis_distances(float *field, const size_t size[3], int axis, float stretch,
-                           const struct lines *lines) {
-  const size_t step[3] = {1, size[0], size[0] * size[1]}, along = step[axis], n = size[axis];
-  const int e = axis == 0 ? 1 : 0, f = axis == 2 ? 1 : 2; /* the axes across */
-  const size_t groups = (size[e] + TOGETHER - 1) / TOGETHER;
-#pragma omp parallel for schedule(static)
-  for (size_t group = 0; group < groups * size[f]; group++) {
-    const struct lines *own = &lines[omp_get_thread_num()];
-    const size_t first = group % groups * TOGETHER, left = size[e] - first; // NOLINT: has a group
-    const size_t count = left < TOGETHER ? left : TOGETHER, length = own->length;
-    float *at = field + first * step[e] + group / groups * step[f];
-    for (size_t i = 0; i < n; i++)
-      for (size_t l = 0; l < count; l++) own->in[l * length + i] = at[i * along + l * step[e]];
-    for (size_t l = 0; l < count; l++)
-      line_distances(own->in + l * length, n, stretch, own->out + l * length, own->place,
-                     own->from);
-    for (size_t i = 0; i < n; i++)
-      for (size_t l = 0; l < count; l++) at[i * along + l * step[e]] = own->out[l * length + i];
+/* At voxel `at` of the lines: the least of `in` over all voxels, each with the square of its
+ * distance, nearest first until none can be less; voxels GRAIN_DEEPEST away are all one. */
+TARGETS static void find_least(const float *restrict in, size_t at, size_t n, float step,
+                               float least[restrict TOGETHER]) {
+  const float square = step * step;
+  for (size_t l = 0; l < TOGETHER; l++) least[l] = in[at * TOGETHER + l];
+  for (size_t k = 1; k < n && (float)(k - 1) * step <= (float)GRAIN_DEEPEST; k++) {
+    const float far = (float)k * (float)k * square;
+    const float *restrict last = in + (at >= k ? at - k : at) * TOGETHER;
+    const float *restrict next = in + (at + k < n ? at + k : at) * TOGETHER;
+    int more = 0;
+#pragma omp simd reduction(| : more)
+    for (size_t l = 0; l < TOGETHER; l++) {
+      const float nearer = last[l] < next[l] ? last[l] : next[l], its = nearer + far;
+      more |= least[l] > far;
+      least[l] = its < least[l] ? its : least[l];
+    }
+    if (more == 0) return;
   }
 }
 
-/* field: 0 where distances are from, FAR_AWAY elsewhere; then their squares. */
+/* Along the second or third axis; `lines` has room for TOGETHER of the longest for each thread. */
+static void axis_distances(float *field, const size_t size[3], int axis, float stretch,
+                           float *lines, size_t longest) {
+  const size_t nx = size[0], along = axis == 1 ? nx : nx * size[1], n = size[axis];
+  const size_t groups = (nx + TOGETHER - 1) / TOGETHER, others = axis == 1 ? size[2] : size[1];
+#pragma omp parallel for schedule(static)
+  for (size_t group = 0; group < groups * others; group++) {
+    float *own = lines + (size_t)omp_get_thread_num() * TOGETHER * longest, least[TOGETHER];
+    const size_t x = group % groups * TOGETHER,
+                 count = nx - x < TOGETHER ? nx - x : TOGETHER; // NOLINT: has a group
+    float *to = field + group / groups * (axis == 1 ? nx * size[1] : nx) + x;
+    for (size_t i = 0; i < n; i++)
+      for (size_t l = 0; l < TOGETHER; l++)
+        own[i * TOGETHER + l] = l < count ? to[i * along + l] : 0.0F;
+    for (size_t i = 0; i < n; i++) {
+      find_least(own, i, n, stretch, least);
+      memcpy(to + i * along, least, count * sizeof *least);
+    }
+  }
+}
+
+/* field: 0 where distances are from, FAR_AWAY elsewhere; then their squares (each axis adds its
+ * part, Felzenszwalb and Huttenlocher 2012), those beyond GRAIN_DEEPEST too large. */
 static enum status squared_distances(float *field, const size_t size[3], const double stretch[3]) {
   enum status status = STATUS_OK;
-  const size_t threads = (size_t)omp_get_max_threads();
-  size_t longest = 1;
-  struct lines *lines = NULL;
-  for (int d = 0; d < 3; d++) longest = size[d] > longest ? size[d] : longest;
-  TRY(memory_allocate(&lines, threads, sizeof *lines, "distances in grains"));
-  for (size_t t = 0; t < threads; t++) {
-    lines[t].length = longest;
-    TRY(memory_allocate(&lines[t].place, longest, sizeof(size_t), "distances in grains"));
-    TRY(memory_allocate(&lines[t].in, (2 * TOGETHER + 1) * longest, sizeof(float),
-                        "distances in grains"));
-    lines[t].out = lines[t].in + TOGETHER * longest;
-    lines[t].from = lines[t].out + TOGETHER * longest;
-  }
-  for (int d = 0; d < 3; d++) axis_distances(field, size, d, (float)stretch[d], lines);
+  const size_t threads = (size_t)omp_get_max_threads(),
+               longest = size[1] > size[2] ? size[1] : size[2];
+  float *lines = NULL;
+  TRY(memory_allocate(&lines, threads * TOGETHER, longest * sizeof *lines, "distances in grains"));
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < size[1] * size[2]; row++)
+    row_distances(field + row * size[0], size[0], (float)stretch[0]);
+  for (int d = 1; d < 3; d++) axis_distances(field, size, d, (float)stretch[d], lines, longest);
 cleanup:
-  for (size_t t = 0; t < threads && lines != NULL; t++) {
-    memory_free(&lines[t].place);
-    memory_free(&lines[t].in);
-  }
   memory_free(&lines);
   return status;
 }

@@ -33,13 +33,15 @@ TARGETS static void find_weights(const float *restrict u, const struct rows *nea
   }
 }
 
-/* downhill += the divergence of weight grad u. */
+/* downhill += the divergence of weight grad u. All in one loop without ends of its own: rows are
+ * short, and what is left over of one is not summed many voxels at a time. */
 TARGETS static void add_pull(const float *restrict u, const struct rows *near,
                              const uint8_t *restrict contact, const float *restrict weight,
                              const float *restrict weight_y, const float *restrict weight_z,
                              const float inverse[3], size_t n, float *restrict downhill) {
   const float *restrict y_next = near->y_next, *restrict y_last = near->y_last;
   const float *restrict z_next = near->z_next, *restrict z_last = near->z_last;
+  const float along = inverse[0], across = inverse[1], over = inverse[2];
   for (size_t x = 0; x < n; x++) {
     const unsigned c = contact[x];
     const float w = weight[x];
@@ -47,13 +49,11 @@ TARGETS static void add_pull(const float *restrict u, const struct rows *near,
     const float down = c & GRAINS_LAST(1) ? w * u[x] : weight_y[x] * (u[x] - y_last[x]);
     const float above = w * ((c & GRAINS_NEXT(2) ? 0.0F : z_next[x]) - u[x]);
     const float below = c & GRAINS_LAST(2) ? w * u[x] : weight_z[x] * (u[x] - z_last[x]);
-    downhill[x] += inverse[1] * (up - down) + inverse[2] * (above - below);
-  }
-  for (size_t x = 0; x + 1 < n; x++) {
-    const bool apart = contact[x] & GRAINS_NEXT(0);
-    const float here = inverse[0] * weight[x] * ((apart ? 0.0F : u[x + 1]) - u[x]);
-    downhill[x] += here;
-    downhill[x + 1] -= apart ? inverse[0] * weight[x + 1] * u[x + 1] : here;
+    const float next = x + 1 < n ? u[x + 1] : u[x], last = x > 0 ? u[x - 1] : u[x];
+    const float w_last = x > 0 ? weight[x - 1] : w;
+    const float right = along * w * ((c & GRAINS_NEXT(0) ? 0.0F : next) - u[x]);
+    const float left = c & GRAINS_LAST(0) ? along * w * u[x] : along * w_last * (u[x] - last);
+    downhill[x] = downhill[x] + (across * (up - down) + over * (above - below)) - left + right;
   }
 }
 

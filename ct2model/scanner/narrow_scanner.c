@@ -19,7 +19,7 @@
 enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
 static const double LEAST = 0.4, STEP = 1.26; /* voxels; up to 3.2 */
 static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
-static const double FAR = 4.0;                /* voxels: shares further from walls are 0 and 1 */
+static const double FAR = 0.5;                /* voxels: shares further from walls are 0 and 1 */
 /* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
 static const double CONTRAST_MOST = 50.0;
 /* Of bodies of known blur two thirds are found within a tenth, the rest within .1 to .45

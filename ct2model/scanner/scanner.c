@@ -138,7 +138,7 @@ static enum status correct_fit(const struct windows *all, double contrast_to_noi
     struct edge_fit its;
     const double blur = edge_fit_blur(fit), fringe = fmax(fit->fringe, 0.0);
     TRY(windows_make_up(all, blur, fringe, noise, length, &made));
-    TRY(windows_find_surfaces(&made, contrast_to_noise, reach));
+    TRY(windows_find_surfaces(&made, contrast_to_noise, edge_response_limit(reach, all->stretch)));
     if (!fit_windows(&made, reach, &its_scanner, &its) || !(its.grain - its.pore > 0.3)) break;
     windows_end(&made);
     fit->deviation = edge_fit_deviation(blur * edge_fit_blur(&seen) / edge_fit_blur(&its));
@@ -309,7 +309,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
                               .fine_relief = NAN};
   if (!(phases->contrast_to_noise > 0.0)) return STATUS_OK;
   TRY(windows_read(region, phases, &all));
-  TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH));
+  TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
   /* First over a middling reach, then over that of the blur found. */
   double reach = 5.0;
   bool found = fit_windows(&all, reach, scanner, &fit);

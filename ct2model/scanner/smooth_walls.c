@@ -35,7 +35,7 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
 static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
-static const double FAR = 4.0; /* voxels: shares of grain further from walls are 0 and 1 */
+static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
 
 /* What a higher cost of surface did, summed over voxels: the third power of what it took, and the
  * square of what it leaves unexplained. */

@@ -122,7 +122,7 @@ static double choose_smoothing(double noise_ratio) {
   return 2.0;
 }
 
-enum status windows_find_surfaces(struct windows *all, double contrast_to_noise, double reach) {
+enum status windows_find_surfaces(struct windows *all, double contrast_to_noise, double limit) {
   enum status status = STATUS_OK;
   const double smoothing = choose_smoothing(contrast_to_noise);
   const double sigma[3] = {smoothing / all->stretch[0], smoothing / all->stretch[1],
@@ -134,8 +134,7 @@ enum status windows_find_surfaces(struct windows *all, double contrast_to_noise,
       for (size_t v = 0; v < window_voxels(w); v++) w->distance[v] = 0.0f;
       continue;
     }
-    /* Beyond the reach one voxel more has a slope, and one more its neighbour across. */
-    TRY(edge_distances(w->smooth, w->size, all->stretch, reach + 2.0, w->distance));
+    TRY(edge_distances(w->smooth, w->size, all->stretch, limit, w->distance));
   }
 cleanup:
   return status;

@@ -29,9 +29,9 @@ void windows_end(struct windows *windows);
 /* One window in the middle, of up to `side` voxels a side; likewise. */
 enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
                                 size_t side, struct windows *windows);
-/* The greys smoothed as their noise asks for, and the distances to where they are 1/2, as
- * edge_response_add wants them for that `reach` and all below. */
-enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double reach);
+/* The greys smoothed as their noise asks for, and the distances to where they are 1/2, at most
+ * `limit`. */
+enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double limit);
 /* The darkest and the brightest grey, where the scan is cut off there: noise beyond is seen as that
  * grey, and more voxels have it than the one next to it. Elsewhere infinite. */
 void windows_find_ends(const struct windows *windows, double ends[2]);
