@@ -260,14 +260,15 @@ for _ in range(20000):
     p = r.uniform(0, 1, 3) * box
     if (np.linalg.norm(near(points - p), axis=1) > 0.75 * grain).all():
         points = np.vstack([points, p])
-at = np.stack(np.meshgrid(*(np.arange(m) + 0.5 for m in n), indexing="ij"), -1)
 share = np.zeros(n)
 for p in points:
     d = near(points - p)
     far, inside = np.linalg.norm(d, axis=1), np.full(n, 9.0)
+    at = [a - m * np.round(a / m) for a, m in ((np.arange(m) + 0.5 - c, m) for m, c in zip(n, p))]
     for u, q in zip(d, far):
         if 0 < q < 2 * grain:
-            inside = np.minimum(inside, shrink * q / 2 - near(at - p) @ u / q)
+            x, y, z = (a * w / q for a, w in zip(at, u))
+            inside = np.minimum(inside, (shrink * q / 2 - x)[:, None, None] - y[:, None] - z)
     share = np.maximum(share, np.clip(0.5 + inside, 0, 1))
 square = sum(q ** 2 for q in np.meshgrid(*(2 * np.pi * np.fft.fftfreq(m) for m in n), indexing="ij"))
 x = 1.3 ** 2 * square
