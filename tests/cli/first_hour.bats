@@ -5,8 +5,8 @@ bats_require_minimum_version 1.5.0
 load programs
 setup_file() {
   programs_setup
-  cp -r "$ROOT/data-samples/small" scan
-  export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --quiet"
+  mkdir scan && cp "$ROOT"/data-samples/small/slice_00{0,1}?.png "$ROOT"/data-samples/small/slice_002{0,1,2,3}.png scan
+  export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x3 --quiet"
   ct2model build $SCAN -o m.hdf
   scene stokes m.hdf > a.cfg
   sphsolve run a.cfg -o run --quiet
@@ -82,7 +82,7 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
 
 @test "of an option given twice with other values the last counts, and that is told in a line" {
   said() { "$@" 2>&1 > /dev/null | grep -c "given more than once" || true; }
-  local build="ct2model build scan --voxel-size 8.745um --size 16x16x7 -o twice.hdf"
+  local build="ct2model build scan --voxel-size 8.745um --size 16x16x3 -o twice.hdf"
   $build --void-ratio .7 -e .8 > told.txt 2> said.txt
   grep -q "^ct2model: warning: --void-ratio is given more than once: .8 counts, the last, not .7$" said.txt
   grep -q "measured 0.8," told.txt
@@ -180,7 +180,7 @@ END
   wrong() { # WORD ARGUMENTS: what the message says
     local word=$1
     shift
-    run --separate-stderr ct2model build scan --size 16x16x7 -o wrong.hdf "$@"
+    run --separate-stderr ct2model build scan --size 16x16x3 -o wrong.hdf "$@"
     [ "$status" -eq 2 ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
   }
   wrong "1 nm to 1 cm" --void-ratio 0.7 --voxel-size 5m
@@ -366,7 +366,7 @@ END
 
 @test "a region beside the stack is told with the stack's size" {
   run --separate-stderr ct2model build $SCAN --roi cylinder:500,500,20 -o beside.hdf
-  [ "$status" -eq 3 ] && [[ "$stderr" == *"no voxel of the stack is inside; it has 128x128x56, and --roi is in pixels" ]] || { echo "$stderr"; false; }
+  [ "$status" -eq 3 ] && [[ "$stderr" == *"no voxel of the stack is inside; it has 128x128x24, and --roi is in pixels" ]] || { echo "$stderr"; false; }
 }
 
 @test "--resume after another method says what has changed" {
