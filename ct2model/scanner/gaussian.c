@@ -91,8 +91,13 @@ static void filter_axis(const float *in, const size_t size[3], int axis, double 
       filter_row(in + (first + at * step) * nx, weight, reach, nx, to);
       continue;
     }
-    for (int k = -reach; k <= reach; k++)
-      rows[reach + k] = in + (first + reflect((long)at + k, along) * step) * nx;
+    const bool inside = at >= (size_t)reach && at + (size_t)reach < along;
+    if (inside) /* most are: without a multiplication each */
+      for (int k = -reach; k <= reach; k++)
+        rows[reach + k] = in + (first + at * step) * nx + k * (long)(step * nx);
+    else
+      for (int k = -reach; k <= reach; k++)
+        rows[reach + k] = in + (first + reflect((long)at + k, along) * step) * nx;
     weigh_rows(rows + reach, weight, reach, nx, to);
   }
 }
