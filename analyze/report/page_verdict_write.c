@@ -229,8 +229,9 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   double factor = INFINITY, least = NAN; /* the smallest, and the least that its error allows */
   bool resolved = false;
   find_factor(json_object_get(seepage, "exit"), &factor, &least, &resolved);
-  json_array_foreach(json_object_get(seepage, "heave"), i, prism)
-      find_factor(prism, &factor, &least, &resolved);
+  json_array_foreach(json_object_get(seepage, "heave"), i, prism) {
+    find_factor(prism, &factor, &least, &resolved);
+  }
   find_flow(seepage, &flow, &error, &where, &plane);
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
   const double drift = plane[0] == '\0' ? json_number_or_nan(seepage, "flow_drift_m2_per_s")
@@ -276,8 +277,8 @@ static void write_moisture(const json_t *moisture, FILE *out) {
   const json_t *x = json_object_get(table, "x_m"), *levels = json_object_get(table, "level_m");
   double highest = NAN;
   size_t i, where = 0;
-  json_array_foreach(levels, i,
-                     level) if (json_is_number(level) && !(json_number_value(level) <= highest)) {
+  json_array_foreach(levels, i, level) {
+    if (!json_is_number(level) || json_number_value(level) <= highest) continue;
     highest = json_number_value(level);
     where = i;
   }

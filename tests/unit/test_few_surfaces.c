@@ -20,8 +20,8 @@ static double error_of(const double blur[2], size_t region_side, size_t windows)
   const struct region region = {.size = {region_side, region_side, region_side}};
   struct windows all = {.region = &region, .stretch = {1.0, 1.0, 1.0}, .unit = 1.0};
   for (size_t i = 0; i < N; i++) {
-    const double x = (double)(i % SIDE) + 0.5, y = (double)(i / SIDE % SIDE) - SIDE / 2;
-    const int half = x > SIDE / 2; /* tilted, so that voxels are at all distances */
+    const double x = (double)(i % SIDE) + 0.5, y = (double)(i / SIDE % SIDE) - 0.5 * SIDE;
+    const int half = x > 0.5 * SIDE; /* tilted, so that voxels are at all distances */
     const double d = ((half ? x - 0.75 * SIDE : 0.25 * SIDE - x) + TILT * y) / hypot(1.0, TILT);
     const int here = isfinite(blur[half]);
     const double deviation = hypot(blur[half], sqrt(1.0 / 12.0));
