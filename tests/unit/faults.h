@@ -87,6 +87,33 @@ static void faults_clear(void) {
   closedir(folder);
 }
 
+/* The outputs in one folder become those of another. */
+static void faults_copy(const char *from, const char *to) {
+  DIR *folder = opendir(from);
+  for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
+    char path[400], data[4096];
+    if (strncmp(entry->d_name, "out", 3) != 0) continue;
+    snprintf(path, sizeof path, "%s/%s", from, entry->d_name);
+    FILE *in = fopen(path, "rb");
+    snprintf(path, sizeof path, "%s/%s", to, entry->d_name);
+    FILE *out = fopen(path, "wb");
+    for (size_t n; (n = fread(data, 1, sizeof data, in)) > 0;)
+      assert_int_equal(fwrite(data, 1, n, out), n);
+    fclose(in);
+    assert_int_equal(fclose(out), 0);
+  }
+  closedir(folder);
+}
+
+/* Runs `before` and puts its outputs aside, in a folder of their own. */
+static void faults_prepare(program run, const char *before, const char *aside) {
+  faults_clear();
+  if (before == NULL) return;
+  assert_int_equal(faults_run(run, before), 0);
+  assert_int_equal(mkdir(aside, 0700), 0);
+  faults_copy(".", aside);
+}
+
 static void faults_show(void) {
   char line[400];
   FILE *file = fopen("said", "r");
@@ -94,13 +121,18 @@ static void faults_show(void) {
   if (file != NULL) fclose(file);
 }
 
-/* `before` (may be NULL) is run whole first each time, to have something to go on with. */
+/* `before` (may be NULL) is run whole first, to have something to go on with: each time from the
+ * same files. */
 static void faults_all(program run, const char *before, const char *command,
                        long (*fail_after)(long), const char *what) {
   long n = 1, refused = 0;
+  static int times; /* a folder each */
+  char aside[40];
+  snprintf(aside, sizeof aside, "before-%d", times++);
+  faults_prepare(run, before, aside);
   for (bool met = true; met; n++) {
     faults_clear();
-    if (before != NULL) assert_int_equal(faults_run(run, before), 0);
+    if (before != NULL) faults_copy(aside, ".");
     size_t held = memory_in_use();
     struct timespec started; /* by the clock of files */
     clock_gettime(CLOCK_REALTIME_COARSE, &started);
