@@ -152,10 +152,10 @@ static void budget_soil(const struct isph *s, const struct isph_chunk *chunk, si
   add_force(sums, BUDGET_SOIL_PRESSURE, scale * s->pressure[i], gradient, soil);
 }
 
-static void budget_drag(const struct isph *s, size_t i, double scale, const double before[3],
-                        const double u[3], struct budget_sums *sums) {
-  const double *v = s->velocity[i], eps = s->porosity[i];
-  double own[3] = {0}, linear[3] = {0}, forchheimer[3] = {0}, square = 0;
+void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const double before[3],
+                      double linear[3], double forchheimer[3]) {
+  const double eps = s->porosity[i];
+  double own[3] = {0}, square = 0;
   for (int a = 0; a < 3; a++) {
     if (s->on.moving_soil) own[a] = eps * s->soil_velocity[i][a];
     square += (before[a] - own[a]) * (before[a] - own[a]);
@@ -172,6 +172,12 @@ static void budget_drag(const struct isph *s, size_t i, double scale, const doub
     isph_interface_turn(along, isph_interface_ratio(along->drag_a, s->drag_a[i]), linear);
     isph_interface_turn(along, isph_interface_ratio(along->drag_b, s->drag_b[i]), forchheimer);
   }
+}
+
+static void budget_drag(const struct isph *s, size_t i, double scale, const double before[3],
+                        const double u[3], struct budget_sums *sums) {
+  double linear[3], forchheimer[3];
+  isph_budget_drag(s, i, s->velocity[i], before, linear, forchheimer);
   add_force(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
   add_force(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }

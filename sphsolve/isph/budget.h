@@ -7,6 +7,10 @@
 
 /* Which terms the scene has, and what there is at the start; from a fresh state. */
 void isph_budget_begin(struct isph *s);
+/* The drag of soil on particle i, m/s^2: linear in v, and Forchheimer's, linearised about the
+ * velocity `before`; for one that does not change, with v = before, the drag itself. */
+void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const double before[3],
+                      double linear[3], double forchheimer[3]);
 /* After the correction, before particles move: all forces of the step. */
 void isph_budget_forces(struct isph *s, double relaxation_time, double dt);
 /* Velocity of particle i, in a chunk of its own, changed from `from` by an effect that is no force

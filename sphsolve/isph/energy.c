@@ -6,6 +6,7 @@
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/vector.h"
 
 /* In a closed tank under a steady force the water's energy, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
@@ -19,6 +20,13 @@
  * the pressures of the step before:
  *   relaxation_factor <= (friction + contraction) / expansion,
  * unless the water as a whole is denser by more than DENSITY_EXCESS: then its volume matters more.
+ * Friction is counted there by the kinetic energy that v* has lost, at most m u^2/2 of a particle.
+ * Water that seeps has hardly any, and drag takes in a step
+ *   m dt (a + b |v|) v.u,
+ * in fine soil some hundred times as much. That lets what crowds in soil spread: the part of it
+ * that drag would hold (effects/relaxation.h) is held to what drag takes, and to that alone,
+ *   crowd_factor <= drag / expansion of that part.
+ * The rest has no share in it: what seeps away would pay for free water that stirs.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
  * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is
@@ -66,16 +74,27 @@ double isph_potential_energy(const struct isph *s) {
   return total;
 }
 
+/* What drag takes from particle i in a step at its present velocity, J or J/m. */
+static double taken_by_drag(const struct isph *s, size_t i, double dt) {
+  const double *v = s->velocity[i];
+  double linear[3], forchheimer[3];
+  isph_budget_drag(s, i, v, v, linear, forchheimer);
+  return -s->mass[i] * dt * (dot(linear, v) + dot(forchheimer, v)) / s->porosity[i];
+}
+
 void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt) {
-  enum { EXPANDS, CONTRACTS, EXCESS, VOLUME, COUNT };
+  enum { EXPANDS, CONTRACTS, CROWD, DRAG, EXCESS, VOLUME, COUNT };
   double total[COUNT];
-  s->relaxation_factor = 1;
+  s->relaxation_factor = s->crowd_factor = 1;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       double asked = -s->volume[i] * relaxation_source(s, i, relaxation_time);
-      double given = s->pressure[i] * asked * dt;
+      double crowd = -s->volume[i] * relaxation_crowd(s, i, relaxation_time);
+      double given = s->pressure[i] * (asked - crowd) * dt;
+      sum[CROWD] += fmax(0, s->pressure[i] * crowd * dt);
+      if (s->on.soil) sum[DRAG] += taken_by_drag(s, i, dt);
       sum[given > 0 ? EXPANDS : CONTRACTS] += fabs(given);
       sum[EXCESS] += asked * relaxation_time, sum[VOLUME] += s->volume[i];
     }
@@ -88,6 +107,7 @@ void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double
     s->relaxation_factor = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
   s->relaxation_excess = free > s->relaxation_factor ? 1 - s->relaxation_factor / free : 0;
   s->relaxation_factor = fmax(s->relaxation_factor, free);
+  if (total[CROWD] > 0) s->crowd_factor = fmin(1, total[DRAG] / total[CROWD]);
 }
 
 double isph_energy_from_relaxation(const struct isph *s, double relaxation_time, double dt) {
@@ -96,8 +116,11 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
-    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
-      sum -= s->pressure[i] * s->volume[i] * relaxation_source(s, i, relaxation_time);
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
+      const double source = relaxation_source(s, i, relaxation_time) - crowd;
+      sum -= s->pressure[i] * s->volume[i] * source;
+    }
     s->sums[c][0] = sum;
   }
   isph_sum_chunks(s, 1, &total);

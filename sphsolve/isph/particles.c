@@ -190,7 +190,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->on.mean_of_ends = s->on.surface && !s->on.anisotropy;
   s->on.own_mobilities = !s->on.surface && !s->on.links && !s->on.anisotropy;
   s->on.fading = s->on.interfaces && !s->on.anisotropy;
-  s->relaxation_factor = 1;
+  s->relaxation_factor = s->crowd_factor = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
   s->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;

@@ -10,7 +10,7 @@
  * strain that keeps the volume. In seepage without a surface tau is at least the time in which a
  * particle moves by its own size, since the errors of phi arise from that motion: with a shorter
  * one water that creeps through soil of porosity .1 gets velocity fluctuations as large as its
- * velocity. `relaxation_factor`: isph/energy.c; 1 without that. */
+ * velocity. `relaxation_factor`, `crowd_factor`: isph/energy.c; 1 without that. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -57,9 +57,18 @@ static inline double leads(const struct isph *s, size_t i) {
   return isph_front_deep(s, i) * s->surface[i] * lacks * speed / size;
 }
 
+/* The source of what crowds in soil under a surface, for the part 1 - B that drag would hold; of it
+ * `crowd_factor` counts. */
+static inline double relaxation_crowd(const struct isph *s, size_t i, double relaxation_time) {
+  if (s->porosity == NULL || s->surface == NULL) return 0;
+  const double crowded = fmax(-0.05, fmin(0, 1 - s->kernel_sum[i] + RELAXATION_CROWD));
+  const double time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
+  return s->porosity[i] * crowded * (1 - s->drag_factor[i]) / time;
+}
+
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
-  const double crowded = fmax(-0.05, fmin(0, deficit + RELAXATION_CROWD));
+  const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
   deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
   if (deficit > 0 && s->surface != NULL) deficit *= 1 - (s->near != NULL ? s->near : s->surface)[i];
@@ -72,11 +81,10 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   if (s->porosity != NULL && s->surface != NULL)
     relaxation_time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
   double left = s->drag_factor != NULL ? s->drag_factor[i] : 1, asked = deficit * left;
-  if (s->surface != NULL) asked += crowded * (1 - left);
   if (deficit < 0) asked *= s->relaxation_factor;
   asked /= relaxation_time;
   if (s->porosity != NULL && s->surface != NULL) asked += left * leads(s, i);
-  return eps * asked;
+  return eps * asked + crowd;
 }
 
 static inline bool isph_relaxation_wanted(const struct effect_context *context,
