@@ -145,8 +145,7 @@ struct isph {
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
-  double relaxation_excess;    /* of it, whose work exceeds what friction dissipates */
-  double crowd_factor; /* of the expansion of what crowds in soil, as far as drag holds it */
+  double relaxation_excess, crowd_factor; /* of it beyond friction's work; of crowds in soil */
   double time, viscosity_most; /* the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, the floor under the eddies' */
   int64_t step;
