@@ -6,13 +6,15 @@
 
 #include "common/memory.h"
 
+void add_compensated(double *sum, double *lost, double value) {
+  const double next = *sum + value;
+  *lost += fabs(*sum) >= fabs(value) ? (*sum - next) + value : (value - next) + *sum;
+  *sum = next;
+}
+
 double sum_compensated(const double *values, size_t n) {
   double sum = 0, lost = 0;
-  for (size_t i = 0; i < n; i++) {
-    double next = sum + values[i];
-    lost += fabs(sum) >= fabs(values[i]) ? (sum - next) + values[i] : (values[i] - next) + sum;
-    sum = next;
-  }
+  for (size_t i = 0; i < n; i++) add_compensated(&sum, &lost, values[i]);
   return sum + lost;
 }
 

@@ -6,7 +6,10 @@
 
 #include "common/error.h"
 
-/* Sum in a fixed order with Neumaier's compensation. */
+/* Adds a value to a running sum and what rounding takes from it to `lost`: sum + lost is right to a
+ * rounding of itself, however many are added (Neumaier 1974, ZAMM 54: 39). */
+void add_compensated(double *sum, double *lost, double value);
+/* Sum in a fixed order, compensated so. */
 double sum_compensated(const double *values, size_t n);
 
 /* Mean of a correlated series and its standard error by batch means (Flegal, Jones 2010): about

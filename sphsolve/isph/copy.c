@@ -45,8 +45,7 @@ enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
   copy->time = s->time, copy->viscosity_most = s->viscosity_most;
   copy->step = s->step;
   copy->next_id = s->next_id;
-  copy->numbers[0] = s->lost_mass, copy->numbers[1] = s->left_mass;
-  copy->numbers[2] = s->entered_mass;
+  copy->passed = s->passed;
   copy->budget = s->budget;
   copy->counts[0] = s->lost_count, copy->counts[1] = s->left_count;
   copy->counts[2] = s->entered_count;
@@ -69,8 +68,7 @@ enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
   s->time = copy->time, s->viscosity_most = copy->viscosity_most;
   s->step = copy->step;
   s->next_id = copy->next_id;
-  s->lost_mass = copy->numbers[0], s->left_mass = copy->numbers[1];
-  s->entered_mass = copy->numbers[2];
+  s->passed = copy->passed;
   s->budget = copy->budget;
   s->lost_count = copy->counts[0], s->left_count = copy->counts[1];
   s->entered_count = copy->counts[2];

@@ -175,9 +175,7 @@ cleanup:
                                                  .left = s->left_count,
                                                  .lost = s->lost_count,
                                                  .end = s->total,
-                                                 .entered_mass = s->entered_mass,
-                                                 .left_mass = s->left_mass,
-                                                 .lost_mass = s->lost_mass};
+                                                 .passed = s->passed};
     memcpy(result->conservation.losses, s->losses, sizeof s->losses);
     isph_budget_end(s);
     result->conservation.budget = s->budget;

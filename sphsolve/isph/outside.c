@@ -7,6 +7,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/statistics.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
@@ -55,16 +56,23 @@ static bool is_removed(const struct isph *s, size_t i) {
   return is_outside(s, s->position[i]) || (s->on.wells && s->outlet[i].leaves);
 }
 
+/* To what left or was lost, which count against the water there is. */
+static void add_passed(struct isph *s, double *sum, double mass) {
+  double rounded = 0;
+  add_compensated(sum, &rounded, mass);
+  s->passed.rounded -= rounded;
+}
+
 static void count_removed(struct isph *s, const struct isph_removed *gone, double dt) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
   int side = isph_open_side_behind(s, x);
   isph_budget_removed(s, side >= 0 || gone->pumped ? BUDGET_LEFT : BUDGET_LOST, gone);
   if (gone->pumped) {
-    s->left_count++, s->left_mass += mass;
+    s->left_count++, add_passed(s, &s->passed.left, mass);
     return;
   }
   if (side >= 0) {
-    s->left_count++, s->left_mass += mass;
+    s->left_count++, add_passed(s, &s->passed.left, mass);
     follow(s, side, x, gone->volume, dt);
     return;
   }
@@ -81,7 +89,7 @@ static void count_removed(struct isph *s, const struct isph_removed *gone, doubl
     const double loss[6] = {(double)gone->id, s->time, x[0], x[1], x[2], mass};
     memcpy(s->losses[s->lost_count], loss, sizeof loss);
   }
-  s->lost_count++, s->lost_mass += mass;
+  s->lost_count++, add_passed(s, &s->passed.lost, mass);
 }
 
 enum status isph_remove_outside(struct isph *s, double dt) {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/statistics.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/kernel.h"
@@ -174,7 +175,8 @@ enum status isph_let_in(struct isph *s, const double position[3], const double v
     s->next_id++;
   }
   isph_budget_entered(s, position, velocity, mass);
-  s->entered_count++, s->entered_mass += mass * s->thickness;
+  add_compensated(&s->passed.entered, &s->passed.rounded, mass * s->thickness);
+  s->entered_count++;
   return STATUS_OK;
 }
 

@@ -236,14 +236,13 @@ struct isph {
   struct isph_well *wells;
   size_t rain_count;
   struct isph_rain *rains; /* isph/rain.h */
-
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* the conservation budget */
   double fastest_lost[5]; /* speed, place and id of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
   double losses[CONSERVATION_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
-  double lost_mass, left_mass, entered_mass;
+  struct conservation_passed passed;
   struct budget budget;
   double budget_stored[4]; /* within a step: momentum and energy before soil is found anew */
   double pair_interactions;
@@ -266,16 +265,17 @@ void isph_free(struct isph *s);
 enum status isph_refresh(struct isph *s);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
-/* A wall that has left the domain drives nothing any more. */
+/* A wall that has left the domain drives nothing. */
 bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
 
-/* isph/copy.c: a state to go back to. Going back leaves a fresh state; the watchdog stays. */
+/* isph/copy.c: a state to go back to, fresh; the watchdog stays. */
 struct isph_copy {
   char *block;
   size_t count, counts[3];
-  double time, viscosity_most, numbers[3];
+  double time, viscosity_most;
+  struct conservation_passed passed;
   struct budget budget;
   int64_t step;
   uint64_t next_id;

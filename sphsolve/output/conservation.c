@@ -114,7 +114,9 @@ int64_t conservation_particles_open(const struct conservation *c) {
 }
 
 double conservation_mass_open(const struct conservation *c) {
-  return c->mass[0] + c->entered_mass - c->left_mass - c->lost_mass - c->mass[1];
+  const struct conservation_passed *passed = &c->passed;
+  const double gained = passed->entered - passed->left - passed->lost;
+  return c->mass[0] - c->mass[1] + gained + passed->rounded;
 }
 
 /* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
@@ -190,9 +192,9 @@ enum status conservation_write(const struct conservation *c, struct h5_file *fil
     size_t count;
     const double *values;
   } numbers[] = {{"mass_start", 1, &c->mass[0]},
-                 {"mass_entered", 1, &c->entered_mass},
-                 {"mass_left", 1, &c->left_mass},
-                 {"mass_lost", 1, &c->lost_mass},
+                 {"mass_entered", 1, &c->passed.entered},
+                 {"mass_left", 1, &c->passed.left},
+                 {"mass_lost", 1, &c->passed.lost},
                  {"mass_end", 1, &c->mass[1]},
                  {"mass_open", 1, &mass_open},
                  {"momentum_start", 3, c->momentum[0]},
@@ -293,8 +295,8 @@ void conservation_print(const struct conservation *c) {
   double mass_open = conservation_mass_open(c);
   if (c->no_particles) {
     printf("budget     mass: %.6g kg + %.6g in - %.6g out = %.6g, open by %.2g of it\n", c->mass[0],
-           c->entered_mass, c->left_mass, c->mass[1],
-           fabs(mass_open) / fmax(c->mass[0] + c->entered_mass, 1e-300));
+           c->passed.entered, c->passed.left, c->mass[1],
+           fabs(mass_open) / fmax(c->mass[0] + c->passed.entered, 1e-300));
     return;
   }
   printf("budget     particles: %" PRIu64 " + %" PRIu64 " in - %" PRIu64 " out - %" PRIu64
@@ -305,7 +307,7 @@ void conservation_print(const struct conservation *c) {
   if (mass_open == 0)
     printf("closes to the last bit\n");
   else
-    printf("open by %.2g of it\n", fabs(mass_open) / fmax(c->mass[0] + c->entered_mass, 1e-300));
+    printf("open by %.2g of it\n", fabs(mass_open) / fmax(c->mass[0] + c->passed.entered, 1e-300));
   if (c->budget.on != 0) print_budget(&c->budget);
   for (uint64_t i = 0; i < c->lost && i < 3; i++)
     printf("           lost: particle %.0f through a wall at t = %.4g s, (%.4g, %.4g, %.4g) m\n",

@@ -64,6 +64,13 @@ struct budget {
   char own[BUDGET_TERMS - BUDGET_OWN][32]; /* names of those from BUDGET_OWN on */
 };
 
+/* Water that came, left and was lost, kg. `rounded` is what rounding took from entered - left -
+ * lost: with it the balance closes to a rounding of the water that is there, however much went
+ * through. */
+struct conservation_passed {
+  double entered, left, lost, rounded;
+};
+
 /* Filled by a method; mass in kg. `known` is false where particles do not move (stokes); `steady`
  * is true there, and the balance is that of a flow that does not change. */
 struct conservation {
@@ -72,8 +79,8 @@ struct conservation {
   double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
   double force_open; /* steady: what walls and pressure leave of the driving force, relative */
   double power_open; /* steady: what they leave of its work, relative */
-  uint64_t start, entered, left, lost, end;  /* particles */
-  double entered_mass, left_mass, lost_mass; /* kg */
+  uint64_t start, entered, left, lost, end; /* particles */
+  struct conservation_passed passed;
   /* Each of the first losses: particle, time (s), x, y, z (m), mass (kg). */
   double losses[CONSERVATION_LOSSES][6];
   /* From the history, by conservation_integrate: */

@@ -119,10 +119,10 @@ cleanup:
     const double density = scene->fluid.density;
     result->reynolds = NAN;
     result->steps = s->step;
-    result->conservation = (struct conservation){.known = true,
-                                                 .no_particles = true,
-                                                 .entered_mass = density * s->in,
-                                                 .left_mass = density * s->out};
+    result->conservation =
+        (struct conservation){.known = true,
+                              .no_particles = true,
+                              .passed = {.entered = density * s->in, .left = density * s->out}};
     recorder_set_fact(recorder, "newton_iterations", (double)s->iterations_total);
     recorder_set_fact(recorder, "linear_iterations", (double)s->linear_total);
     recorder_set_fact(recorder, "steps_refused", (double)s->refused);

@@ -249,7 +249,7 @@ static void a_given_flux_is_what_goes_through(void **state) {
   assert_near(mean, 0.05, 0.0015);
   assert_true(worst < 0.1);
   assert_int_equal(run.s.lost_count, 0);
-  assert_near(run.s.entered_mass, 1000 * 0.05 * run.s.time * 0.1 * 0.01, 0.1 * 0.01 * 10.01);
+  assert_near(run.s.passed.entered, 1000 * 0.05 * run.s.time * 0.1 * 0.01, 0.1 * 0.01 * 10.01);
   finish(&run);
 }
 
