@@ -120,9 +120,10 @@ static void write_symmetry(const struct tensor *t, FILE *stream) {
       fputs(" by the run, as pores do not meet where the model wraps round", stream);
     fputs(". ", stream);
     if (list_axes(t, 0, 0, "Along ", stream))
-      fputs(" it wraps: unless the sample repeats itself there, its sides are in k of these, and "
-            "ct2model build --sides mirrored treats all axes alike. ",
-            stream);
+      fputs(
+          " it wraps round: unless the sample repeats itself there, the jump at its sides is part "
+          "of k. ct2model build --sides mirrored mirrors all axes. ",
+          stream);
   }
   if (t->principal_low[0] <= t->principal_high[2])
     fputs("No two principal values differ by more than their errors: the axes mean little. ",
@@ -165,6 +166,11 @@ static int decimals(const struct tensor *t) {
   return least > 0 ? (int)fmin(12, fmax(0, -floor(log10(least)))) : 3;
 }
 
+/* Rounded to that many decimals, and never to a zero with a sign. */
+static double shown(double value, int decimals) {
+  return fabs(value) < 0.5 * pow(10, -decimals) ? 0.0 : value;
+}
+
 void tensor_html(const struct tensor *t, FILE *out) {
   const int digits = decimals(t);
   fputs("<div class=\"wide\"><table class=\"tensor\"><caption>Permeability tensor, cm/s: flow "
@@ -176,7 +182,7 @@ void tensor_html(const struct tensor *t, FILE *out) {
     fprintf(out, "<tr><th>%c</th>", "xyz"[i]);
     for (int j = 0; j < 3; j++) {
       const double half = 50 * (t->high[3 * i + j] - t->low[3 * i + j]);
-      fprintf(out, "<td>%.*f", digits, 100 * t->k[3 * i + j]);
+      fprintf(out, "<td>%.*f", digits, shown(100 * t->k[3 * i + j], digits));
       if (half > 0) fprintf(out, " &plusmn;&nbsp;%.*f", digits, half);
       fputs("</td>", out);
     }

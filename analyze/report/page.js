@@ -200,7 +200,7 @@
              logscale: true});
     },
     calibration(parent, c) {
-      const high = 3 * (c.void_ratio_measured || 1);
+      const high = c.void_ratio_shown;
       const curve = values => (values ? zip(c.threshold, values).filter(p => p[1] !== null && p[1] < high) : []);
       const model = curve(c.void_ratio), last = model[model.length - 1];
       const series = [{name: 'model', points: model}, {name: 'scan', points: curve(c.void_ratio_original)}];

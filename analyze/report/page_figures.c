@@ -121,7 +121,8 @@ enum status page_levels(struct page *page) {
   fprintf(plot,
           "EOD\n$result << EOD\n%.6g %.8g %.8g %.8g\nEOD\nset logscale x\nset xlabel 'Processor "
           "time (s)'\nset ylabel 'k (cm/s)'\nset yrange [0:*]\nset xrange [%.6g:%.6g]\n"
-          "set key outside below center vertical maxrows 3 Left reverse\nset offsets 0, 0, graph "
+          "set key outside below center vertical maxrows 3 Left reverse height 1\nset offsets 0, "
+          "0, graph "
           "0.25, 0\n"
           "plot $levels using 1:2 with linespoints pointtype 7 linewidth 1.8 linecolor rgb '%s' "
           "title 'each lattice', $levels using 1:2:(sprintf('%%.3g µm', $3)) with labels left "

@@ -51,8 +51,13 @@ static void row_of_surface(FILE *stream, struct h5_file *file) {
   const double surface = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface");
   const double error = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface_error");
   if (!isfinite(surface)) return;
-  fprintf(stream, "<tr><th>Specific surface</th><td>%.4g", surface);
-  if (isfinite(error)) fprintf(stream, " &plusmn; %.2g", error);
+  fputs("<tr><th>Specific surface</th><td>", stream);
+  if (error > 0.0) { /* two digits of the error, and as many decimals of the surface */
+    const int decimals = (int)fmax(0.0, 1.0 - floor(log10(error)));
+    fprintf(stream, "%.*f &plusmn; %.*f", decimals, surface, decimals, error);
+  } else {
+    fprintf(stream, "%.4g", surface);
+  }
   fputs(" 1/mm of bulk volume</td></tr>\n", stream);
 }
 
@@ -236,6 +241,9 @@ static enum status read_calibration(struct h5_file *file, const struct voxel_mod
   }
   json_put_number(object, "void_ratio_measured", model->void_ratio_measured);
   json_put_number(object, "threshold_chosen", model->threshold);
+  json_put_number(
+      object, "void_ratio_shown",
+      3.0 * (model->void_ratio_measured > 0.0 ? model->void_ratio_measured : model->void_ratio));
   *calibration = object;
   object = NULL;
 cleanup:
@@ -259,7 +267,7 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
   size_t n = json_array_size(json_object_get(calibration, "threshold"));
   double measured = json_number_value(json_object_get(calibration, "void_ratio_measured"));
   double chosen = json_number_value(json_object_get(calibration, "threshold_chosen"));
-  double highest = 3.0 * (measured > 0.0 ? measured : 1.0), end = 0.0;
+  double highest = json_number_value(json_object_get(calibration, "void_ratio_shown")), end = 0.0;
   fputs("$c << EOD\n", plot); /* the curves in the order of `curves` */
   for (size_t i = 0; i < n; i++) {
     for (size_t c = 0; c < CURVES; c++) {

@@ -245,9 +245,9 @@ static void print_symmetry(const struct tensor *t) {
       printf("           along %s by this run, as pores do not meet where the model wraps round\n",
              by_run);
     if (*wrapped)
-      printf("           along %s it wraps: unless the sample repeats itself there, its sides are "
-             "in k\n"
-             "           of these, and ct2model build --sides mirrored treats all axes alike\n",
+      printf("           along %s it wraps round: unless the sample repeats itself there, the jump "
+             "at its\n"
+             "           sides is part of k; ct2model build --sides mirrored mirrors all axes\n",
              wrapped);
   }
   if (isfinite(t->asymmetry))

@@ -146,7 +146,7 @@ assert all((t["k_high_m_per_s"][i][i] / t["k_m_per_s"][i][i] - 1) <= 0.2 for i i
   analyze report tu.hdf -o turned.html --quiet
   grep -q "Permeability tensor" turned.html && grep -q "mirror image along z" turned.html
   # Beside an axis that is mirrored those that are not have the sample's sides in them.
-  grep -q "Along x, y it wraps: unless the sample repeats itself there" turned.html
+  grep -q "Along x, y it wraps round: unless the sample repeats itself there" turned.html
   # Each body its own: of another the page's card shows none, and darcy each below its k.
   [ -e mi.hdf ] || sphsolve run mirrored.cfg -o mi --tensor --quiet
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf method=stokes k=1e-3 model=
