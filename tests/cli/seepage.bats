@@ -184,6 +184,17 @@ END
   run ! grep -q "_1_0 with" still/history.gp
 }
 
+@test "a gauge reads no jump where the last steps share what is left of the time" {
+  sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" --set 'scene.end_time="0.1 s"' \
+    --set 'output.history_interval="1e-5 s"' --set 'gauges=({ name = "wall"; at = ["0", "0.07 m"]; })' -o dam --quiet > dam.txt
+  analyze history dam.hdf -o dam
+  # The last of some seventy steps; the pressure rises by 1 % a step. 12 % where the last two are two thirds of a step.
+  tail -n 8 dam/history.csv | awk -F, -v columns="$(head -n 1 dam/history.csv)" '
+    BEGIN { n = split(columns, names, ","); for (i = 1; i <= n; i++) if (names[i] == "pressure_wall") k = i }
+    { if (NR > 1 && ($k - last) ^ 2 > (0.02 * last) ^ 2) { print last, $k; bad = 1 } last = $k; rows++ }
+    END { exit !(k && rows == 8 && !bad) }'
+}
+
 @test "a run that nothing would end asks for end_time" {
   sed 's/end_time *= *"[^"]*";//' "$TANK" > endless.cfg
   run ! grep -q end_time endless.cfg
