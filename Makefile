@@ -114,9 +114,12 @@ $(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
 # ---- MPI=1: sphsolve once more, from the same source, beside the other; the pair loops know of no ranks ----
 mpi_object = $(patsubst %,$(BUILD)/obj-mpi/%.o,$(1))
 MPI_LIBRARY = $(BUILD)/lib/libsphsolve-mpi.a
-$(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/flags
-	$(call say,MPICC,$<)
-	$(Q)mkdir -p $(@D) && $(CC) $(filter-out $(DEP_CFLAGS),$(CFLAGS_ALL)) $(MPI_CFLAGS) -DTOSUI_MPI $(ISA_FLAGS) -MMD -MP -c $< -o $@
+# Nothing changes where neither the source nor a header of it asks for ranks or includes HDF5: one object serves both.
+$(BUILD)/obj-mpi/%.c.o: %.c $(BUILD)/obj/%.c.o
+	$(Q)mkdir -p $(@D); if grep -qE 'TOSUI_MPI|<hdf5\.h>' $< $$(sed -n 's/:$$//p' $(BUILD)/obj/$*.c.d); \
+	  then $(if $(filter 1,$(V)),,printf '  %-8s %s\n' MPICC $< &&) $(CC) $(filter-out $(DEP_CFLAGS),$(CFLAGS_ALL)) $(MPI_CFLAGS) -DTOSUI_MPI \
+	    $(ISA_FLAGS) -MMD -MP -c $< -o $@; \
+	  else rm -f $(@:.o=.d) && cp $(BUILD)/obj/$*.c.o $@; fi
 -include $(shell test -d $(BUILD)/obj-mpi && find $(BUILD)/obj-mpi -name '*.d')
 $(MPI_LIBRARY): $(call mpi_object,$(filter-out sphsolve/sphsolve.c $(PAIR_LOOPS),$(SOURCES_common) $(SOURCES_sphsolve))) $(call object,$(PAIR_LOOPS))
 	$(call say,AR,$@)

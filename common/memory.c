@@ -167,6 +167,12 @@ enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const 
 bool memory_is_mapped(const void *data) {
   return *(const size_t *)(const void *)((const char *)data - HEADER + 2 * sizeof(size_t)) > 0;
 }
+#else
+enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
+                                   const char *what) {
+  (void)used;
+  return memory_allocate(pointer, count, size, what);
+}
 #endif
 
 void memory_free(void *pointer) {

@@ -17,19 +17,11 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
 
 /* The same, but of which this rank touches only about `used` items: what is never touched takes no
  * memory and is not counted. */
-#ifdef TOSUI_MPI
 enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, size_t used,
                                    const char *what);
-/* `bytes` of an open file that other processes map too; counted as `own` bytes. */
+/* sphsolve-mpi only: `bytes` of an open file that other processes map too; counted as `own`. */
 enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const char *what);
 bool memory_is_mapped(const void *data);
-#else
-static inline enum status memory_allocate_sparse(void *pointer, size_t count, size_t size,
-                                                 size_t used, const char *what) {
-  (void)used;
-  return memory_allocate(pointer, count, size, what);
-}
-#endif
 
 /* Like realloc for a block of memory_allocate; new bytes are zero. On failure the block stays. */
 enum status memory_resize(void *pointer, size_t count, size_t size, const char *what);

@@ -186,11 +186,10 @@ wcsph() { # NAME [options]
     --set force.body_acceleration="[\"0\",\"0\",\"-${pull:-9.8}m/s^2\"]" --set output.interval=0.005s -o "$name" --quiet "$@"
 }
 same() { # SERIAL OTHER: bit for bit, snapshots too
-  local snapshot
-  for snapshot in "$1".hdf "$1"-0*.hdf; do
-    # The error's lattices are solved by method stokes, whose sums are cut at the ranks.
-    /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "$snapshot" "$2${snapshot#"$1"}" run/levels
-  done
+  local file pairs=()
+  for file in "$1".hdf "$1"-0*.hdf; do pairs+=("$file" "$2${file#"$1"}"); done
+  # The error's lattices are solved by method stokes, whose sums are cut at the ranks.
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels
 }
 
 @test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {

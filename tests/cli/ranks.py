@@ -22,8 +22,9 @@ def value(file, name):
     return np.asarray(file[path].attrs[attribute] if attribute else file[path][()], dtype=float)
 
 
-bad = [n for n in layout(a).keys() | layout(b).keys() if layout(a).get(n) != layout(b).get(n)]
-assert not bad, f"laid out differently: {[(n, layout(a).get(n), layout(b).get(n)) for n in bad]}"
+of_a, of_b = layout(a), layout(b)
+bad = [n for n in of_a.keys() | of_b.keys() if of_a.get(n) != of_b.get(n)]
+assert not bad, f"laid out differently: {[(n, of_a.get(n), of_b.get(n)) for n in bad]}"
 for name in sys.argv[4:]:
     x, y = value(a, name), value(b, name)
     largest, off = np.max(np.abs(x)), np.max(np.abs(x - y))
