@@ -43,18 +43,19 @@ struct taken {
   double cube, left;
 };
 
+/* Where `lower` is NULL only what is left, and with half the work. */
 static enum status add_taken(const struct window *piece, const double surface[2],
                              struct deblur *deblur, float *lower, struct taken *taken) {
   enum status status = STATUS_OK;
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
-  for (int higher = 0; higher < 2; higher++) {
+  for (int higher = lower != NULL ? 0 : 1; higher < 2; higher++) {
     memcpy(deblur->size, piece->size, sizeof deblur->size);
     memcpy(deblur->grey, piece->grey, n * sizeof *piece->grey);
     deblur->scanner.surface = surface[higher];
     TRY(deblur_run(deblur));
-    if (!higher) memcpy(lower, deblur->share, n * sizeof *lower);
+    if (lower != NULL && !higher) memcpy(lower, deblur->share, n * sizeof *lower);
   }
-  for (size_t i = 0; i < n; i++)
+  for (size_t i = 0; lower != NULL && i < n; i++)
     taken->cube += pow(fabs((double)lower[i] - (double)deblur->share[i]), 3.0);
   taken->left += deblur_misfit(deblur, piece->grey);
 cleanup:
@@ -121,7 +122,7 @@ static enum status find_fine(const struct region *region, const struct scanner *
   restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
   TRY(look_at_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
-  TRY(compare(scan, scanner, noise, fine, &seen, deblur, lower, &ratio));
+  TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
   TRY(compare(scan, scanner, noise * sqrt(ratio.left), fine, &seen, deblur, lower, &ratio));
   *relief = ratio.cube < NONE ? ramp(ratio.cube, USUAL, FINE) : 0.0;
 cleanup:
