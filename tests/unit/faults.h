@@ -1,7 +1,7 @@
-/* Faults in the middle: a program run again and again in this process, while its n-th allocation,
- * or its n-th write, fails, for n = 1, 2, ... until a run meets no fault. Each must end with an
- * exit code and a message, hold no memory and no HDF5 object, and leave no part file and no damaged
- * file. */
+/* Faults in the middle: a program runs in this process, and at each allocation, or each write, a
+ * copy of the process (fork) goes on in which it fails, once; then this one goes on, its files as
+ * they were. Each copy must end with an exit code and a message, hold no memory and no HDF5 object,
+ * and leave no part file and no damaged file; so must the run that meets no fault. */
 #ifndef TOSUI_TESTS_UNIT_FAULTS_H
 #define TOSUI_TESTS_UNIT_FAULTS_H
 
@@ -19,13 +19,14 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/output_file.h"
+#include "kept_files.h"
 
 static char faults_folder[40]; /* in memory: each output is synced to its disk */
 
@@ -57,61 +58,44 @@ static bool ends_with(const char *name, const char *ending) {
   return n >= m && !strcmp(name + n - m, ending);
 }
 
-/* No part file; every HDF5 file under its final name that has changed since then opens. */
-static void faults_check_files(const char *where, struct timespec since, const char *what, long n) {
-  DIR *folder = opendir(where);
-  for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-    struct h5_file *file;
-    char path[400];
-    snprintf(path, sizeof path, "%s/%s", where, entry->d_name);
-    if (ends_with(entry->d_name, ".part") || ends_with(entry->d_name, ".new.hdf"))
-      fail_msg("%s %ld: %s was left", what, n, path);
-    if (entry->d_type == DT_DIR && entry->d_name[0] != '.')
-      faults_check_files(path, since, what, n);
-    struct stat info;
-    if (!ends_with(entry->d_name, ".hdf")) continue;
-    if (stat(path, &info) == 0 &&
-        (info.st_ctim.tv_sec < since.tv_sec ||
-         (info.st_ctim.tv_sec == since.tv_sec && info.st_ctim.tv_nsec < since.tv_nsec)))
-      continue;
-    if (h5_open_sealed(path, &file) != STATUS_OK) fail_msg("%s %ld: %s is damaged", what, n, path);
+/* The faults of one run. */
+static struct {
+  const char *command, *what;
+  long met, fatal, wrong, first; /* the first that is wrong, */
+  int end;                       /* and what waitpid says of it */
+  size_t held;                   /* bytes, before the run */
+  bool is_copy;                  /* this process is one whose fault has come */
+  char fresh[KEPT_MOST][520];    /* outputs that came or changed since the fault before */
+  int fresh_count;
+  char file[600]; /* what is wrong with one */
+} faults;
+
+static bool faults_is_fresh(const char *name) {
+  for (int i = 0; i < faults.fresh_count; i++)
+    if (strcmp(faults.fresh[i], name) == 0) return true;
+  return kept_changed(name);
+}
+
+static void faults_note_fresh(const char *name, bool is_folder) {
+  if (is_folder || !kept_changed(name)) return;
+  if (faults.fresh_count == KEPT_MOST) abort();
+  snprintf(faults.fresh[faults.fresh_count++], sizeof faults.fresh[0], "%s", name);
+}
+
+/* No part file; every HDF5 file under its final name opens. What no copy has looked at is looked
+ * at: what has changed since the fault before. */
+static void faults_check_file(const char *name, bool is_folder) {
+  struct h5_file *file;
+  (void)is_folder;
+  if (ends_with(name, ".part") || ends_with(name, ".new.hdf"))
+    snprintf(faults.file, sizeof faults.file, "%s was left", name);
+  if (!ends_with(name, ".hdf") || !faults_is_fresh(name)) return;
+  if (h5_open_sealed(name, &file) == STATUS_OK) {
     h5_close(file);
+  } else {
+    error_clear();
+    snprintf(faults.file, sizeof faults.file, "%s is damaged", name);
   }
-  closedir(folder);
-}
-
-static void faults_clear(void) {
-  DIR *folder = opendir(".");
-  for (struct dirent *entry; (entry = readdir(folder)) != NULL;)
-    if (!strncmp(entry->d_name, "out", 3)) unlink(entry->d_name);
-  closedir(folder);
-}
-
-/* The outputs in one folder become those of another. */
-static void faults_copy(const char *from, const char *to) {
-  DIR *folder = opendir(from);
-  for (struct dirent *entry; (entry = readdir(folder)) != NULL;) {
-    char path[400], data[4096];
-    if (strncmp(entry->d_name, "out", 3) != 0) continue;
-    snprintf(path, sizeof path, "%s/%s", from, entry->d_name);
-    FILE *in = fopen(path, "rb");
-    snprintf(path, sizeof path, "%s/%s", to, entry->d_name);
-    FILE *out = fopen(path, "wb");
-    for (size_t n; (n = fread(data, 1, sizeof data, in)) > 0;)
-      assert_int_equal(fwrite(data, 1, n, out), n);
-    fclose(in);
-    assert_int_equal(fclose(out), 0);
-  }
-  closedir(folder);
-}
-
-/* Runs `before` and puts its outputs aside, in a folder of their own. */
-static void faults_prepare(program run, const char *before, const char *aside) {
-  faults_clear();
-  if (before == NULL) return;
-  assert_int_equal(faults_run(run, before), 0);
-  assert_int_equal(mkdir(aside, 0700), 0);
-  faults_copy(".", aside);
 }
 
 static void faults_show(void) {
@@ -121,51 +105,77 @@ static void faults_show(void) {
   if (file != NULL) fclose(file);
 }
 
-/* `before` (may be NULL) is run whole first, to have something to go on with: each time from the
- * same files. */
+/* After the run, in this process or a copy: whether all is as it must be. */
+static bool faults_check(int code) {
+  struct stat info;
+  const bool told = code == 0 || (stat("said", &info) == 0 && info.st_size > 0);
+  const size_t held = memory_in_use();
+  const ssize_t open = H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL);
+  kept_each(faults_check_file);
+  const bool ends = code >= 0 && code <= 4 && told && (faults.is_copy || code == 0);
+  if (ends && held == faults.held && open <= 0 && faults.file[0] == '\0') return true;
+  faults_show();
+  print_error("%s %ld of '%s': exit code %d, %zd bytes were not freed, %zd HDF5 objects open; %s\n",
+              faults.what, faults.met, faults.command, code, (ssize_t)(held - faults.held), open,
+              faults.file);
+  return false;
+}
+
+enum { FAULTS_FINE, FAULTS_FATAL, FAULTS_WRONG };
+/* Sanitizers tell of leaks, and coverage is written, at the end of a process. */
+static void faults_leave(int code) {
+#if defined __SANITIZE_ADDRESS__ || defined TOSUI_COVERAGE
+  exit(code);
+#else
+  _exit(code);
+#endif
+}
+
+/* True in a copy, once. */
+static bool faults_fail(void) {
+  if (faults.is_copy) return false;
+  faults.met++;
+  faults.fresh_count = 0;
+  kept_each(faults_note_fresh);
+  kept_take();
+  const pid_t copy = fork();
+  if (copy < 0) abort();
+  faults.is_copy = copy == 0;
+  if (faults.is_copy) return true;
+  int end;
+  if (waitpid(copy, &end, 0) != copy) abort();
+  kept_restore();
+  const int code = WIFEXITED(end) ? WEXITSTATUS(end) : -1;
+  faults.fatal += code == FAULTS_FATAL;
+  if (code != FAULTS_FINE && code != FAULTS_FATAL && faults.wrong++ == 0)
+    faults.first = faults.met, faults.end = end;
+  return false;
+}
+
+/* `before` (may be NULL) is run whole first, to have something to go on with. */
 static void faults_all(program run, const char *before, const char *command,
-                       long (*fail_after)(long), const char *what) {
-  long n = 1, refused = 0;
-  static int times; /* a folder each */
-  char aside[40];
-  snprintf(aside, sizeof aside, "before-%d", times++);
-  faults_prepare(run, before, aside);
-  for (bool met = true; met; n++) {
-    faults_clear();
-    if (before != NULL) faults_copy(aside, ".");
-    size_t held = memory_in_use();
-    struct timespec started; /* by the clock of files */
-    clock_gettime(CLOCK_REALTIME_COARSE, &started);
-    fail_after(n);
-    int code = faults_run(run, command);
-    met = fail_after(0) == 0;
-    refused += code != 0;
-    bool told = code == 0;
-    struct stat info;
-    if (stat("said", &info) == 0 && info.st_size > 0) told = true;
-    if (code < 0 || code > 4 || !told || (!met && code != 0)) {
-      faults_show();
-      fail_msg("%s %ld of '%s': exit code %d", what, n, command, code);
-    }
-    if (memory_in_use() != held) {
-      faults_show();
-      fail_msg("%s %ld of '%s': %zu bytes were not freed", what, n, command,
-               memory_in_use() - held);
-    }
-    ssize_t open = H5Fget_obj_count((hid_t)H5F_OBJ_ALL, H5F_OBJ_ALL);
-    if (open > 0) {
-      faults_show();
-      fail_msg("%s %ld of '%s': %zd HDF5 objects are open", what, n, command, open);
-    }
-    faults_check_files(".", started, what, n);
-    if (n > 20000) fail_msg("'%s' does not end", command);
-  }
-  print_message("# %s: %ld %ss, %ld of them fatal\n", command, n - 2, what, refused);
+                       void (*ask_fails)(bool (*)(void)), const char *what) {
+  kept_each(kept_drop);
+  if (before != NULL) assert_int_equal(faults_run(run, before), 0);
+  kept_take();
+  memset(&faults, 0, sizeof faults);
+  faults.command = command, faults.what = what, faults.held = memory_in_use();
+  ask_fails(faults_fail);
+  const int code = faults_run(run, command);
+  ask_fails(NULL);
+  if (faults.is_copy)
+    faults_leave(!faults_check(code) ? FAULTS_WRONG : code != 0 ? FAULTS_FATAL : FAULTS_FINE);
+  if (!faults_check(code) || faults.wrong > 0)
+    fail_msg("'%s': %ld of %ld %ss end wrong; the first is number %ld, by signal %d", command,
+             faults.wrong, faults.met, what, faults.first,
+             WIFSIGNALED(faults.end) ? WTERMSIG(faults.end) : 0);
+  kept_forget();
+  print_message("# %s: %ld %ss, %ld of them fatal\n", command, faults.met, what, faults.fatal);
 }
 
 __attribute__((unused)) static void faults_both(program run, const char *before, const char *command) {
-  faults_all(run, before, command, memory_fail_after, "allocation");
-  faults_all(run, before, command, output_fail_after, "write");
+  faults_all(run, before, command, memory_ask_fails, "allocation");
+  faults_all(run, before, command, output_ask_fails, "write");
 }
 
 static int faults_start(void **state) {
