@@ -13,7 +13,7 @@ model  = { file = "matched.hdf"; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 force  = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
 END
-  model matched 16x16x7 --void-ratio 0.725
+  sample_model 16x16x7 matched.hdf
   model given 16x16x7 --threshold 62
   model given-measured 16x16x7 --threshold=62 --void-ratio 0.725
   model otsu 16x16x7 --threshold otsu --mirror none
@@ -120,7 +120,7 @@ np.save("blocked.npy", a)'
   [ "$(grep -c 'class="card"' levels.html)" -eq 1 ]
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
   # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
-  model classed 32x32x14 --void-ratio 0.725
+  sample_model 32x32x14 classed.hdf
   sphsolve run scene.cfg --set model.file=classed.hdf -o run-classed -q > /dev/null
   analyze report run-classed.hdf -o classed.html -q > /dev/null
   data classed.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
@@ -199,7 +199,7 @@ END
 }
 
 @test "pictures: outlines lie on the walls, half of the flow is half of it, PNGs are sound" {
-  model fine 32x32x14 --void-ratio 0.725
+  sample_model 32x32x14 fine.hdf
   sphsolve run scene.cfg --set model.file=fine.hdf -o run-fine -q > /dev/null
   analyze report run-fine.hdf -o fine.html -q > /dev/null
   /usr/bin/python3 "$ROOT/tests/cli/report_pictures.py" fine.html run-fine.hdf fine.hdf run-fine-0000.hdf
