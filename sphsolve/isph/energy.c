@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "sphsolve/isph/effects/relaxation.h"
+#include "sphsolve/isph/effects/shifting.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/vector.h"
@@ -27,6 +28,11 @@
  * that drag would hold (effects/relaxation.h) is held to what drag takes, and to that alone,
  *   crowd_factor <= drag / expansion of that part.
  * The rest has no share in it: what seeps away would pay for free water that stirs.
+ *
+ * Shifting lifts free water near a surface while it lies on soil (effects/shifting.h); that is held
+ * to friction and to what shifting lowers elsewhere,
+ *   lift_factor <= (friction + sum of -m f.dx < 0) / sum of -m f.dx > 0,
+ * with friction as above. Else three rows of water, ragged, stir themselves for ever.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
  * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is
@@ -101,7 +107,8 @@ void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double
     memcpy(s->sums[c], sum, sizeof sum);
   }
   isph_sum_chunks(s, COUNT, total);
-  double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
+  const double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
+  s->friction = fmax(0, friction);
   double free = fmin(1, total[EXCESS] / total[VOLUME] / DENSITY_EXCESS - 1);
   if (total[EXPANDS] > 0)
     s->relaxation_factor = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
@@ -125,6 +132,26 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
   }
   isph_sum_chunks(s, 1, &total);
   return s->relaxation_excess * fmax(0, total * dt);
+}
+
+void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*steps)[3]) {
+  enum { LIFTS, LOWERS, COUNT };
+  const double *f = s->force, square = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
+  double total[COUNT];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[COUNT] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      sum[lift[i] > 0 ? LIFTS : LOWERS] += s->mass[i] * fabs(lift[i]);
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_sum_chunks(s, COUNT, total);
+  const double allowed = s->friction + total[LOWERS];
+  if (!(total[LIFTS] > allowed && square > 0)) return;
+  const double less = 1 - allowed / total[LIFTS];
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    for (int a = 0; a < 3; a++) steps[i][a] += less * fmax(0, lift[i]) / square * f[a];
 }
 
 #define STRAIN_MOST 1e-3 /* in a step */

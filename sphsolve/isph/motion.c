@@ -73,12 +73,13 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
   return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
 }
 
-/* The displacement of particle i by shifting, and its velocity there. */
-static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
-                  double step[3]) {
-  double *v = s->velocity[i], h = 0.5 * s->support[i], eps = s->on.soil ? s->porosity[i] : 1;
+/* The displacement of particle i by shifting. Returns how far it lifts free water near a surface,
+ * -f.dx, which isph_energy_bound_lift holds. */
+static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
+                    double step[3]) {
+  const double *v = s->velocity[i], h = 0.5 * s->support[i];
   double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), weight = 1, near = 0;
-  double normal[3] = {0};
+  double normal[3] = {0}, eps = s->on.soil ? s->porosity[i] : 1;
   if (s->on.surface) {
     weight = (1 - s->surface[i]) * (1 - beside_gap(s, chunk, i));
     near = surface_near(s, chunk, i, normal);
@@ -87,44 +88,60 @@ static void shift(struct isph *s, const struct isph_chunk *chunk, size_t i, doub
   double size = isph_size_of(s, s->volume[i]);
   double most = isph_is_driven(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
-  if (near > 0) shift_along(normal, near, step);
-  const float *g = s->gradient[i];
-  for (int a = 0; a < 3; a++)
-    v[a] += (double)g[3 * a] * step[0] + (double)g[3 * a + 1] * step[1] +
-            (double)g[3 * a + 2] * step[2];
+  if (near > 0) shift_along(normal, near, s->on.soil, step);
+  if (!s->on.soil || s->soil_fraction[i] > 0) return 0;
+  return -near * (s->force[0] * step[0] + s->force[1] * step[1] + s->force[2] * step[2]);
 }
 
-void isph_move(struct isph *s, double dt, double available) {
-  double(*displacement)[3] = s->predicted; /* v* is not needed any more */
+/* Where the water carries the particles, as a velocity, and the shifts and how far they lift. */
+static void find_moves(struct isph *s, double dt, double (*speeds)[3], double (*steps)[3],
+                       double *lift) {
   const bool waves = s->on.surface && (!isph_is_unforced(s) || s->surface_pressure != NULL);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double *x = s->position[i], *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
+      double *v = s->velocity[i], eps = s->on.soil ? s->porosity[i] : 1;
       const double *carried = waves ? v : s->predicted[i];
       struct budget_sums *sums = &s->chunks[c].budget;
-      double step[3] = {0}, speed[3], beyond[3], held[3], guided[3];
+      double beyond[3], held[3];
       memcpy(held, v, sizeof held);
-      isph_wall_guard(s, x, 1 / eps, dt, v);
+      isph_wall_guard(s, s->position[i], 1 / eps, dt, v);
       isph_budget_change(s, sums, BUDGET_WALL_GUARD, i, held);
-      memcpy(guided, v, sizeof guided);
       for (int a = 0; a < 3; a++) {
-        speed[a] = carried[a] / eps;
-        beyond[a] = speed[a] * dt - held[a] / eps * dt;
-        held[a] *= dt / eps;
+        speeds[i][a] = carried[a] / eps;
+        beyond[a] = speeds[i][a] * dt - held[a] / eps * dt;
+        held[a] *= dt / eps, steps[i][a] = 0;
       }
       isph_budget_displacement(s, sums, BUDGET_FORCE, i, held);
       isph_budget_displacement(s, sums, s->on.surface ? BUDGET_WALL_GUARD : BUDGET_TIME_STEP, i,
                                beyond);
-      if (s->on.shifting) shift(s, &s->chunks[c], i, dt, step);
+      lift[i] = s->on.shifting ? shift(s, &s->chunks[c], i, dt, steps[i]) : 0;
+    }
+}
+
+void isph_move(struct isph *s, double dt, double available) {
+  double(*displacement)[3] = s->predicted; /* v* is not needed any more, and so the next two */
+  double(*steps)[3] = s->scratch, *lift = s->work[0];
+  find_moves(s, dt, displacement, steps, lift);
+  if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      double *v = s->velocity[i], *speed = displacement[i], guided[3], beyond[3];
+      const double *step = steps[i];
+      const float *g = s->gradient != NULL ? s->gradient[i] : NULL;
+      struct budget_sums *sums = &s->chunks[c].budget;
+      memcpy(guided, v, sizeof guided);
+      for (int a = 0; s->on.shifting && a < 3; a++)
+        v[a] += (double)g[3 * a] * step[0] + (double)g[3 * a + 1] * step[1] +
+                (double)g[3 * a + 2] * step[2];
       isph_budget_change(s, sums, BUDGET_SHIFTING, i, guided);
       isph_budget_displacement(s, sums, BUDGET_SHIFTING, i, step);
       for (int a = 0; a < 3; a++) beyond[a] = speed[a] += step[a] / dt;
-      isph_wall_guard(s, x, 1, dt, speed);
+      isph_wall_guard(s, s->position[i], 1, dt, speed);
       for (int a = 0; a < 3; a++) beyond[a] = (speed[a] - beyond[a]) * dt;
       isph_budget_displacement(s, sums, BUDGET_WALL_GUARD, i, beyond);
-      for (int a = 0; a < 3; a++)
-        displacement[i][a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
+      for (int a = 0; a < 3; a++) speed[a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
   if (s->on.energy) isph_energy_limit_displacement(s, displacement, available);
 #pragma omp parallel for schedule(static)

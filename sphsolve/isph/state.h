@@ -146,7 +146,7 @@ struct isph {
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
   double relaxation_excess, crowd_factor; /* of it beyond friction's work; of crowds in soil */
-  double time, viscosity_most; /* the largest nu + nu_T of the last step */
+  double time, friction, viscosity_most;  /* kinetic energy v* lost; largest nu + nu_T, last step */
   double artificial_viscosity; /* m^2/s, the floor under the eddies' */
   int64_t step;
 

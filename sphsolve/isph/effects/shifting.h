@@ -8,12 +8,16 @@
  * the lattice: a factor of r^2 / s just undoes such a displacement, one of 2 r^2 / s reverses it at
  * full size. With the bound of Skillen et al., h^2 = 2.3 r^2 / s, particles alternate from step to
  * step, and the pressure with them: under a surface of all water, between 0 and twice its value; in
- * a column of water that crosses coarse soil fast by a tenth. It is h^2 where nothing but itself and
- * walls acts on the water.
+ * a column of water that crosses coarse soil fast by a tenth. It is h^2 where nothing but itself
+ * and walls acts on the water.
  *
  * A particle on the surface is not shifted, and one with a neighbour on the surface only along it
  * (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are evenly
- * spread, and a shift down that gradient would lift the water in every step. Neither is a particle
+ * spread, and a shift down that gradient would lift the water in every step. In scenes with soil
+ * that holds already where the neighbours are half on the surface: the rows of thin water, ragged,
+ * are in part for long, and what of the shift out of them was left lifted the row in every step by
+ * as much as all its kinetic energy. What goes along a surface lifts, too, where its normal is not
+ * that of a particle's own void; that is bounded (isph/energy.c). Neither is a particle
  * beside a gap to a wall, if it is more asymmetric than disorder makes it: shifting would close the
  * gap within three steps. Nothing is shifted at rest. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
@@ -40,11 +44,17 @@ static inline void shift_of(const double gradient_sum[3], double h, double speed
   for (int a = 0; a < 3; a++) shift[a] = scale * gradient_sum[a];
 }
 
-/* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. */
-static inline void shift_along(const double normal[3], double near, double shift[3]) {
+/* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. `held`: nothing
+ * goes out of water half on a surface. */
+static inline void shift_along(const double normal[3], double near, bool held, double shift[3]) {
   double out = shift[0] * normal[0] + shift[1] * normal[1] + shift[2] * normal[2];
+  if (held && out > 0) near = fmin(1, 2 * near);
   for (int a = 0; a < 3; a++) shift[a] -= near * out * normal[a];
 }
+
+/* isph/energy.c: holds the shifts `steps` whose `lift`, -f.dx, raises the water, all of them alike,
+ * to what friction and those that lower it pay for. */
+void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*steps)[3]);
 
 static inline bool isph_shifting_wanted(const struct effect_context *context,
                                         char why[EFFECT_WHY]) {
