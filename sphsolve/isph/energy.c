@@ -136,7 +136,7 @@ double isph_energy_from_relaxation(const struct isph *s, double relaxation_time,
 
 void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*steps)[3]) {
   enum { LIFTS, LOWERS, COUNT };
-  const double *f = s->force, square = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
+  const double *f = s->force, square = dot(f, f);
   double total[COUNT];
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {

@@ -9,6 +9,7 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/vector.h"
 
 static void wrap(const struct isph *s, double x[3]) {
   for (int a = 0; a < 3; a++) {
@@ -73,6 +74,12 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
   return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
 }
 
+/* 0 to 1: how level a surface is; the square of the cosine of its normal with what lifts. */
+static double level_of(const double force[3], const double normal[3]) {
+  const double up = -dot(force, normal), square = dot(force, force);
+  return up > 0 ? up * up / square : 0;
+}
+
 /* The displacement of particle i by shifting. Returns how far it lifts free water near a surface,
  * -f.dx, which isph_energy_bound_lift holds. */
 static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
@@ -88,7 +95,7 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   double size = isph_size_of(s, s->volume[i]);
   double most = isph_is_driven(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
-  if (near > 0) shift_along(normal, near, s->on.soil, step);
+  if (near > 0) shift_along(normal, near, s->on.soil ? level_of(s->force, normal) : 0, step);
   if (!s->on.soil || s->soil_fraction[i] > 0) return 0;
   return -near * (s->force[0] * step[0] + s->force[1] * step[1] + s->force[2] * step[2]);
 }

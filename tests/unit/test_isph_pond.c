@@ -88,7 +88,7 @@ static void shifting_does_not_lift_thin_water(void **state) {
   }
   const double given = (run.s.budget.sums.work[BUDGET_SHIFTING] - landed) / fall;
   print_message("shifting gives %.3g of the fall\n", given);
-  assert_true(given < .04);
+  assert_true(given < .1); /* .30 where ragged rows are shifted up */
   finish(&run);
 }
 

@@ -14,12 +14,13 @@
  * A particle on the surface is not shifted, and one with a neighbour on the surface only along it
  * (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are evenly
  * spread, and a shift down that gradient would lift the water in every step. In scenes with soil
- * that holds already where the neighbours are half on the surface: the rows of thin water, ragged,
- * are in part for long, and what of the shift out of them was left lifted the row in every step by
- * as much as all its kinetic energy. What goes along a surface lifts, too, where its normal is not
- * that of a particle's own void; that is bounded (isph/energy.c). Neither is a particle
- * beside a gap to a wall, if it is more asymmetric than disorder makes it: shifting would close the
- * gap within three steps. Nothing is shifted at rest. */
+ * that holds already where the neighbours are half on a level surface (by the square of the cosine
+ * of its normal with what lifts): the rows of thin water, ragged, are in part for long, and what of
+ * the shift out of them was left would lift the row in every step by as much as all its kinetic
+ * energy. On slopes it would keep what runs down from spreading. What goes along a surface lifts,
+ * too, where its normal is not that of a particle's own void; that is bounded (isph/energy.c).
+ * Neither is a particle beside a gap to a wall, if it is more asymmetric than disorder makes it:
+ * shifting would close the gap within three steps. Nothing is shifted at rest. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 
@@ -44,11 +45,11 @@ static inline void shift_of(const double gradient_sum[3], double h, double speed
   for (int a = 0; a < 3; a++) shift[a] = scale * gradient_sum[a];
 }
 
-/* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. `held`: nothing
- * goes out of water half on a surface. */
-static inline void shift_along(const double normal[3], double near, bool held, double shift[3]) {
+/* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. `level` (0 .. 1, 0
+ * without soil): nothing goes up out of water half on a surface. */
+static inline void shift_along(const double normal[3], double near, double level, double shift[3]) {
   double out = shift[0] * normal[0] + shift[1] * normal[1] + shift[2] * normal[2];
-  if (held && out > 0) near = fmin(1, 2 * near);
+  if (out > 0) near += level * (fmin(1, 2 * near) - near);
   for (int a = 0; a < 3; a++) shift[a] -= near * out * normal[a];
 }
 
