@@ -71,7 +71,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
     return STATUS_OK; /* the run says what is wrong */
   const bool soil = l->micro_porosity != NULL;
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
-  plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0, 0.0));
+  plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0));
   plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);
   plan->bytes_fluid = fluid > 0.0
                           ? (plan->bytes_method - plan->bytes_wall * (sites - fluid)) / fluid

@@ -372,7 +372,7 @@ for name in "tank", "sand", "lid":
     peak = {n: max(clock[n]["memory_peak_bytes"], clock[n]["memory_peak_bytes_all"] / n) for n in clock}
     for n in peak:
         print(f"{name} on {n}: {peak[n] / 1e6:.2f} MB, predicted {said[n] / 1e6:.2f}, of one process {peak[n] / peak[1]:.3f}")
-        assert abs(peak[n] / said[n] - 1) < 0.1
+        assert abs(peak[n] / said[n] - 1) < (0.03 if name == "sand" else 0.1) # the sand's lattice of other sides is counted
         assert peak[n] < peak[1] * (1 / n + 1 / 8)
 END
 }

@@ -186,6 +186,8 @@ enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lat
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &other));
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);
+  lattice_free(&moved);
+  lattice_free(&coarser);
   if (!cascade_sides_wait(c)) TRY(cascade_add_sides(c));
 cleanup:
   lattice_free(&moved);
