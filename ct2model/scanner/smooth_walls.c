@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scanner/deblur.h"
+#include "ct2model/scanner/least_risk.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/windows.h"
 
@@ -33,6 +34,12 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
  * to DOUBT_MOST): the mean of the relief with the fringe found and with that much less of it counts
  * (docs/notes/2026-11-26-hidden-fines.md). */
 static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
+/* Where contrast is low the misfit is noise, and the cost of the least risk (least_risk.h) tells
+ * relief that noise hides from the test above: SHARPER of that cost counts where it is less. Where
+ * it is high the misfit is the scanner's error as much, and any relief would lessen it. Contrast is
+ * told to some .5: from NOISY to CLEAR times the noise less and less of it counts, so that no
+ * relief hinges on that (docs/notes/2026-11-27-fines.md). */
+static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.8;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
 static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
@@ -129,6 +136,19 @@ cleanup:
   return status;
 }
 
+/* Relief by the cost of surface that has the least risk. */
+static enum status find_hidden(const struct region *region, const struct scanner *scanner,
+                               struct windows *scan, struct deblur *deblur, double *relief) {
+  enum status status = STATUS_OK;
+  double cost;
+  restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
+  TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
+                      scanner->noise_correlation / scan->unit, deblur, &cost));
+  *relief = fmin(fmax(log(SHARPER * cost) / log(LESS), 0.0), 1.0);
+cleanup:
+  return status;
+}
+
 enum status smooth_walls_find(const struct region *region, struct scanner *scanner) {
   enum status status = STATUS_OK;
   const struct grey_phases phases = {.pore_peak = scanner->pore, .grain_peak = scanner->grain};
@@ -166,6 +186,12 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
     double other;
     TRY(find_fine(region, &its, &scan, &deblur, lower, &other));
     relief = 0.5 * (relief + other);
+  }
+  const double clear = ramp(scanner->contrast_to_noise, NOISY, CLEAR);
+  if (clear < 1.0) {
+    double hidden;
+    TRY(find_hidden(region, scanner, &scan, &deblur, &hidden));
+    relief += (1.0 - clear) * fmax(hidden - relief, 0.0);
   }
   scanner->fine_relief = relief;
 cleanup:
