@@ -100,22 +100,30 @@ assert abs(found['contrast_to_noise'] / 4.7 - 1) < 0.08
 assert abs(found['noise_correlation_m'] / (0.98 * 9.4367e-6) - 1) < 0.08"
 }
 
-@test "noise alike over a voxel and a fringe are not taken for fines" {
-  # Angular grains of 24 voxels, none of them fine: blur 2 voxels, contrast 4.5 times the noise. All of the relief counted.
+@test "noise alike over a voxel and a fringe are not taken for fines: k" {
+  # Angular grains of 24 voxels, none of them fine: blur 2 voxels, contrast 4.5 times the noise. All of the relief counted, and k was
+  # 20 % too low; a seventh of it leaves k 4 % too high.
   "$GENERATE" --quiet --output "$WORK/clean" --size 96x96x64 --seed 9040 --void-ratio 0.730664990508822 --grain-size 129.21um --voxel-size 5.3756um \
-    --blur 10.8253um --noise-ratio 4.54 --noise-length 1.04 --fringe 0.7 --beam 0.05
-  built clean 0.744 --voxel-size 5.3756um --crop 0,0,0,96,96,60
-  python3 -c "
-import json
-found = json.load(open('$WORK/clean5.3756um.json'))['scanner']
-print(found)
-assert found['fine_relief'] < 0.3
-assert abs(found['contrast_to_noise'] / 4.54 - 1) < 0.05
-assert abs(found['noise_correlation_m'] / (1.04 * 5.3756e-6) - 1) < 0.05"
+    --blur 10.8253um --noise-ratio 4.54 --noise-length 1.04 --fringe 0.7 --beam 0.05 --truth "$WORK/clean.raw" --truth-refine 2
+  "$CT" build "$WORK/clean.raw" --raw 192x192x128:u8 --voxel-size 2.6878um --threshold 0.5 --crop 0,0,0,192,192,120 --size 48x48x30 --json --quiet \
+    -o "$WORK/clean-true.hdf" > "$WORK/clean-true.json"
+  "$CT" build "$WORK/clean" --void-ratio 0.744 --voxel-size 5.3756um --crop 0,0,0,96,96,60 --size 48x48x30 --json --quiet -o "$WORK/clean.hdf" > "$WORK/clean.json"
+  for name in clean-true clean; do
+    sed "s#dense.hdf#$WORK/$name.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/clean.cfg"
+    "$BUILD/bin/sphsolve" run "$WORK/clean.cfg" -o "$WORK/$name-run" --json --quiet > "$WORK/$name-run.json"
+  done
+  python3 - "$WORK" << 'P'
+import json, sys
+true, found, built = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("clean-true-run", "clean-run", "clean"))
+print(found["k"] / true["k"] - 1, built["scanner"])
+assert abs(found["k"] / true["k"] - 1) < 0.03
+assert abs(built["scanner"]["contrast_to_noise"] / 4.54 - 1) < 0.05
+assert abs(built["scanner"]["noise_correlation_m"] / (1.04 * 5.3756e-6) - 1) < 0.05
+P
 }
 
 @test "fines that add to the noise read in pores are found, under noise longer than the blur too" {
-  # Angular grains of 26 voxels, blur .8 voxels, noise alike over .9: noise was 7 % too high, and no relief looked for.
+  # Angular grains of 26 voxels, blur .8 voxels, noise alike over .9: noise was 7 % too high, and a fifth of the relief seen.
   "$GENERATE" --quiet --output "$WORK/added" --size 96x96x64 --seed 9063 --void-ratio 0.6487506182 --grain-size 243.08um --voxel-size 9.8549um --blur 8.0155um \
     --noise-ratio 4.22 --noise-length 0.93 --fringe 0.3 --ring 0 --fines 0.13
   built added 0.6445 --voxel-size 9.8549um --crop 0,0,0,96,96,60
@@ -123,7 +131,7 @@ assert abs(found['noise_correlation_m'] / (1.04 * 5.3756e-6) - 1) < 0.05"
 import json
 found = json.load(open('$WORK/added9.8549um.json'))['scanner']
 print(found)
-assert found['fine_relief'] > 0.1"
+assert found['fine_relief'] > 0.3"
 }
 
 @test "noise leaves no grains that touch nothing, nor pores that lead nowhere" {
