@@ -1,4 +1,5 @@
-/* A copy of the state to go back to: what a checkpoint holds, in memory. */
+#include "sphsolve/isph/copy.h"
+
 #include <string.h>
 
 #include "common/memory.h"

@@ -1,6 +1,7 @@
 /* What method isph will take: memory, steps, time, and the error of k. */
 #include "common/log.h"
 #include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/method.h"
 

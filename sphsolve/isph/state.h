@@ -146,7 +146,8 @@ struct isph {
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
   double relaxation_excess, crowd_factor; /* of it beyond friction's work; of crowds in soil */
-  double time, friction, viscosity_most;  /* kinetic energy v* lost; largest nu + nu_T, last step */
+  double friction;             /* kinetic energy that v* lost in the last step, J, or J/m in 2-D */
+  double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, the floor under the eddies' */
   int64_t step;
 
@@ -269,21 +270,6 @@ enum status isph_advance(struct isph *s, double dt);
 bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
-
-/* isph/copy.c: a state to go back to, fresh; the watchdog stays. */
-struct isph_copy {
-  char *block;
-  size_t count, counts[3];
-  double time, viscosity_most;
-  struct conservation_passed passed;
-  struct budget budget;
-  int64_t step;
-  uint64_t next_id;
-};
-enum status isph_keep(const struct isph *s, struct isph_copy *copy);
-enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
-void isph_copy_free(struct isph_copy *copy);
-#define ISPH_COPY_BYTES 72.0 /* per particle */
 
 /* isph/place.c: the water at the start, start_count particles on all ranks. */
 enum status isph_place_water(struct isph *s, const struct lattice *lattice);

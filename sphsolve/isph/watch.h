@@ -2,6 +2,7 @@
 #ifndef TOSUI_SPHSOLVE_ISPH_WATCH_H
 #define TOSUI_SPHSOLVE_ISPH_WATCH_H
 
+#include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/output/recorder.h"
 

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "common/threads.h"
+#include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/method.h"
 

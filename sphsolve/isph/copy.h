@@ -1,0 +1,21 @@
+/* A state to go back to, fresh: what a checkpoint holds, in memory; the watchdog stays. */
+#ifndef TOSUI_SPHSOLVE_ISPH_COPY_H
+#define TOSUI_SPHSOLVE_ISPH_COPY_H
+
+#include "sphsolve/isph/state.h"
+
+struct isph_copy {
+  char *block;
+  size_t count, counts[3];
+  double time, viscosity_most;
+  struct conservation_passed passed;
+  struct budget budget;
+  int64_t step;
+  uint64_t next_id;
+};
+enum status isph_keep(const struct isph *s, struct isph_copy *copy);
+enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
+void isph_copy_free(struct isph_copy *copy);
+#define ISPH_COPY_BYTES 72.0 /* per particle */
+
+#endif
