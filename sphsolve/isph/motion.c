@@ -139,7 +139,7 @@ void isph_move(struct isph *s, double dt, double available) {
       const float *g = s->gradient != NULL ? s->gradient[i] : NULL;
       struct budget_sums *sums = &s->chunks[c].budget;
       memcpy(guided, v, sizeof guided);
-      for (int a = 0; s->on.shifting && a < 3; a++)
+      for (int a = 0; g != NULL && s->on.shifting && a < 3; a++)
         v[a] += (double)g[3 * a] * step[0] + (double)g[3 * a + 1] * step[1] +
                 (double)g[3 * a + 2] * step[2];
       isph_budget_change(s, sums, BUDGET_SHIFTING, i, guided);
