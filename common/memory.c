@@ -15,7 +15,6 @@
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static size_t in_use, peak, limit;
-static long fail_after;
 static bool (*asked)(void);
 
 bool size_multiply(size_t a, size_t b, size_t *product) {
@@ -28,7 +27,7 @@ static bool reserve(size_t bytes, bool *over_limit, size_t *held) {
   pthread_mutex_lock(&lock);
   *held = in_use;
   if (limit == 0) limit = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGE_SIZE);
-  bool injected = (fail_after > 0 && --fail_after == 0) || (asked != NULL && asked());
+  bool injected = asked != NULL && asked();
   *over_limit = bytes > limit || in_use > limit - bytes;
   bool ok = !injected && !*over_limit;
   if (ok) {
@@ -217,9 +216,4 @@ void memory_set_limit(size_t bytes) {
 }
 void memory_ask_fails(bool (*fails)(void)) {
   asked = fails;
-}
-long memory_fail_after(long n) {
-  long left = fail_after;
-  fail_after = n;
-  return left;
 }

@@ -48,8 +48,6 @@ double memory_limit(void);
 /* Whether as much would still be below the limit. */
 bool memory_has_room(size_t count, size_t size);
 
-/* Tests only: the n-th allocation from now fails (0: never). Returns how many were left to go. */
-long memory_fail_after(long n);
 /* Tests only: each allocation that is asked for fails where this is true (NULL: none). */
 void memory_ask_fails(bool (*fails)(void));
 

@@ -12,22 +12,16 @@
 
 #define LINKS_MOST 40 /* as Linux */
 
-static long fail_after;
 static bool (*asked)(void);
 
 bool output_fails(void) {
-  if (!(fail_after > 0 && --fail_after == 0) && !(asked != NULL && asked())) return false;
+  if (asked == NULL || !asked()) return false;
   errno = ENOSPC;
   return true;
 }
 
 void output_ask_fails(bool (*fails)(void)) {
   asked = fails;
-}
-long output_fail_after(long n) {
-  long left = fail_after;
-  fail_after = n;
-  return left;
 }
 
 /* Inputs by what they are, not by name; kept to the end of the program, outside the memory that

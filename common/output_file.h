@@ -36,8 +36,6 @@ enum status output_flush(void);
 
 /* Called before every write, HDF5 write and rename of ours; true where a test wants it to fail. */
 bool output_fails(void);
-/* Tests only: the n-th of them from now fails (0: never). Returns how many were left to go. */
-long output_fail_after(long n);
 /* Tests only: each of them fails where this is true (NULL: none). */
 void output_ask_fails(bool (*fails)(void));
 

@@ -13,6 +13,7 @@
 #include "common/kernel.h"
 #include "common/memory.h"
 #include "common/statistics.h"
+#include "tests/unit/nth_fails.h"
 
 static enum status inner(void) {
   return FAIL(STATUS_INPUT, "line 3: no number");
@@ -57,11 +58,13 @@ static void test_memory(void **state) {
   assert_non_null(strstr(error_message(), "--max-memory"));
   error_clear();
   memory_set_limit(0);
-  memory_fail_after(2);
+  nth_fails_left = 2;
+  memory_ask_fails(nth_fails);
   assert_int_equal(memory_allocate(&values, 1, 1, "first"), STATUS_OK);
   memory_free(&values);
   assert_int_equal(memory_allocate(&values, 1, 1, "second"), STATUS_RUN);
   error_clear();
+  memory_ask_fails(NULL);
 }
 
 /* Integral of W over space, and W' against the difference quotient of W. */

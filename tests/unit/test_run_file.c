@@ -13,6 +13,7 @@
 #include <cmocka.h>
 
 #include "common/memory.h"
+#include "tests/unit/nth_fails.h"
 
 static char folder[] = "/tmp/tosui-run-XXXXXX";
 static char path[64];
@@ -117,9 +118,10 @@ static void test_out_of_memory(void **state) {
   write_run("ab", "frozen", 9.8, 1e-3);
   long n = 1;
   for (; n < 200; n++) {
-    memory_fail_after(n);
+    nth_fails_left = n;
+    memory_ask_fails(nth_fails);
     enum status status = run_read(path, &run);
-    memory_fail_after(0);
+    memory_ask_fails(NULL);
     if (status == STATUS_OK) break;
     assert_int_equal(status, STATUS_RUN);
     error_clear();
