@@ -34,6 +34,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
@@ -214,13 +215,14 @@ static void budget_viscosity(const struct isph *s, size_t i, double scale, const
   const struct isph_applied *applied = &s->applied[i];
   const double eps = porosity_of(s, i), thick = s->eddy[i] * eps;
   const double own = thick > 0 ? s->kinematic_viscosity / thick : 1;
+  const double least = isph_artificial_viscosity_at(s, i) * (1 + 1e-9); /* rounding */
   const bool artificial =
-      s->on.artificial_viscosity &&
-      (!s->on.turbulence || thick - s->kinematic_viscosity <= s->artificial_viscosity);
+      s->on.artificial_viscosity && (!s->on.turbulence || thick - s->kinematic_viscosity <= least);
   const enum budget_term more = artificial ? BUDGET_ARTIFICIAL_VISCOSITY : BUDGET_TURBULENCE;
   add_force(sums, BUDGET_VISCOSITY, scale * own, applied->viscous, u);
   add_force(sums, more, scale * (1 - own), applied->viscous, u);
   add_force(sums, BUDGET_WALL_FRICTION, scale, applied->friction, u);
+  if (s->calm != NULL) add_force(sums, BUDGET_ARTIFICIAL_VISCOSITY, scale, s->biharmonic[i], u);
 }
 
 /* Effects that bring a force, or a pressure outside the surface, whose part of the corrector's

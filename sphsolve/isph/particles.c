@@ -8,6 +8,7 @@
 #include "common/statistics.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/link.h"
@@ -122,6 +123,12 @@ enum status isph_reserve(struct isph *s, size_t n) {
   }
   if (isph_is_unforced(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
   if (isph_is_free_water(s)) TRY(memory_resize(&s->linear, n, sizeof *s->linear, what));
+  if (isph_has_calm(s)) {
+    TRY(memory_resize(&s->thick, n, sizeof *s->thick, what));
+    TRY(memory_resize(&s->calm, n, sizeof *s->calm, what));
+    TRY(memory_resize(&s->curvature, n, sizeof *s->curvature, what));
+    TRY(memory_resize(&s->biharmonic, n, sizeof *s->biharmonic, what));
+  }
   if (s->on.turbulence || s->on.shifting || s->on.artificial_viscosity)
     TRY(memory_resize(&s->gradient, n, sizeof *s->gradient, what));
   TRY(memory_resize(&s->mobility, n, sizeof *s->mobility, what));
@@ -283,6 +290,10 @@ void isph_free(struct isph *s) {
                     &s->enclosed,
                     &s->near,
                     &s->linear,
+                    &s->thick,
+                    &s->calm,
+                    &s->curvature,
+                    &s->biharmonic,
                     &s->gradient,
                     &s->mobility,
                     &s->eddy,

@@ -188,6 +188,8 @@ struct isph {
   double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */
   double *mobility;       /* k = B T G / rho_w */
   double *eddy;           /* nu + nu_T; NULL without viscosity */
+  double *thick, *calm;   /* isph/calm.h; NULL unless it is such water, and so the next */
+  double (*curvature)[3], (*biharmonic)[3]; /* isph/biharmonic.h */
   double (*predicted)[3]; /* v* without the driving force */
   struct isph_applied *applied;
   double (*own_force[ISPH_OWN])[3]; /* m/s^2, of on.own; NULL where it has none */

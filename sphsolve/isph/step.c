@@ -10,7 +10,9 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/anisotropy.h"
+#include "sphsolve/isph/biharmonic.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/linear.h"
@@ -98,15 +100,14 @@ static void find_velocity_gradient(struct isph *s) {
 
 static void find_viscosity(struct isph *s) {
   const double constant = s->scene->isph.smagorinsky;
-  double least = s->on.artificial_viscosity ? artificial_viscosity(s) : 0;
-  s->artificial_viscosity = least;
+  s->artificial_viscosity = s->on.artificial_viscosity ? artificial_viscosity(s) : 0;
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
     double eddies = 0;
     if (s->on.turbulence)
       eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
-    s->eddy[i] = (s->kinematic_viscosity + fmax(eddies, least)) / eps;
+    s->eddy[i] = (s->kinematic_viscosity + fmax(eddies, isph_artificial_viscosity_at(s, i))) / eps;
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
   s->viscosity_most = 0;
@@ -180,6 +181,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
 /* v* without the driving force, and the mobility k = B T / rho_w; all of the equation over G. */
 static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
+  if (s->calm != NULL) isph_biharmonic_begin(s);
   if (s->on.links) isph_links_begin(s);
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -212,6 +214,7 @@ static void predict(struct isph *s, double dt) {
         }
       }
       for (int a = 0; a < 3; a++) force[a] += applied->viscous[a] + applied->friction[a];
+      if (s->calm != NULL) isph_biharmonic(s, chunk, i, force);
       for (size_t k = 0; k < s->on.own_count; k++)
         for (int a = 0; a < 3 && s->own_force[k] != NULL; a++) force[a] += s->own_force[k][i][a];
       s->mobility[i] = left * t / s->density;
@@ -431,6 +434,7 @@ enum status isph_advance(struct isph *s, double dt) {
   s->solve.carries = carries_pressure(s);
   if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
+  if (s->calm != NULL) isph_calm_find(s);
   if (s->on.viscous) find_viscosity(s);
   for (size_t k = 0; k < s->on.own_count; k++) {
     if (s->own_force[k] != NULL) s->on.own[k]->force(s, s->own_force[k]);

@@ -80,9 +80,9 @@ static void start_half_wave(double speed, struct run *run) {
   }
 }
 
-/* Half a wave of 3 cm between walls, a meter deep, keeps .92 of its velocity for three periods; .90
- * where the gradient of the pressure is not exact for linear fields, and .83 where what one
- * projection leaves is in proportion to the pressure. */
+/* Half a wave of 3 cm between walls, a meter deep, keeps .98 of its velocity for three periods; .92
+ * where artificial viscosity acts on all water, and .90 where the gradient of the pressure is not
+ * exact for linear fields, either. */
 static void a_wave_keeps_its_energy(void **state) {
   (void)state;
   struct run run;
@@ -102,7 +102,7 @@ static void a_wave_keeps_its_energy(void **state) {
     if (step >= 175) peak = fmax(peak, fabs(across / square)); /* half a period, after three */
   }
   print_message("of the wave is left %.3f\n", peak / first);
-  assert_true(peak > 0.91 * first);
+  assert_true(peak > 0.97 * first);
   finish(&run);
 }
 
@@ -127,12 +127,57 @@ static void a_surface_is_as_fast_as_its_wave(void **state) {
   finish(&run);
 }
 
+/* The largest kinetic energy, J, in the next `steps` of 17 ms. */
+static double most_kinetic(struct isph *s, int steps) {
+  double most = 0;
+  for (int step = 0; step < steps; step++) {
+    assert_int_equal(isph_advance(s, 17e-3), STATUS_OK);
+    most = fmax(most, isph_kinetic_energy(s));
+  }
+  return most;
+}
+
+/* The same wave at .27 m/s has .78 of its energy after twenty periods; .39 where artificial
+ * viscosity acts on all water. */
+static void a_wave_outlives_twenty_periods(void **state) {
+  (void)state;
+  struct run run;
+  start_half_wave(0.27, &run);
+  const double first = most_kinetic(&run.s, 67);
+  for (int period = 1; period < 20; period++) most_kinetic(&run.s, 67);
+  const double left = most_kinetic(&run.s, 67) / first;
+  print_message("of the energy is left %.3f\n", left);
+  assert_true(left > 0.75 && left < 1);
+  finish(&run);
+}
+
+/* A layer of three rows on a floor is thin, a pool of twelve thick, each up to its surface. */
+static void a_pool_is_thick(void **state) {
+  (void)state;
+  struct run run;
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"60 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"30 cm\", \"12 cm\"]; },\n"
+              "{ type = \"water\"; box = [\"30 cm\", \"0\", \"60 cm\", \"3 cm\"]; } );\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  const struct isph *s = &run.s;
+  for (size_t i = 0; i < s->count; i++) {
+    const double x = s->position[i][0];
+    if (x < 0.2) assert_float_equal(s->thick[i], 1, 1e-12);
+    if (x > 0.45) assert_float_equal(s->thick[i], 0, 1e-12);
+  }
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(energy_does_not_rise),
       cmocka_unit_test(a_small_wave_lives),
       cmocka_unit_test(a_wave_keeps_its_energy),
       cmocka_unit_test(a_surface_is_as_fast_as_its_wave),
+      cmocka_unit_test(a_wave_outlives_twenty_periods),
+      cmocka_unit_test(a_pool_is_thick),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,7 +4,8 @@
  * feeds eddies of some spacings. In a tank at rest, 20 cm deep and 20 particles high, they move at
  * 3 to 9 mm/s without the floor, at 2 to 7 mm/s with a quarter or half of it, at under .1 mm/s with
  * it. nu_c falls with r0^(3/2); a wave of length L loses 2 nu_c (2 pi / L)^2 of its height a
- * second. */
+ * second. As far as free water is calm (isph/calm.h) biharmonic viscosity (isph/biharmonic.h) takes
+ * its place: the floor there is (1 - calm) nu_c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ARTIFICIAL_VISCOSITY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ARTIFICIAL_VISCOSITY_H
 
@@ -20,6 +21,11 @@ static inline double artificial_viscosity(const struct isph *s) {
   const double *f = s->force;
   double strength = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   return ARTIFICIAL_VISCOSITY * s->spacing * sqrt(strength * s->spacing);
+}
+
+/* The floor at particle i, m^2/s. */
+static inline double isph_artificial_viscosity_at(const struct isph *s, size_t i) {
+  return s->calm != NULL ? (1 - s->calm[i]) * s->artificial_viscosity : s->artificial_viscosity;
 }
 
 static inline bool isph_artificial_viscosity_wanted(const struct effect_context *context,

@@ -1,0 +1,40 @@
+#include "sphsolve/isph/biharmonic.h"
+
+#include <string.h>
+
+#include "sphsolve/isph/images.h"
+#include "sphsolve/isph/ranks.h"
+
+#define BIHARMONIC_VISCOSITY 0.7125 /* nu_4 / (r0^2 nu_c) */
+
+/* L u = - sum 2 V slope (u_i - u_j) of particle i, over its pairs with water. */
+ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
+                   size_t i, double (*u)[3], double sum[3]) {
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t j = chunk->pair[p] & PAIR_MASK;
+    const double weight = 2 * s->volume[j] * (double)chunk->slope[p];
+    double uj[3];
+    isph_turn(images, s, chunk->pair[p], u[j], uj);
+    for (int a = 0; a < 3; a++) sum[a] -= weight * (u[i][a] - uj[a]);
+  }
+}
+
+void isph_biharmonic_begin(struct isph *s) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      memset(s->curvature[i], 0, sizeof s->curvature[i]);
+      ISPH_ROW(s, i, laplacian, s, chunk, i, s->velocity, s->curvature[i]);
+      for (int a = 0; a < 3; a++) s->curvature[i][a] *= s->calm[i];
+    }
+  }
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->curvature)});
+}
+
+void isph_biharmonic(struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3]) {
+  const double nu = BIHARMONIC_VISCOSITY * s->spacing * s->spacing * s->artificial_viscosity;
+  double sum[3] = {0};
+  ISPH_ROW(s, i, laplacian, s, chunk, i, s->curvature, sum);
+  for (int a = 0; a < 3; a++) force[a] += s->biharmonic[i][a] = -nu * sum[a];
+}
