@@ -39,7 +39,7 @@ static struct sites sites_at(const struct plan *plan, double spacing, bool mirro
   const struct lattice *l = plan->context.lattice;
   const bool *unlike = l->model.unlike;
   size_t size[3], count;
-  double n[3];
+  double n[3] = {0};
   if (lattice_resampled_size(l, spacing, size, &count) != STATUS_OK) {
     error_clear(); /* too many: the run says so */
     return (struct sites){.planes = 1.0};
