@@ -7,7 +7,8 @@ setup_file() {
   local build=${BUILD:-build}
   case $build in /*) ;; *) build=$ROOT/$build ;; esac
   export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  export SCAN="$ROOT/data-samples/small --size 16x16x7 --quiet"
+  # Less than half of its slices: a build in a third of the time.
+  export SCAN="$ROOT/data-samples/small --crop 0,0,0,128,128,24 --size 16x16x3 --quiet"
 }
 setup() { cd "$BATS_FILE_TMPDIR"; }
 

@@ -240,11 +240,11 @@ assert run["status"] == "budget" and e["sides"] > 0.12 > e["resolution"] + e["sc
   run -2 sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o kept
   [[ "$output" == *"kept.hdf: is there already and is a model"* ]]
   cmp m.hdf kept.hdf
-  run -2 ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf
+  run -2 ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --blur keep -o kept-run.hdf
   [[ "$output" == *"kept-run.hdf: is there already and is a run"* ]]
   cmp run.hdf kept-run.hdf
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q --force > /dev/null
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o kept-run.hdf -q > /dev/null
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --blur keep -o kept-run.hdf -q --force > /dev/null
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --blur keep -o kept-run.hdf -q > /dev/null
 }
 
 @test "past the limit of a file's size a line says so, and nothing half-written stays" {
