@@ -37,6 +37,13 @@ void isph_calm_thickness(struct isph *s) {
     double *found = to;
     to = from, from = found;
   }
+  double *loose = s->work[0], *loosest = s->calm;
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const double lacks = s->kernel_top - s->kernel_sum[i] - LOOSE_FROM;
+    loose[i] = s->surface[i] * fmax(0, fmin(1, lacks / (LOOSE_FULL - LOOSE_FROM)));
+  }
+  most_around(s, loose, loosest);
+  for (size_t i = s->local.begin; i < s->local.end; i++) s->thick[i] *= 1 - loosest[i];
 }
 
 void isph_calm_find(struct isph *s) {

@@ -1,8 +1,9 @@
 /* How far free water (isph/linear.h) is thick, calm and not struck, 0 .. 1:
  *   calm = s c f/r0 / (D^2 + f/r0),   D = max(0, - div v),   c = 1/(1 + (q/q_0)^2),
- *   q = |v . grad v| / f,   f the strength of the driving force.
+ *   q = |v . grad v| / f,   f the strength of the driving force,   s = s_0 (1 - l).
  * There waves are to live: biharmonic viscosity (isph/biharmonic.h) takes the place of artificial
- * viscosity, which keeps all other water in order and damps them.
+ * viscosity, which keeps all other water in order and damps them; densities hardly relax beside the
+ * surface (effects/relaxation.h), and the surface is shifted too (effects/shifting.h).
  *
  * - D: the switch of Cullen, Dehnen (2010, Mon. Not. R. Astron. Soc. 408, eq. 13) with D^2 for the
  *   rate of compression and sqrt(f r0), the velocity of artificial viscosity, for that of signals.
@@ -10,10 +11,14 @@
  *   steepness at which one breaks (.62; Penney, Price 1952, Phil. Trans. R. Soc. A 244). Water that
  *   runs from a dam has q of .2 and more. Velocities are those in the scene's frame: water that is
  *   carried along fast and uniformly has large q beside any wave.
- * - s: a morphological opening (Matheron 1975) of the water, by neighbours for lengths. Inside is
+ * - s_0: a morphological opening (Matheron 1975) of the water, by neighbours for lengths. Inside is
  *   what no surface is within THICKNESS_HOPS neighbours of, thick what an inside is within one more
  *   of. A neighbour is two rows away at most: a layer on a floor is thick from 2 THICKNESS_HOPS + 2
  *   rows on. Thin water strikes particle by particle, and voids shut in it.
+ * - l: the most of a neighbourhood's surface (phi_top - phi - a)/(b - a), held to 0 to 1, a and b
+ *   LOOSE_FROM, LOOSE_FULL: how much looser its top row is than a lattice's. A wave's on 16 rows
+ *   lacks at most .003 of phi, on 24 .009. Stirred water, whose top row lacks more, would stay
+ *   swollen, by most of a row after rain, if its density did not relax there.
  * A wave on 16 rows has 1 - calm = 5e-6 in the mean. */
 #ifndef TOSUI_SPHSOLVE_ISPH_CALM_H
 #define TOSUI_SPHSOLVE_ISPH_CALM_H
@@ -22,10 +27,18 @@
 
 #define CALM_CONVECTION 0.05 /* q_0 */
 #define THICKNESS_HOPS 2
+#define LOOSE_FROM 0.02 /* of the kernel sum, above what waves lack */
+#define LOOSE_FULL 0.06 /* and below what stirring leaves */
+
+/* How far the surface of particle i's water and what is beside it are that of such water; 0
+ * without. Thick once more: it is what thin and loose water bear least. */
+static inline double isph_calm_surface(const struct isph *s, size_t i) {
+  return s->calm != NULL ? s->thick[i] * s->calm[i] : 0;
+}
 
 /* Whether the scene has such water; else s->calm is NULL. */
 bool isph_has_calm(const struct isph *s);
-/* Collective: s->thick of all own particles, by s->surface. */
+/* Collective: s of all own particles, to s->thick, by s->surface and s->kernel_sum. */
 void isph_calm_thickness(struct isph *s);
 /* s->calm of all own particles, by s->thick, velocities and their gradients. */
 void isph_calm_find(struct isph *s);

@@ -3,10 +3,12 @@
 #include <string.h>
 
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/effects/shifting.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/images.h"
+#include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/vector.h"
@@ -88,7 +90,7 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]), weight = 1, near = 0;
   double normal[3] = {0}, eps = s->on.soil ? s->porosity[i] : 1;
   if (s->on.surface) {
-    weight = (1 - s->surface[i]) * (1 - beside_gap(s, chunk, i));
+    weight = (1 - (1 - isph_calm_surface(s, i)) * s->surface[i]) * (1 - beside_gap(s, chunk, i));
     near = surface_near(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
@@ -126,10 +128,45 @@ static void find_moves(struct isph *s, double dt, double (*speeds)[3], double (*
     }
 }
 
+/* Of the neighbours, the sum of their weights V slope and that of the weighted steps. */
+ROW void steps_around(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
+                      size_t i, double (*steps)[3], double sum[3], double *weights) {
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t j = chunk->pair[p] & PAIR_MASK;
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    double step[3];
+    isph_turn(images, s, chunk->pair[p], steps[j], step);
+    for (int a = 0; a < 3; a++) sum[a] += weight * step[a];
+    *weights += weight;
+  }
+}
+
+/* Takes from the steps in calm water the mean of their neighbourhoods, a particle's own step with
+ * the mean weight of its pairs. */
+static void less_mean(struct isph *s, double (*steps)[3]) {
+  double(*mean)[3] = s->curvature; /* not needed any more */
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(steps)});
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double sum[3] = {0}, weights = 0;
+      ISPH_ROW(s, i, steps_around, s, chunk, i, steps, sum, &weights);
+      const double own = weights / fmax(1, s->pair_number[i]);
+      for (int a = 0; a < 3; a++)
+        mean[i][a] = weights > 0 ? (sum[a] + own * steps[i][a]) / (weights + own) : 0;
+    }
+  }
+#pragma omp parallel for schedule(static)
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    for (int a = 0; a < 3; a++) steps[i][a] -= s->calm[i] * mean[i][a];
+}
+
 void isph_move(struct isph *s, double dt, double available) {
   double(*displacement)[3] = s->predicted; /* v* is not needed any more, and so the next two */
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
+  if (s->calm != NULL && s->on.shifting) less_mean(s, steps);
   if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)

@@ -121,7 +121,8 @@ enum status isph_reserve(struct isph *s, size_t n) {
     TRY(memory_resize(&s->surface, n, sizeof *s->surface, what));
     TRY(memory_resize(&s->body, n, sizeof *s->body, what));
   }
-  if (isph_is_unforced(s)) TRY(memory_resize(&s->near, n, sizeof *s->near, what));
+  if (isph_is_unforced(s) || isph_has_calm(s))
+    TRY(memory_resize(&s->near, n, sizeof *s->near, what));
   if (isph_is_free_water(s)) TRY(memory_resize(&s->linear, n, sizeof *s->linear, what));
   if (isph_has_calm(s)) {
     TRY(memory_resize(&s->thick, n, sizeof *s->thick, what));

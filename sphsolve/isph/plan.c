@@ -201,7 +201,7 @@ enum status isph_cost(struct plan *plan, int threads) {
     plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
   if (context->has_surface && context->driving > 0 && !context->has_porous)
-    plan->bytes_fluid += 88; /* gradients exact for linear fields, viscosity of calm water */
+    plan->bytes_fluid += 96; /* gradients exact for linear fields, calm water */
   if (isph_has_wells(scene)) plan->bytes_fluid += (double)sizeof(struct isph_outlet);
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;

@@ -182,7 +182,7 @@ struct isph {
   float (*moment_defect)[6];          /* C of isph/moment.c; NULL without soil */
   double *surface;                    /* 0 bulk .. 1 surface; NULL without */
   double (*body)[2];  /* number of its body of water, and the most on the surface of one; or NULL */
-  double *near;       /* its largest in the neighbourhood; NULL unless water is free of forces */
+  double *near;       /* its largest in the neighbourhood; NULL unless unforced or with `calm` */
   float (*linear)[6]; /* K of isph/linear.h; NULL unless it is as that says */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
   double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */

@@ -291,6 +291,18 @@ END
   same_on_ranks rain
 }
 
+@test "isph: calm free water, stirred and not, the same bits on 1, 2, 3 ranks" {
+  cat > calm.cfg << 'END'
+scene = { method = "isph"; end_time = "0.3 s"; };
+domain = { size = ["0.4 m", "0.3 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.15 m"]; velocity = ["0", "-0.5 m/s"]; },
+  { type = "water"; box = ["0.1 m", "0", "0.4 m", "0.15 m"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  same_on_ranks calm
+}
+
 @test "isph: wells and a drain across the cut between ranks, the same bits on 1, 2, 3 ranks" {
   cat > wells.cfg << 'END'
 scene = { method = "isph"; end_time = "0.1 s"; };

@@ -6,17 +6,20 @@
  * soil of strong drag would be faster than the water.
  *
  * |1 - phi| counts up to 0.05. At a surface only phi > 1 counts, and where no force acts on the
- * water also next to it: neighbours are missing there on one side, so that phi changes under a
- * strain that keeps the volume. In seepage without a surface tau is at least the time in which a
- * particle moves by its own size, since the errors of phi arise from that motion: with a shorter
- * one water that creeps through soil of porosity .1 gets velocity fluctuations as large as its
- * velocity. `relaxation_factor`, `crowd_factor`: isph/energy.c; 1 without that. */
+ * water, and as far as free water is calm (isph/calm.h), also next to it: neighbours are missing
+ * there on one side, so that phi changes under a strain that keeps the volume. In calm water little
+ * of phi > 1 counts there either, since relaxing it damps waves. In seepage without a surface tau
+ * is at least the time in which a particle moves by its own size, since the errors of phi arise
+ * from that motion: with a shorter one water that creeps through soil of porosity .1 gets velocity
+ * fluctuations as large as its velocity. `relaxation_factor`, `crowd_factor`: isph/energy.c; 1
+ * without that. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/front.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
@@ -35,6 +38,9 @@
  * than by B it could spread again. Rows at the edge of soil differ by up to .08 for ever, which may
  * move nothing. */
 #define RELAXATION_CROWD 0.1
+
+/* Of an excess next to the surface of calm water, what is left to it. */
+#define RELAXATION_SPARED 0.7
 
 /* Most of the kernel sum that counts of a particle ahead of its row. */
 #define RELAXATION_LEAD 0.1
@@ -66,12 +72,19 @@ static inline double relaxation_crowd(const struct isph *s, size_t i, double rel
   return s->porosity[i] * crowded * (1 - s->drag_factor[i]) / time;
 }
 
+/* Share of a deficit of the kernel sum (excess if negative) that is none, or is left. */
+static inline double relaxation_spared(const struct isph *s, size_t i, double deficit) {
+  const double calm = isph_calm_surface(s, i), beside = s->near != NULL ? s->near[i] : 0;
+  if (deficit < 0) return RELAXATION_SPARED * calm * beside;
+  return fmax(s->calm != NULL ? calm * beside : beside, s->surface[i]);
+}
+
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
   const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
   deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
-  if (deficit > 0 && s->surface != NULL) deficit *= 1 - (s->near != NULL ? s->near : s->surface)[i];
+  if (s->surface != NULL) deficit *= 1 - relaxation_spared(s, i, deficit);
   if (s->porosity != NULL && s->surface == NULL) {
     const double *v = s->velocity[i];
     double size = isph_size_of(s, s->volume[i]);

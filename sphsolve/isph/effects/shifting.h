@@ -19,6 +19,13 @@
  * the shift out of them was left would lift the row in every step by as much as all its kinetic
  * energy. On slopes it would keep what runs down from spreading. What goes along a surface lifts,
  * too, where its normal is not that of a particle's own void; that is bounded (isph/energy.c).
+ *
+ * As far as free water is calm (isph/calm.h) a particle on the surface is shifted along it too:
+ * unevenly spread, one is pressed down into the second row sooner or later, and a wave loses half
+ * of its energy at once. And the mean shift of a neighbourhood, weights V (- W'/r), is taken from
+ * each shift: what differs from particle to particle evens them out, a mean one does work on the
+ * pressure and makes a wave on many rows grow.
+ *
  * Neither is a particle beside a gap to a wall, if it is more asymmetric than disorder makes it:
  * shifting would close the gap within three steps. Nothing is shifted at rest. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
