@@ -80,9 +80,9 @@ static void start_half_wave(double speed, struct run *run) {
   }
 }
 
-/* Half a wave of 3 cm between walls, a meter deep, keeps .98 of its velocity for three periods; .92
- * where artificial viscosity acts on all water, and .90 where the gradient of the pressure is not
- * exact for linear fields, either. */
+/* Half a wave of 3 cm between walls, a meter deep, keeps its velocity for three periods; .98 of it
+ * where densities relax beside the surface, .92 where artificial viscosity acts on all water too,
+ * and .90 where the gradient of the pressure is not exact for linear fields, either. */
 static void a_wave_keeps_its_energy(void **state) {
   (void)state;
   struct run run;
@@ -102,7 +102,7 @@ static void a_wave_keeps_its_energy(void **state) {
     if (step >= 175) peak = fmax(peak, fabs(across / square)); /* half a period, after three */
   }
   print_message("of the wave is left %.3f\n", peak / first);
-  assert_true(peak > 0.97 * first);
+  assert_true(peak > 0.99 * first && peak < 1.01 * first);
   finish(&run);
 }
 
@@ -137,8 +137,8 @@ static double most_kinetic(struct isph *s, int steps) {
   return most;
 }
 
-/* The same wave at .27 m/s has .78 of its energy after twenty periods; .39 where artificial
- * viscosity acts on all water. */
+/* The same wave at .27 m/s has .92 of its energy after twenty periods; .78 where densities relax
+ * beside the surface and that is not shifted, .39 where artificial viscosity acts on all water. */
 static void a_wave_outlives_twenty_periods(void **state) {
   (void)state;
   struct run run;
@@ -147,7 +147,7 @@ static void a_wave_outlives_twenty_periods(void **state) {
   for (int period = 1; period < 20; period++) most_kinetic(&run.s, 67);
   const double left = most_kinetic(&run.s, 67) / first;
   print_message("of the energy is left %.3f\n", left);
-  assert_true(left > 0.75 && left < 1);
+  assert_true(left > 0.85 && left < 1);
   finish(&run);
 }
 
@@ -170,6 +170,29 @@ static void a_pool_is_thick(void **state) {
   finish(&run);
 }
 
+/* Where its top row is looser than a lattice's water is neither calm nor thick: here where that
+ * stands a fifth of a spacing too high. */
+static void a_loose_surface_is_not_calm(void **state) {
+  (void)state;
+  struct run run;
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"60 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"60 cm\", \"12 cm\"]; } );\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  struct isph *s = &run.s;
+  for (size_t i = 0; i < s->count; i++)
+    if (s->position[i][0] > 0.3 && s->position[i][2] > 0.11) s->position[i][2] += 0.002;
+  assert_int_equal(isph_refresh(s), STATUS_OK);
+  for (size_t i = 0; i < s->count; i++) {
+    const double x = s->position[i][0], z = s->position[i][2];
+    if (x < 0.2) assert_float_equal(s->thick[i], 1, 1e-12);
+    if (x > 0.4 && z > 0.1) assert_true(s->thick[i] < 0.2);
+    if (x > 0.4 && z < 0.07) assert_float_equal(s->thick[i], 1, 1e-12);
+  }
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(energy_does_not_rise),
@@ -178,6 +201,7 @@ int main(void) {
       cmocka_unit_test(a_surface_is_as_fast_as_its_wave),
       cmocka_unit_test(a_wave_outlives_twenty_periods),
       cmocka_unit_test(a_pool_is_thick),
+      cmocka_unit_test(a_loose_surface_is_not_calm),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
