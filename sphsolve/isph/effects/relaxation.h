@@ -39,7 +39,7 @@
  * move nothing. */
 #define RELAXATION_CROWD 0.1
 
-/* Of an excess next to the surface of calm water, what is left to it. */
+/* The share of an excess of phi next to the surface of calm water that is not relaxed. */
 #define RELAXATION_SPARED 0.7
 
 /* Most of the kernel sum that counts of a particle ahead of its row. */
@@ -72,7 +72,7 @@ static inline double relaxation_crowd(const struct isph *s, size_t i, double rel
   return s->porosity[i] * crowded * (1 - s->drag_factor[i]) / time;
 }
 
-/* Share of a deficit of the kernel sum (excess if negative) that is none, or is left. */
+/* The share, 0 to 1, of a deficit of the kernel sum (an excess if negative) that is not relaxed. */
 static inline double relaxation_spared(const struct isph *s, size_t i, double deficit) {
   const double calm = isph_calm_surface(s, i), beside = s->near != NULL ? s->near[i] : 0;
   if (deficit < 0) return RELAXATION_SPARED * calm * beside;
