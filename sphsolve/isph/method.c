@@ -40,11 +40,6 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* The end is shared among so many equal steps. A step leaves a divergence that goes with its dt,
- * and the next one's pressure has it over its own: after one of dt, one of dt/2 would read what
- * moves the water twice, and a very short one what rounding leaves. */
-#define END_STEPS 32
-
 static enum status march(struct isph *s, const struct plan *plan, struct isph_copy *copy,
                          struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -93,10 +88,8 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     const char *limited_by = "scene";
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
     if (s->dog.halvings > 0) dt = ldexp(dt, -s->dog.halvings), limited_by = "watchdog";
-    double left = scene->end_time - s->time;
-    const double steps = ceil(left / dt * (1 - 1e-6));
-    if (steps <= 1 || (steps <= END_STEPS && dt * steps > left * (1 + 1e-6))) dt = left / steps;
-    if (steps <= 2) limited_by = "end_time";
+    dt = isph_dt_to_end(&s->ending, scene->end_time - s->time, dt);
+    if (s->ending.steps == 1 || s->ending.steps == 2) limited_by = "end_time";
     step_log_limit(recorder_step_log(recorder), limited_by);
     status = isph_advance(s, dt);
     if (status == STATUS_NUMERIC) {
@@ -112,6 +105,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
       TRY(isph_step_back(s, copy, dt, &trip, recorder));
       used = s->dog.kept_used;
       s->stable_from = s->step;
+      s->ending = (struct isph_ending){.steps = 0};
       s->settling = (struct monitor_settling){.since = s->time};
       next_row = row_after(s->time, row_interval);
       continue;

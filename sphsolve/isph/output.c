@@ -311,10 +311,10 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(h5_write(file, name, H5_F64, 1, &six, boxes, false));
   }
-  double numbers[] = {s->time, s->viscosity_most};
+  double numbers[] = {s->time, s->viscosity_most, s->ending.last, s->ending.steps};
   int64_t counts[] = {s->step, (int64_t)s->next_id, (int64_t)s->lost_count, (int64_t)s->left_count,
                       (int64_t)s->entered_count};
-  TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 2, numbers));
+  TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
   TRY(h5_write_attribute(file, "/state", "passed", H5_F64, 4, &s->passed.entered));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   size_t losses[2] = {CONSERVATION_LOSSES, 6};
@@ -369,7 +369,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t dims[2];
   int rank;
-  double numbers[2], dog[3], solve[4], kept[3];
+  double numbers[4], dog[3], solve[4], kept[3];
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -412,7 +412,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     memcpy(s->wall_boxes[b].low, box, 3 * sizeof *box);
     memcpy(s->wall_boxes[b].high, box + 3, 3 * sizeof *box);
   }
-  TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 2, numbers));
+  TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
   TRY(h5_read_attribute(file, "/state", "passed", H5_F64, 4, &s->passed.entered));
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
   TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
@@ -422,6 +422,7 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   s->solve.iterations = (int)solve[0], s->solve.iterations_total = (int)solve[1];
   s->solve.solves = (int)solve[2], s->solve.residual = solve[3];
   s->time = numbers[0], s->viscosity_most = numbers[1];
+  s->ending = (struct isph_ending){.last = numbers[2], .steps = (int)numbers[3]};
   s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
   s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
   TRY(read_into(file, "/state/losses", H5_F64, CONSERVATION_LOSSES, 6, s->losses));

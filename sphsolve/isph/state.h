@@ -120,6 +120,13 @@ struct isph_solve {
   bool again;              /* what is solved is what the first projection left of div v */
 };
 
+/* Of the last step given: its length, s, and how many there were to be, it and those up to the
+ * end; 0 as long as the end is far. */
+struct isph_ending {
+  double last;
+  int steps;
+};
+
 struct isph_multigrid;
 struct isph_petsc;
 struct isph_well; /* isph/well.h */
@@ -150,6 +157,7 @@ struct isph {
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, the floor under the eddies' */
   int64_t step;
+  struct isph_ending ending;
 
   size_t count, capacity;  /* of the particles here: the own ones, and ghosts before and after */
   size_t total;            /* of all ranks */
@@ -272,6 +280,10 @@ enum status isph_advance(struct isph *s, double dt);
 bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
+
+/* The next step's length, s, at most the limit: where few steps are `left` (s), such that they end
+ * with the run and none is much shorter than the one before. */
+double isph_dt_to_end(struct isph_ending *ending, double left, double limit);
 
 /* isph/place.c: the water at the start, start_count particles on all ranks. */
 enum status isph_place_water(struct isph *s, const struct lattice *lattice);

@@ -1,4 +1,4 @@
-/* The largest stable time step. */
+/* The largest stable time step, and what is left of a run shared among steps. */
 #include <math.h>
 
 #include "sphsolve/isph/ranks.h"
@@ -62,4 +62,47 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
     if (limits[k].dt < limits[least].dt) least = k;
   *limited_by = limits[least].name;
   return limits[least].dt;
+}
+
+#define END_STEPS 32  /* and fewer share what is left */
+#define END_FALL 0.99 /* of the limit over the last step: what falls by more is followed at once   \
+                       */
+
+/* rho of rho + rho^2 + .. + rho^n = sum, 0 < sum <= n: Newton's method, from above. */
+static double ratio_of(int n, double sum) {
+  double rho = 1;
+  for (int round = 0; round < 60; round++) {
+    double value = 0, slope = 0;
+    for (int k = 0; k < n; k++) slope = slope * rho + value + 1, value = (value + 1) * rho;
+    const double next = rho - (value - sum) / slope;
+    if (!(next < rho * (1 - 1e-15))) break;
+    rho = next;
+  }
+  return rho;
+}
+
+static int steps_of(double left, double dt) {
+  return (int)fmax(1, ceil(left / dt * (1 - 1e-6)));
+}
+
+/* A step leaves a divergence that goes with its dt, and the next one's pressure has it over its
+ * own: after one of dt, one of dt/2 reads what moves the water twice, and a very short one what
+ * rounding leaves. So the last steps shrink by the same ratio each, n of them that make up what is
+ * left; where the limit falls faster than that, n grows by an eighth, early and then seldom. */
+double isph_dt_to_end(struct isph_ending *ending, double left, double limit) {
+  double last = ending->last > 0 ? ending->last : limit, ratio;
+  int steps = ending->steps - 1;
+  *ending = (struct isph_ending){.last = limit};
+  if (left / limit > END_STEPS) return limit;
+  const int fewest = steps_of(left, limit);
+  if (steps < 1 && fewest > 1 && limit * fewest <= left * (1 + 1e-6)) return limit;
+  if (limit < END_FALL * last) {
+    last = limit;
+    if (steps < fewest + fewest / 8) steps = fewest + fewest / 8;
+  }
+  if (steps < steps_of(left, last)) steps = steps_of(left, last); /* none yet, or another end */
+  while (ratio = ratio_of(steps, left / last), last * ratio > limit * (1 + 1e-6))
+    steps += 1 + steps / 8;
+  *ending = (struct isph_ending){.last = steps == 1 ? left : last * ratio, .steps = steps};
+  return ending->last;
 }

@@ -193,6 +193,31 @@ static void a_loose_surface_is_not_calm(void **state) {
   finish(&run);
 }
 
+/* Steps whose limit falls by 1 % a step, as that of water that falls, or goes up and down as well,
+ * share what is left, none much shorter than the one before and its own limit. */
+static void last_steps_shrink_by_little(void **state) {
+  (void)state;
+  for (int n = 0; n < 200; n++) {
+    const double wobble = n % 2 * 0.02, end = 2 + 0.013 * n;
+    struct isph_ending ending = {.steps = 0};
+    double time = 1, dt = 0, least = 1;
+    int steps = 0, fewest = 0;
+    while (time < end * (1 - 1e-12)) {
+      const double limit = 0.01 / time * (1 + wobble * sin(2.3 * steps)), before = dt;
+      dt = isph_dt_to_end(&ending, end - time, limit);
+      assert_true(dt <= limit * (1 + 1e-6));
+      if (ending.steps > 0 && before > 0) least = fmin(least, dt / fmin(before, limit));
+      time += dt, steps++;
+    }
+    for (double t = 1; t < end; fewest++) t += 0.01 / t * (1 + wobble * sin(2.3 * fewest));
+    assert_true(fabs(time / end - 1) < 1e-12 && ending.steps == 1);
+    assert_true(least > 0.95 && steps - fewest < 12);
+  }
+  struct isph_ending ending = {.steps = 0};
+  for (int left = 100; left > 0; left--)
+    assert_true(isph_dt_to_end(&ending, left * 0.1, 0.1) == (left > 1 ? 0.1 : left * 0.1));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(energy_does_not_rise),
@@ -202,6 +227,7 @@ int main(void) {
       cmocka_unit_test(a_wave_outlives_twenty_periods),
       cmocka_unit_test(a_pool_is_thick),
       cmocka_unit_test(a_loose_surface_is_not_calm),
+      cmocka_unit_test(last_steps_shrink_by_little),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
