@@ -8,8 +8,8 @@
  * w how far the particle is on the surface, n its normal and m the mean of M along the surface.
  * Half of a neighbourhood is missing there: across the surface a ghost closes the gradient
  * (effects/surface.h), along it nothing else does, and the outermost row of a wave would be a
- * quarter slower than the wave. The divergence stays as it is: with M^-1 in it too a wave without
- * any viscosity grows by 2 % a period. */
+ * quarter slower than the wave. The divergence has M^-1 only where water strains fast
+ * (isph/strain.h). */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINEAR_H
 #define TOSUI_SPHSOLVE_ISPH_LINEAR_H
 

@@ -9,6 +9,7 @@
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
+#include "sphsolve/isph/strain.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
 
@@ -36,9 +37,10 @@ struct pairs {
   double diagonal, source, divergence;
 };
 
-/* Driving force f per mass, velocities v. */
+/* Driving force f per mass, velocities v; D of the divergence (isph/strain.h), or NULL. */
 ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                        size_t i, const double f[3], double (*v)[3], struct pairs *row) {
+                        size_t i, const double f[3], double (*v)[3], const double d[6],
+                        struct pairs *row) {
   const double *xi = s->position[i], *vi = v[i], vol = s->volume[i], rho = s->density;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
@@ -49,6 +51,7 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
     chunk->matrix[p] = a;
     row->diagonal += (double)a;
     row->source += (double)a * rho * isph_fall_between(images, s, f, xi, entry, r);
+    if (d != NULL) symmetric_times(d, r, r);
     row->divergence += s->volume[j] * slope *
                        ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
   }
@@ -80,7 +83,9 @@ void isph_assemble(struct isph *s, double relaxation_time) {
       double ki = s->mobility[i], vol = s->volume[i];
       const double *relative = s->on.anisotropy ? s->anisotropy[i].relative : NULL;
       struct pairs pairs = {0};
-      ISPH_ROW(s, i, assemble_pairs, s, chunk, i, f, v, &pairs);
+      double d[6];
+      const bool strains = isph_strain_turn(s, i, d);
+      ISPH_ROW(s, i, assemble_pairs, s, chunk, i, f, v, strains ? d : NULL, &pairs);
       double diagonal = pairs.diagonal, source = pairs.source, divergence = pairs.divergence;
       double walled = 0, tied = 0;
       double beside = s->on.surface ? s->surface[i] : 0;
@@ -106,6 +111,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
         double image = 2 * isph_wall_volume(s, j) * slope;
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
+        if (strains) symmetric_times(d, r, r);
         isph_turn(IMAGES_REFLECTED, s, entry, r,
                   back); /* a wall's image behind a side: both turn the velocity */
         symmetric_times(mirror, back, across);

@@ -218,6 +218,53 @@ static void last_steps_shrink_by_little(void **state) {
     assert_true(isph_dt_to_end(&ending, left * 0.1, 0.1) == (left > 1 ? 0.1 : left * 0.1));
 }
 
+/* The divergence, 1/s, of a strain that keeps the volume, e along x and -e along z, at particles
+ * with water around them: the largest. Their places are a lattice's, displaced. */
+static double divergence_of_strain(struct isph *s, double e, double speed) {
+  double most = 0, *still = malloc(s->count * sizeof *still);
+  assert_non_null(still);
+  for (size_t i = 0; i < s->count; i++) {
+    double *v = s->predicted[i];
+    const float gradient[9] = {(float)e, 0, 0, 0, 0, 0, 0, 0, (float)-e};
+    memcpy(s->gradient[i], gradient, sizeof gradient);
+    v[0] = v[1] = v[2] = 0;
+    s->velocity[i][0] = speed, s->velocity[i][1] = s->velocity[i][2] = 0;
+  }
+  isph_assemble(s, 0.1);
+  memcpy(still, s->source, s->count * sizeof *still);
+  for (size_t i = 0; i < s->count; i++)
+    s->predicted[i][0] = e * s->position[i][0], s->predicted[i][2] = -e * s->position[i][2];
+  isph_assemble(s, 0.1);
+  for (size_t i = 0; i < s->count; i++) {
+    const double *x = s->position[i];
+    if (fabs(x[0] - 0.1) < 0.06 && fabs(x[2] - 0.08) < 0.03)
+      most = fmax(most, fabs(s->source[i] - still[i]) / s->volume[i]);
+  }
+  free(still);
+  return most;
+}
+
+/* Of fast water, as at a wall that it strikes; slow water, as that of waves, has the plain sum,
+ * which disorder gives a divergence. */
+static void a_strain_has_no_divergence(void **state) {
+  (void)state;
+  struct run run;
+  start(&run, "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+              "domain = { size = [\"20 cm\", \"20 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"20 cm\", \"15 cm\"]; } );\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  struct isph *s = &run.s;
+  for (size_t i = 0; i < s->count; i++)
+    for (int a = 0; a < 3; a += 2)
+      s->position[i][a] += 1e-3 * sin(1e3 * (double)(i + 7 * (size_t)a));
+  assert_int_equal(isph_refresh(s), STATUS_OK);
+  assert_int_equal(isph_advance(s, 1e-4), STATUS_OK);
+  assert_true(divergence_of_strain(s, 50, 20) < 1e-3 * 50);
+  assert_true(divergence_of_strain(s, 50, .01) > 0.05 * 50);
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(energy_does_not_rise),
@@ -228,6 +275,7 @@ int main(void) {
       cmocka_unit_test(a_pool_is_thick),
       cmocka_unit_test(a_loose_surface_is_not_calm),
       cmocka_unit_test(last_steps_shrink_by_little),
+      cmocka_unit_test(a_strain_has_no_divergence),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
