@@ -40,11 +40,12 @@ static void coarsen(const struct pipeline *finest, int level, struct request *re
 }
 
 static enum status run_level(const struct options *options, const struct request *request,
-                             const char *const *paths, const char *key, struct pipeline *pipeline,
+                             const char *const *paths, const char *key,
+                             const struct pipeline *finer, struct pipeline *pipeline,
                              json_t **json) {
   enum status status = STATUS_OK;
   const bool build = strcmp(options_command(options), "build") == 0;
-  TRY(pipeline_run(request, paths, options_operand_count(options), build, pipeline));
+  TRY(pipeline_run(request, paths, options_operand_count(options), build, finer, pipeline));
   if (build)
     TRY(model_output_write(pipeline, options));
   else if (request->output != NULL)
@@ -62,11 +63,11 @@ static enum status run_levels(const struct options *options, const struct reques
   struct pipeline finest = {0}, coarser = {0};
   char output[PATH_MAX];
   json_t *own = NULL;
-  TRY(run_level(options, request, paths, key, &finest, *json == NULL ? json : &own));
+  TRY(run_level(options, request, paths, key, NULL, &finest, *json == NULL ? json : &own));
   for (int level = 1; level < request->levels; level++) {
     struct request less = *request;
     coarsen(&finest, level, &less, output);
-    TRY(run_level(options, &less, paths, "coarser", &coarser, own != NULL ? &own : json));
+    TRY(run_level(options, &less, paths, "coarser", &finest, &coarser, own != NULL ? &own : json));
     pipeline_end(&coarser);
     coarser = (struct pipeline){0};
   }

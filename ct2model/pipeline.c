@@ -80,6 +80,10 @@ static enum status survey_region(struct pipeline *pipeline) {
   }
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
   if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is of a part */
+  if (pipeline->finer != NULL) {
+    pipeline->scanner = pipeline->finer->scanner;
+    goto cleanup;
+  }
   TRY(scanner_measure(&pipeline->region, survey, &pipeline->scanner));
   if (pipeline->scanner.narrow) TRY(narrow_scanner_find(&pipeline->region, &pipeline->scanner));
 cleanup:
@@ -348,7 +352,7 @@ static enum status restore(struct pipeline *pipeline) {
   const size_t *size = pipeline->size;
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
-  TRY(smooth_walls_find(&pipeline->region, &pipeline->scanner));
+  if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->region, &pipeline->scanner));
   TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
@@ -370,9 +374,10 @@ cleanup:
 }
 
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
-                         bool distances, struct pipeline *pipeline) {
+                         bool distances, const struct pipeline *finer, struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   *pipeline = (struct pipeline){.request = request,
+                                .finer = finer,
                                 .distances = distances,
                                 .grey_scale = 1.0,
                                 .walls = {.void_ratio = NAN}, /* until they are found */

@@ -5,9 +5,9 @@
 
 #include "ct2model/state.h"
 
-/* Runs everything; `distances` off leaves out the wall distances (sweep). Free with pipeline_end.
- */
+/* Runs everything; `distances` off leaves out the wall distances (sweep). `finer`: of the same scan
+ * and void ratio, whose scanner is the same; or NULL. Free with pipeline_end. */
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
-                         bool distances, struct pipeline *pipeline);
+                         bool distances, const struct pipeline *finer, struct pipeline *pipeline);
 
 #endif

@@ -42,6 +42,7 @@ struct wall_level {
 /* Greys inside are region.scale times stored ones; pipeline_grey gives what is reported. */
 struct pipeline {
   const struct request *request;
+  const struct pipeline *finer; /* of the same scan and void ratio; NULL where this is the first */
   bool distances; /* a model is wanted, not a sweep alone */
   bool unsized;   /* a sweep of voxels of no known size: no length is told */
   struct stack stack;

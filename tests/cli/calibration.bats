@@ -33,6 +33,15 @@ for e, model, swept in zip((0.65, 0.725, 0.8), [every] + every["void_ratios"], [
     assert abs(swept["threshold_original"] - alone["threshold_original"]) < 1e-9
 assert sweep["threshold"] < sweep["void_ratios"][1]["threshold"]  # more pore: a higher threshold
 END
+  # A coarser level, whose scanner was measured with the finest's, too.
+  ct2model build ${SCAN/16x16x3/11x11x2} --voxel-size 8.745um --void-ratio 0.65 -o one-11.hdf
+  ! /usr/bin/python3 -c 'import h5py' 2> /dev/null || /usr/bin/python3 - <<'END'
+import h5py
+level, alone = h5py.File("list-e0.65-11.hdf"), h5py.File("one-11.hdf")
+for name in ("solid", "wall_distance", "grain_fraction"):
+    assert (level["model"][name][()] == alone["model"][name][()]).all(), name
+assert len(level["scanner"].attrs) > 5 and str(dict(level["scanner"].attrs)) == str(dict(alone["scanner"].attrs))
+END
   [ "$(head -1 list.csv | cut -d, -f1,2)" = threshold,void_ratio ]
   [ "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n written)" = \
     "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n . | tail -1)" ]
