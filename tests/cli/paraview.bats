@@ -2,10 +2,11 @@
 # Models and snapshots open in ParaView: read by its own reader, and compared with what h5py reads.
 
 bats_require_minimum_version 1.5.0
+load sample
 setup_file() {
   export BIN="${BUILD:-build}/bin" ROOT="$BATS_TEST_DIRNAME/../.."
   cd "$BATS_FILE_TMPDIR"
-  "$BIN/ct2model" build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 -o model.hdf --quiet
+  (PATH="$BIN:$PATH" && sample_model 16x16x7 model.hdf)
   "$BIN/sphsolve" run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=model.hdf -o pore --quiet
   "$BIN/sphsolve" run "$ROOT/data-samples/scenes/seepage-column.cfg" --set 'scene.end_time="0.01 s"' -o soil --quiet
 }
