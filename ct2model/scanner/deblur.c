@@ -1,6 +1,7 @@
 #include "ct2model/scanner/deblur.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "common/memory.h"
@@ -26,23 +27,23 @@
  * the data gain by relief, is lambda q^2. N is P over that of noise as fine as voxels tell
  * (DEBLUR_CORRELATION_LEAST). A fringe f raises the scanner's transfer of relief of wavenumber 1 /
  * s, 1 + f' times (edge_fit_transfer), its square in the likelihood; surface costs as much more. f'
- * = f (blur / s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE and the
- * rounds were fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the
- * noise, RELIEF chosen on some of them (docs/notes/2026-11-23-scanner.md). */
+ * = f (blur / s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE was
+ * fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise, RELIEF
+ * chosen on some of them (docs/notes/2026-11-23-scanner.md). */
 static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
-/* Rounds before grains are told apart, and after. */
-enum { ROUNDS_FIRST = 10, ROUNDS = 30 };
+/* Rounds before grains are told apart. */
+enum { ROUNDS_FIRST = 10 };
 
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H */
-  double fringe[3];
+  double fringe[3];         /* of H: share of the Laplacian */
   double step, cost;
 };
 
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner};
+  *deblur = (struct deblur){.scanner = *scanner, .rounds = DEBLUR_ROUNDS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -122,10 +123,55 @@ TARGETS static void multiply(const float *restrict a, const float *restrict b, s
   for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
 }
 
-/* out = (out - b) / c */
-TARGETS static void subtract_divide(const float *restrict a, const float *restrict b,
-                                    const float *restrict c, size_t n, float *restrict out) {
-  for (size_t i = 0; i < n; i++) out[i] = (a[i] - b[i]) / c[i];
+TARGETS static void divide(const float *restrict a, const float *restrict b, size_t n,
+                           float *restrict out) {
+  for (size_t i = 0; i < n; i++) out[i] = a[i] / b[i];
+}
+
+TARGETS static void subtract_from(const float *restrict a, size_t n, float *restrict out) {
+  for (size_t i = 0; i < n; i++) out[i] = a[i] - out[i];
+}
+
+/* What `out`, a row of H A y, leaves of the scan; nothing beyond its faces. */
+static void leave_row(const struct deblur *deblur, size_t row, float *out) {
+  const size_t *n = deblur->size, at[2] = {row % n[1], row / n[1]}; // NOLINT: a volume has a row
+  size_t first = deblur->beyond[0][0], end = n[0] - deblur->beyond[0][1];
+  for (int d = 0; d < 2; d++) {
+    const size_t *beyond = deblur->beyond[d + 1];
+    if (at[d] < beyond[0] || at[d] + beyond[1] >= n[d + 1]) first = end = n[0];
+  }
+  memset(out, 0, first * sizeof *out);
+  subtract_from(deblur->grey + row * n[0] + first, end - first, out + first);
+  memset(out + end, 0, (n[0] - end) * sizeof *out);
+}
+
+static bool all_shown(const struct deblur *deblur) {
+  size_t beyond = 0;
+  for (int d = 0; d < 3; d++) beyond += deblur->beyond[d][0] + deblur->beyond[d][1];
+  return beyond == 0;
+}
+
+/* a = H^T (g - H A y). Where the scan shows all of the slab, grey is H^T g, and H^T H one filter.
+ */
+static void find_misfit(struct deblur *deblur, const struct filters *filters) {
+  const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
+  const bool whole = all_shown(deblur);
+  float *a = deblur->a, *b = deblur->b;
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < rows; row++)
+    multiply(deblur->grain + row * nx, deblur->y + row * nx, nx, a + row * nx);
+  gaussian_filter(a, size, whole ? filters->twice : filters->once, deblur->share, a);
+  laplacian_subtract(a, size, filters->fringe, b);
+  if (!whole) {
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < rows; row++) leave_row(deblur, row, b + row * nx);
+    gaussian_filter(b, size, filters->once, deblur->share, b);
+  }
+  laplacian_subtract(b, size, filters->fringe, a);
+  if (whole)
+#pragma omp parallel for schedule(static)
+    for (size_t row = 0; row < rows; row++)
+      subtract_from(deblur->grey + row * nx, nx, a + row * nx);
 }
 
 TARGETS static void descend(const float *restrict downhill, float step, float momentum, size_t n,
@@ -138,7 +184,7 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
   }
 }
 
-/* Rounds from u on; grey has been filtered by H^T. */
+/* Rounds from u on; grey as find_misfit takes it. */
 static void iterate(struct deblur *deblur, const struct filters *filters, int rounds) {
   const size_t nx = deblur->size[0], rows = deblur->size[1] * deblur->size[2];
   struct grain_surface surface = {.cost = filters->cost, .contacts = deblur->contacts};
@@ -149,16 +195,10 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int ro
   memcpy(deblur->y, deblur->u, nx * rows * sizeof *deblur->u);
   for (int round = 0; round < rounds; round++) {
     const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * t * t));
+    find_misfit(deblur, filters);
 #pragma omp parallel for schedule(static)
     for (size_t row = 0; row < rows; row++)
-      multiply(deblur->grain + row * nx, deblur->y + row * nx, nx, deblur->a + row * nx);
-    gaussian_filter(deblur->a, deblur->size, filters->twice, deblur->share, deblur->a);
-    laplacian_subtract(deblur->a, deblur->size, filters->fringe, deblur->b);
-    laplacian_subtract(deblur->b, deblur->size, filters->fringe, deblur->a);
-#pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++)
-      subtract_divide(deblur->grey + row * nx, deblur->a + row * nx, deblur->grain + row * nx, nx,
-                      deblur->b + row * nx);
+      divide(deblur->a + row * nx, deblur->grain + row * nx, nx, deblur->b + row * nx);
     grain_surface_pull(&surface, deblur->y, deblur->a, deblur->b);
 #pragma omp parallel for schedule(static)
     for (size_t row = 0; row < rows; row++)
@@ -182,12 +222,14 @@ enum status deblur_run(struct deblur *deblur) {
   gaussian_filter(deblur->grey, deblur->size, fine, deblur->share, deblur->a);
   for (size_t i = 0; i < n; i++)
     deblur->u[i] = fminf(fmaxf(deblur->a[i] / deblur->grain[i], 0.0F), 1.0F);
-  gaussian_filter(deblur->grey, deblur->size, filters.once, deblur->share, deblur->a);
-  laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
+  if (all_shown(deblur)) {
+    gaussian_filter(deblur->grey, deblur->size, filters.once, deblur->share, deblur->a);
+    laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
+  }
   memset(deblur->contacts, 0, n);
   iterate(deblur, &filters, ROUNDS_FIRST);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
-  iterate(deblur, &filters, ROUNDS);
+  iterate(deblur, &filters, deblur->rounds);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;

@@ -11,6 +11,12 @@
  * between the voxels. */
 #define DEBLUR_CORRELATION_LEAST 0.6
 
+/* Rounds of descent after grains are told apart. Under blurs of over two voxels and contrasts of
+ * over 15 half as many leave throats wide, and k up to 6 % too high; twice as many move it by 2 %
+ * at most (docs/notes/2026-11-27-faces.md). What is compared with a scan made up and restored alike
+ * makes do with fewer. */
+enum { DEBLUR_ROUNDS = 60, DEBLUR_ROUNDS_COMPARED = 30 };
+
 /* What the scanner does, lengths in voxels of the slab by axis. */
 struct deblur_scanner {
   double blur[3]; /* standard deviation, without the voxel's own width */
@@ -25,7 +31,10 @@ struct deblur_scanner {
 
 struct deblur {
   size_t size[3]; /* of the slab at work, at most as large as at deblur_start */
+  /* Of these, voxels at either end of each axis that the scan does not show, of any grey. */
+  size_t beyond[3][2];
   struct deblur_scanner scanner;
+  int rounds;   /* DEBLUR_ROUNDS, or as set after deblur_start */
   float *grey;  /* [z][y][x], 0 pore and 1 grain; is lost */
   float *share; /* the result: the share of grain, 0 to 1 */
   float *grain, *u, *y, *a, *b;

@@ -161,6 +161,7 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     TRY(windows_read_middle(region, &phases, PIECE, &scan));
     const size_t *size = scan.window[0].size;
     TRY(deblur_start(size[0] * size[1] * size[2], &work, &deblur));
+    deblur.rounds = DEBLUR_ROUNDS_COMPARED;
     TRY(look_at(&scan, &work, &deblur, &seen, &found));
     TRY(correct_look(&scan, &work, &deblur, &seen, &look, &found));
     found = found && look.blur > LEAST && look.blur < LEAST * pow(STEP, TRIALS - 1) &&

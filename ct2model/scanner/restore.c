@@ -19,6 +19,10 @@ static const double SMOOTHER = 8.0;
 static const double FINER = 0.25;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
+/* In blurs: grains so far beyond the faces of the scan are sought with the others, as they show in
+ * it. With the scan reflected there instead, which no grain that a face cuts is, walls within two
+ * blurs of a face are twice as far off (docs/notes/2026-11-27-faces.md). */
+static const double BEYOND = 2.0;
 
 size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
   double voxels = 1.0, largest = 0.0;
@@ -35,18 +39,51 @@ size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
   return step;
 }
 
-/* Work slices first to first + size[2] - 1 of the region, greys 0 pore and 1 grain. */
+/* Voxels at either end of each axis beyond the faces of a scan of that size. */
+static void voxels_beyond(const size_t size[3], const double blur[3], size_t beyond[3]) {
+  for (int d = 0; d < 3; d++) {
+    const double far = fmin(ceil(BEYOND * blur[d]), (double)size[d]);
+    beyond[d] = size[d] > 1 ? (size_t)far : 0;
+  }
+}
+
+/* The voxel that is seen at `at`: the scan is reflected at its faces. */
+static size_t reflect(size_t at, size_t n, const size_t beyond[2]) {
+  const size_t first = beyond[0], end = n - beyond[1];
+  return at < first ? 2 * first - 1 - at : at < end ? at : 2 * end - 1 - at;
+}
+
+/* Beyond the faces, for the first guess. */
+static void slab_reflect(struct deblur *slab) {
+  const size_t nx = slab->size[0], ny = slab->size[1], nz = slab->size[2];
+  const size_t first = slab->beyond[0][0], end = nx - slab->beyond[0][1];
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < ny * nz; row++) {
+    const size_t y = reflect(row % ny, ny, slab->beyond[1]); // NOLINT: a volume has a row
+    const size_t z = reflect(row / ny, nz, slab->beyond[2]); // NOLINT
+    const float *from = slab->grey + (z * ny + y) * nx;
+    float *to = slab->grey + row * nx;
+    if (from != to) memcpy(to + first, from + first, (end - first) * sizeof *to);
+    for (size_t x = 0; x < nx; x++)
+      if (x < first || x >= end) to[x] = to[reflect(x, nx, slab->beyond[0])];
+  }
+}
+
+/* Work slices from `first` of the region on, greys 0 pore and 1 grain, amid what is beyond. */
 static enum status slab_read(const struct region *region, const struct scanner *scanner,
                              size_t step, size_t first, struct deblur *slab) {
   enum status status = STATUS_OK;
-  const size_t *n = slab->size, plane = region->size[0] * region->size[1];
+  const size_t *all = slab->size, plane = region->size[0] * region->size[1];
+  const size_t at[3] = {slab->beyond[0][0], slab->beyond[1][0], slab->beyond[2][0]};
+  size_t n[3];
+  for (int d = 0; d < 3; d++) n[d] = all[d] - slab->beyond[d][0] - slab->beyond[d][1];
   const size_t batch = region_batch(region);
   const float pore = (float)scanner->pore;
   const float scale = (float)(1.0 / (scanner->grain - scanner->pore) / pow((double)step, 3.0));
   float *slices = NULL;
   size_t numbers[64];
   TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
-  memset(slab->grey, 0, n[0] * n[1] * n[2] * sizeof *slab->grey);
+  memset(slab->grey, 0, all[0] * all[1] * all[2] * sizeof *slab->grey);
   for (size_t z = 0; z < n[2] * step; z += batch) {
     const size_t count = n[2] * step - z < batch ? n[2] * step - z : batch;
     for (size_t i = 0; i < count; i++) numbers[i] = first * step + z + i;
@@ -56,24 +93,32 @@ static enum status slab_read(const struct region *region, const struct scanner *
       for (size_t i = 0; i < count * step; i++) {
         const float *in = slices + (i / step * region->size[1] + y * step + i % step) * // NOLINT
                                        region->size[0];
-        float *out = slab->grey + ((z + i / step) / step * n[1] + y) * n[0]; // NOLINT: step > 0
+        const size_t to = (z + i / step) / step + at[2]; // NOLINT: step > 0
+        float *out = slab->grey + (to * all[1] + y + at[1]) * all[0] + at[0];
         for (size_t x = 0; x < n[0] * step; x++) out[x / step] += scale * (in[x] - pore); // NOLINT
       }
   }
+  slab_reflect(slab);
 cleanup:
   memory_free(&slices);
   return status;
 }
 
+/* Of `count` slices, those after the `skipped` first of the slab that the scan shows. */
 static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, size_t first,
                       struct coarse *restored) {
-  const size_t plane = slab->size[0] * slab->size[1];
-  uint8_t *levels = restored->levels + first * plane;
-  for (size_t i = 0; i < count * plane; i++) {
-    levels[i] = (uint8_t)(slab->share[skipped * plane + i] * (float)LEVELS + 0.5f);
-    restored->histogram.counts[levels[i]]++;
+  const size_t nx = restored->size[0], ny = restored->size[1];
+  uint8_t *levels = restored->levels + first * nx * ny;
+  for (size_t row = 0; row < count * ny; row++, levels += nx) {
+    const size_t y = row % ny + slab->beyond[1][0];           // NOLINT: a volume has a row
+    const size_t z = row / ny + skipped + slab->beyond[2][0]; // NOLINT
+    const float *share = slab->share + (z * slab->size[1] + y) * slab->size[0] + slab->beyond[0][0];
+    for (size_t x = 0; x < nx; x++) {
+      levels[x] = (uint8_t)(share[x] * (float)LEVELS + 0.5f);
+      restored->histogram.counts[levels[x]]++;
+    }
   }
-  restored->histogram.total += count * plane;
+  restored->histogram.total += count * nx * ny;
 }
 
 /* Volume (m^3) over which noise is as one voxel's, its power at low frequencies over its variance:
@@ -125,22 +170,29 @@ enum status restore_run(const struct region *region, const struct scanner *scann
   }
   if (voxels > HELD) return STATUS_OK;
   restore_scanner(region, scanner, width, step, &work);
+  size_t beyond[3];
+  voxels_beyond(restored->size, work.blur, beyond);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
+  const size_t worked = (restored->size[0] + 2 * beyond[0]) * (restored->size[1] + 2 * beyond[1]);
   const size_t margin = (size_t)ceil(MARGIN * fmax(work.blur[2], 1.0));
-  size_t depth = (size_t)(WORKED / (double)plane);
+  size_t depth = (size_t)(WORKED / (double)worked);
   depth = depth > 3 * margin ? depth - 2 * margin : margin;
   if (nz <= depth + margin) depth = nz;
   const size_t most = depth + 2 * margin < nz ? depth + 2 * margin : nz;
   TRY(memory_allocate(&restored->levels, plane * nz, 1, "the scan without its blur"));
   TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restored->histogram));
-  TRY(deblur_start(plane * most, &work, &slab));
-  slab.size[0] = restored->size[0];
-  slab.size[1] = restored->size[1];
+  TRY(deblur_start(worked * (most + 2 * beyond[2]), &work, &slab));
+  for (int d = 0; d < 2; d++) {
+    slab.size[d] = restored->size[d] + 2 * beyond[d];
+    slab.beyond[d][0] = slab.beyond[d][1] = beyond[d];
+  }
   progress_start(&progress, "restoring", "slices", (double)nz);
   for (size_t z = 0; z < nz; z += depth) {
     const size_t count = nz - z < depth ? nz - z : depth, first = z > margin ? z - margin : 0;
     const size_t end = z + count + margin < nz ? z + count + margin : nz;
-    slab.size[2] = end - first;
+    slab.beyond[2][0] = first == 0 ? beyond[2] : 0;
+    slab.beyond[2][1] = end == nz ? beyond[2] : 0;
+    slab.size[2] = end - first + slab.beyond[2][0] + slab.beyond[2][1];
     TRY(slab_read(region, scanner, step, first, &slab));
     TRY(deblur_run(&slab));
     slab_keep(&slab, z - first, count, z, restored);

@@ -168,6 +168,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const size_t *size = scan.window[0].size, n = size[0] * size[1] * size[2];
   TRY(memory_allocate(&lower, n, sizeof *lower, "a piece of the scan"));
   TRY(deblur_start(n, &work, &deblur));
+  deblur.rounds = DEBLUR_ROUNDS_COMPARED;
   const double smooth[2] = {1.0, work.surface};
   TRY(look_at_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
