@@ -58,14 +58,14 @@ part_of_sample() {
   # Of one body's runs the finest is shown.
   grep -q "Grains and streamlines of <em>fine-run</em>" tutorial/report.html
   [[ "$(grep -o 'tutorial/[a-z]*.hdf</td>' tutorial/report.html | head -1)" == tutorial/fine.hdf* ]]
-  for e in 0.699 0.75; do
+  for e in 0.695 0.75; do
     ct2model build data-samples/small --void-ratio $e --voxel-size 8.745um --size 32x32x14 -o tutorial/$e.hdf
     sphsolve run data-samples/scenes/demo.cfg --set model.file=tutorial/$e.hdf -o tutorial/$e-fine
     sphsolve run data-samples/scenes/demo.cfg --set model.file=tutorial/$e.hdf --set lattice.spacing='"70 um"' -o tutorial/$e-coarse
     analyze report tutorial/$e-coarse.hdf tutorial/$e-fine.hdf -o tutorial/$e.html
   done
   # Narrow pores leave 5 % little room beside the scan's own share: a finer scan is advised.
-  grep -q "For 5 %: a finer or sharper scan is needed; a model with smaller voxels alone takes it only just below, to \(4.[89][0-9]*\|5\) % at best, where the scan binds" tutorial/0.699.html
+  grep -q "For 5 %: a finer or sharper scan is needed; a model with smaller voxels alone takes it only just below, to \(4.[89][0-9]*\|5\) % at best, where the scan binds" tutorial/0.695.html
   # Where it leaves room, no model finer than the scan is advised.
   grep -q "For 5 %: a scan with voxels of about [0-9.]* um; its own are 8.745 um" tutorial/0.75.html
 }
