@@ -123,9 +123,8 @@ TARGETS static void multiply(const float *restrict a, const float *restrict b, s
   for (size_t i = 0; i < n; i++) out[i] = a[i] * b[i];
 }
 
-TARGETS static void divide(const float *restrict a, const float *restrict b, size_t n,
-                           float *restrict out) {
-  for (size_t i = 0; i < n; i++) out[i] = a[i] / b[i];
+TARGETS static void divide_by(const float *restrict a, size_t n, float *restrict out) {
+  for (size_t i = 0; i < n; i++) out[i] = out[i] / a[i];
 }
 
 TARGETS static void subtract_from(const float *restrict a, size_t n, float *restrict out) {
@@ -151,27 +150,26 @@ static bool all_shown(const struct deblur *deblur) {
   return beyond == 0;
 }
 
-/* a = H^T (g - H A y). Where the scan shows all of the slab, grey is H^T g, and H^T H one filter.
- */
-static void find_misfit(struct deblur *deblur, const struct filters *filters) {
+/* a = H^T (g - H a) / A. Where the scan shows all of the slab, grey is H^T g, and H^T H one filter.
+ * A row is done with while it is in the cache, here and in iterate: memory is what takes time. */
+static void explain(struct deblur *deblur, const struct filters *filters) {
   const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
   const bool whole = all_shown(deblur);
-  float *a = deblur->a, *b = deblur->b;
+  float *a = deblur->a, *b = deblur->b, *share = deblur->share;
+  gaussian_filter(a, size, whole ? filters->twice : filters->once, b, share);
 #pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < rows; row++)
-    multiply(deblur->grain + row * nx, deblur->y + row * nx, nx, a + row * nx);
-  gaussian_filter(a, size, whole ? filters->twice : filters->once, deblur->share, a);
-  laplacian_subtract(a, size, filters->fringe, b);
-  if (!whole) {
-#pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++) leave_row(deblur, row, b + row * nx);
-    gaussian_filter(b, size, filters->once, deblur->share, b);
+  for (size_t row = 0; row < rows; row++) {
+    laplacian_subtract_row(share, size, filters->fringe, row, b + row * nx);
+    if (!whole) leave_row(deblur, row, b + row * nx);
   }
-  laplacian_subtract(b, size, filters->fringe, a);
-  if (whole)
+  if (!whole) gaussian_filter(b, size, filters->once, a, share);
 #pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++)
-      subtract_from(deblur->grey + row * nx, nx, a + row * nx);
+  for (size_t row = 0; row < rows; row++) {
+    const size_t at = row * nx;
+    laplacian_subtract_row(whole ? b : share, size, filters->fringe, row, a + at);
+    if (whole) subtract_from(deblur->grey + at, nx, a + at);
+    divide_by(deblur->grain + at, nx, a + at);
+  }
 }
 
 TARGETS static void descend(const float *restrict downhill, float step, float momentum, size_t n,
@@ -184,7 +182,7 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
   }
 }
 
-/* Rounds from u on; grey as find_misfit takes it. */
+/* Rounds from u on; grey as explain takes it. */
 static void iterate(struct deblur *deblur, const struct filters *filters, int rounds) {
   const size_t nx = deblur->size[0], rows = deblur->size[1] * deblur->size[2];
   struct grain_surface surface = {.cost = filters->cost, .contacts = deblur->contacts};
@@ -192,18 +190,18 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int ro
   memcpy(surface.stretch, deblur->scanner.stretch, sizeof surface.stretch);
   const double step = 1.0 / (filters->step + grain_surface_stiffness(&surface));
   double t = 1.0;
-  memcpy(deblur->y, deblur->u, nx * rows * sizeof *deblur->u);
+  float *y = deblur->y, *a = deblur->a;
+  memcpy(y, deblur->u, nx * rows * sizeof *y);
+  multiply(deblur->grain, y, nx * rows, a);
   for (int round = 0; round < rounds; round++) {
     const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * t * t));
-    find_misfit(deblur, filters);
+    explain(deblur, filters);
+    grain_surface_pull(&surface, y, deblur->b, a);
 #pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++)
-      divide(deblur->a + row * nx, deblur->grain + row * nx, nx, deblur->b + row * nx);
-    grain_surface_pull(&surface, deblur->y, deblur->a, deblur->b);
-#pragma omp parallel for schedule(static)
-    for (size_t row = 0; row < rows; row++)
-      descend(deblur->b + row * nx, (float)step, (float)((t - 1.0) / next), nx,
-              deblur->u + row * nx, deblur->y + row * nx);
+    for (size_t at = 0; at < rows * nx; at += nx) {
+      descend(a + at, (float)step, (float)((t - 1.0) / next), nx, deblur->u + at, y + at);
+      multiply(deblur->grain + at, y + at, nx, a + at);
+    }
     t = next;
   }
 }

@@ -75,20 +75,23 @@ static void filter_row(const float *in, const float *weight, int reach, size_t n
   }
 }
 
-/* Rows that follow each other along the axis are summed in turn: most of the next one's are still
- * in the cache then. */
-static void filter_axis(const float *in, const size_t size[3], int axis, double sigma, float *out) {
+struct pass {
+  int axis, reach;
   float weight[GAUSSIAN_MOST + 1];
-  const int reach = weights_of(sigma, weight);
-  const size_t nx = size[0], ny = size[1], nz = size[2], along = axis == 2 ? nz : ny;
-#pragma omp parallel for schedule(static)
-  for (size_t n = 0; n < ny * nz; n++) {
-    const size_t at = n % along, beside = n / along; // NOLINT: a volume has a row
-    const size_t first = axis == 2 ? beside : beside * ny, step = axis == 2 ? ny : 1;
+};
+
+/* A slice of the volume, or along z the rows at one y. Rows that follow each other along the axis
+ * are summed in turn: most of the next one's are still in the cache then. */
+static void filter_slice(const float *in, const size_t size[3], const struct pass *pass,
+                         size_t slice, float *out) {
+  const int axis = pass->axis, reach = pass->reach;
+  const size_t nx = size[0], ny = size[1], along = axis == 2 ? size[2] : ny;
+  const size_t first = axis == 2 ? slice : slice * ny, step = axis == 2 ? ny : 1;
+  for (size_t at = 0; at < along; at++) {
     const float *rows[2 * GAUSSIAN_MOST + 1];
     float *to = out + (first + at * step) * nx;
     if (axis == 0) {
-      filter_row(in + (first + at * step) * nx, weight, reach, nx, to);
+      filter_row(in + (first + at * step) * nx, pass->weight, reach, nx, to);
       continue;
     }
     const bool inside = at >= (size_t)reach && at + (size_t)reach < along;
@@ -98,7 +101,7 @@ static void filter_axis(const float *in, const size_t size[3], int axis, double 
     else
       for (int k = -reach; k <= reach; k++)
         rows[reach + k] = in + (first + reflect((long)at + k, along) * step) * nx;
-    weigh_rows(rows + reach, weight, reach, nx, to);
+    weigh_rows(rows + reach, pass->weight, reach, nx, to);
   }
 }
 
@@ -106,16 +109,30 @@ void gaussian_filter(const float *in, const size_t size[3], const double sigma[3
                      float *out) {
   const size_t bytes = size[0] * size[1] * size[2] * sizeof *in;
   const float *from = in;
-  int axes[3], n = 0;
-  for (int a = 0; a < 3; a++)
-    if (sigma[a] >= 0.1 && size[a] > 1) axes[n++] = a;
+  struct pass pass[3];
+  int n = 0;
+  for (int a = 0; a < 3; a++) {
+    if (sigma[a] < 0.1 || size[a] < 2) continue;
+    pass[n].axis = a;
+    pass[n].reach = weights_of(sigma[a], pass[n].weight);
+    n++;
+  }
   /* From one to the other, so that the last one ends in `out` where the first need not begin there;
    * else it is moved. */
   bool into_work = n % 2 == 0 || in == out;
-  for (int i = 0; i < n; i++, into_work = !into_work) {
-    float *to = into_work ? work : out;
-    filter_axis(from, size, axes[i], sigma[axes[i]], to);
-    from = to;
+  for (int i = 0; i < n;) {
+    float *to = into_work ? work : out, *then = into_work ? out : work;
+    /* Along x and then y slice by slice, while it is in the cache. */
+    const bool both = i + 1 < n && pass[i + 1].axis == 1;
+    const size_t slices = pass[i].axis == 2 ? size[1] : size[2];
+#pragma omp parallel for schedule(static)
+    for (size_t slice = 0; slice < slices; slice++) {
+      filter_slice(from, size, &pass[i], slice, to);
+      if (both) filter_slice(to, size, &pass[i + 1], slice, then);
+    }
+    from = both ? then : to;
+    into_work = both ? into_work : !into_work;
+    i += both ? 2 : 1;
   }
   if (from != out) memcpy(out, from, bytes);
 }
@@ -132,15 +149,20 @@ TARGETS static void sharpen_row(const float *restrict in, const float *restrict 
   if (n > 1) out[n - 1] -= w[0] * (in[n - 1] + in[n - 2]);
 }
 
-void laplacian_subtract(const float *in, const size_t size[3], const double weight[3], float *out) {
+void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],
+                            size_t row, float *out) {
   const size_t nx = size[0], ny = size[1], nz = size[2];
   const float w[3] = {(float)weight[0], (float)weight[1], (float)weight[2]};
+  const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
+  const size_t y_last = y > 0 ? row - 1 : row, y_next = y + 1 < ny ? row + 1 : row;
+  const size_t z_last = z > 0 ? row - ny : row, z_next = z + 1 < nz ? row + ny : row;
+  sharpen_row(in + row * nx, in + y_last * nx, in + y_next * nx, in + z_last * nx, in + z_next * nx,
+              w, nx, out);
+}
+
+void laplacian_subtract(const float *in, const size_t size[3], const double weight[3], float *out) {
+  const size_t rows = size[1] * size[2];
 #pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < ny * nz; row++) {
-    const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
-    const size_t y_last = y > 0 ? row - 1 : row, y_next = y + 1 < ny ? row + 1 : row;
-    const size_t z_last = z > 0 ? row - ny : row, z_next = z + 1 < nz ? row + ny : row;
-    sharpen_row(in + row * nx, in + y_last * nx, in + y_next * nx, in + z_last * nx,
-                in + z_next * nx, w, nx, out + row * nx);
-  }
+  for (size_t row = 0; row < rows; row++)
+    laplacian_subtract_row(in, size, weight, row, out + row * size[0]);
 }

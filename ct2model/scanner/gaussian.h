@@ -13,5 +13,8 @@ void gaussian_filter(const float *in, const size_t size[3], const double sigma[3
                      float *out);
 /* out = in - sum over axes of weight[axis] times the second difference. */
 void laplacian_subtract(const float *in, const size_t size[3], const double weight[3], float *out);
+/* One row of that, y + ny z, into `out`. */
+void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],
+                            size_t row, float *out);
 
 #endif
