@@ -6,7 +6,7 @@
 
 #include "common/variants.h"
 
-static size_t reflect(long at, size_t n) {
+size_t gaussian_reflect(long at, size_t n) {
   const long end = (long)n;
   while (at < 0 || at >= end) at = at < 0 ? -1 - at : 2 * end - 1 - at;
   return (size_t)at;
@@ -74,7 +74,7 @@ static void filter_row(const float *in, const float *weight, int reach, size_t n
         memcpy(line + i, in + at, count * sizeof *line);
         i += count - 1;
       } else {
-        line[i] = in[reflect(at, n)];
+        line[i] = in[gaussian_reflect(at, n)];
       }
     }
     weigh_rows(shifted + reach, weight, reach, piece, out + x);
@@ -106,7 +106,7 @@ static void filter_slice(const float *in, const size_t size[3], const struct pas
         rows[reach + k] = in + (first + at * step) * nx + k * (long)(step * nx);
     else
       for (int k = -reach; k <= reach; k++)
-        rows[reach + k] = in + (first + reflect((long)at + k, along) * step) * nx;
+        rows[reach + k] = in + (first + gaussian_reflect((long)at + k, along) * step) * nx;
     weigh_rows(rows + reach, pass->weight, reach, nx, to);
   }
 }

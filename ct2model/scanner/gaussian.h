@@ -16,5 +16,7 @@ void laplacian_subtract(const float *in, const size_t size[3], const double weig
 /* One row of that, y + ny z, into `out`. */
 void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],
                             size_t row, float *out);
+/* The voxel of a row of n that stands at `at`, before, in or after the row. */
+size_t gaussian_reflect(long at, size_t n);
 
 #endif

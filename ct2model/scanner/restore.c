@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/scanner/deblur.h"
+#include "ct2model/scanner/gaussian.h"
 
 enum { LEVELS = 255 };
 /* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
@@ -47,10 +48,9 @@ static void voxels_beyond(const size_t size[3], const double blur[3], size_t bey
   }
 }
 
-/* The voxel that is seen at `at`: the scan is reflected at its faces. */
+/* The voxel of the slab that is seen at `at`: the scan is reflected at its faces. */
 static size_t reflect(size_t at, size_t n, const size_t beyond[2]) {
-  const size_t first = beyond[0], end = n - beyond[1];
-  return at < first ? 2 * first - 1 - at : at < end ? at : 2 * end - 1 - at;
+  return beyond[0] + gaussian_reflect((long)at - (long)beyond[0], n - beyond[0] - beyond[1]);
 }
 
 /* Beyond the faces, for the first guess. */

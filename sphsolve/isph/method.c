@@ -89,7 +89,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
     if (s->dog.halvings > 0) dt = ldexp(dt, -s->dog.halvings), limited_by = "watchdog";
     dt = isph_dt_to_end(&s->ending, scene->end_time - s->time, dt);
-    if (s->ending.steps == 1 || s->ending.steps == 2) limited_by = "end_time";
+    if (s->ending.steps > 0 && s->ending.steps <= 2) limited_by = "end_time";
     step_log_limit(recorder_step_log(recorder), limited_by);
     status = isph_advance(s, dt);
     if (status == STATUS_NUMERIC) {

@@ -65,8 +65,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
 }
 
 #define END_STEPS 32  /* and fewer share what is left */
-#define END_FALL 0.99 /* of the limit over the last step: what falls by more is followed at once   \
-                       */
+#define END_FALL 0.99 /* a limit below this share of the last step is followed at once */
 
 /* rho of rho + rho^2 + .. + rho^n = sum, 0 < sum <= n: Newton's method, from above. */
 static double ratio_of(int n, double sum) {
