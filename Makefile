@@ -181,7 +181,9 @@ $(BUILD)/tests/replay_$(1): $(call object,tests/fuzz/fuzz_$(1).c tests/fuzz/repl
 endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
-check: all $(UNIT_TESTS) $(REPLAYS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
+# What tests of tests/cli run beside the three programs.
+CLI_TESTS = $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
+check: all $(UNIT_TESTS) $(REPLAYS) $(CLI_TESTS)
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)
 
 # ---- the main job ----
@@ -204,8 +206,10 @@ scan-quality: all
 docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/scan-quality
 	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
-verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS))
-	$(Q)BUILD=$(BUILD) scripts/verify
+# The tables, and the tests that make check leaves out; both run, whichever fails.
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(CLI_TESTS)
+	$(Q)BUILD=$(BUILD) scripts/verify; code=$$?; \
+	  BUILD=$(BUILD) LONG=1 scripts/run-tests $$(grep -l 'bats test_tags=long' tests/cli/*.bats) && exit $$code
 package:
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all

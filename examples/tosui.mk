@@ -21,7 +21,7 @@ $(foreach n,OUT SLICES,$(if $(word 2,$($(n))),$(error $(n)="$($(n))": make takes
 # $(call cubes,N...): sizes of models N voxels wide, in the shape of the scan.
 cubes = $(shell $(CT2MODEL) info $(SLICES) --voxel-size $(VOXEL_SIZE) --json 2> /dev/null | python3 ../cubes.py $(1))
 
-SCAN = $(wildcard $(SLICES)/*) $(SLICES) $(call given,SLICES VOID_RATIO VOXEL_SIZE)
+SCAN := $(wildcard $(SLICES)/*) $(SLICES) $(call given,SLICES VOID_RATIO VOXEL_SIZE)
 
 .DELETE_ON_ERROR:
 .SECONDARY:

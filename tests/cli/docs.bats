@@ -58,6 +58,13 @@ part_of_sample() {
   # Of one body's runs the finest is shown.
   grep -q "Grains and streamlines of <em>fine-run</em>" tutorial/report.html
   [[ "$(grep -o 'tutorial/[a-z]*.hdf</td>' tutorial/report.html | head -1)" == tutorial/fine.hdf* ]]
+}
+
+# bats test_tags=long
+@test "tutorial: what is advised at two other void ratios" {
+  cd "$BATS_TEST_TMPDIR"
+  ln -s "$ROOT/data-samples" data-samples
+  mkdir tutorial
   for e in 0.695 0.75; do
     ct2model build data-samples/small --void-ratio $e --voxel-size 8.745um --size 32x32x14 -o tutorial/$e.hdf
     sphsolve run data-samples/scenes/demo.cfg --set model.file=tutorial/$e.hdf -o tutorial/$e-fine
@@ -70,6 +77,7 @@ part_of_sample() {
   grep -q "For 5 %: a scan with voxels of about [0-9.]* um; its own are 8.745 um" tutorial/0.75.html
 }
 
+# bats test_tags=long
 @test "calibration: from a measured void ratio to its share in the error of k" {
   # The study's first two thresholds, of part of the scan; as it stands it would make a model of the whole for each.
   export THRESHOLDS="54 58" SLICES=$BATS_TEST_TMPDIR/part
@@ -86,6 +94,7 @@ part_of_sample() {
   done
 }
 
+# bats test_tags=long
 @test "micropores: from three labels to k over the permeability of one" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   export OMP_NUM_THREADS=1
@@ -115,6 +124,7 @@ part_of_sample() {
   python3 "$BATS_TEST_DIRNAME/excavation_numbers.py"
 }
 
+# bats test_tags=long
 @test "examples: each study runs, and runs again only what changed" {
   local bin=${PATH%%:*}/
   cp -r "$ROOT/examples" "$BATS_TEST_TMPDIR" && cd "$BATS_TEST_TMPDIR/examples"
@@ -172,13 +182,17 @@ END
   chmod +x fake/ct2model && cp fake/ct2model fake/sphsolve && cp fake/ct2model fake/analyze
   mkdir scan1 scan2 && touch scan1/a.png scan2/a.png
   printf 'print("table")\n' > calibration/table.py && cp calibration/table.py seepage/table.py
+  local first=("BIN=$PWD/fake/" "SLICES=$PWD/scan1" "ROOT=$ROOT")
+  for study in calibration gradients specimen seepage; do
+    make -C $study "${first[@]}" > log 2>&1 || { cat log; false; }
+    make -C $study "${first[@]}" | grep -q "Nothing to be done\|table" || { echo "$study: made again"; false; }
+    cp -a $study/out $study/made
+  done
   with() { # STUDY VARIABLE=VALUE: what is run with it after a make without
-    local study=$1 first="BIN=$PWD/fake/ SLICES=$PWD/scan1 ROOT=$ROOT"
-    make -C "$study" $first > log 2>&1 || { cat log; false; }
-    make -C "$study" $first | grep -q "Nothing to be done\|table" || { echo "$study: made again"; false; }
-    run make -C "$study" $first "$2"
+    rm -r "$1/out" && cp -a "$1/made" "$1/out"
+    run make -C "$1" "${first[@]}" "$2"
     [ "$status" -eq 0 ] || { echo "$output"; false; }
-    [[ "$output" == *"fake/"* || "$output" == *table.py* ]] || { echo "$study $2: nothing was made anew: $output"; false; }
+    [[ "$output" == *"fake/"* || "$output" == *table.py* ]] || { echo "$1 $2: nothing was made anew: $output"; false; }
   }
   for study in calibration gradients specimen; do
     for change in VOID_RATIO=0.8 VOXEL_SIZE=9um SLICES="$PWD/scan2"; do

@@ -74,6 +74,7 @@ END
   /usr/bin/python3 "$BATS_TEST_DIRNAME/round_view.py" "$slice"
 }
 
+# bats test_tags=long
 @test "berea: how a solute spreads in a corner of it, against the Peclet number" {
   python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"
   ct2model build berea.tif --segmented 0 --voxel-size 5.345um --crop 0,0,0,64,64,64 --mirror none -o berea.hdf --quiet
@@ -106,6 +107,7 @@ assert all(0.2 < share < 2 for share in found["longitudinal_sample"])
 END
 }
 
+# bats test_tags=long
 @test "fiberform, mirrored: fibres that no coarse lattice has are in the error of a quick k" {
   ct2model build "$DATA/fiberform/100_fiberform.tif" --voxel-size 1.3um --threshold 100 --crop 50,0,0,50,50,50 \
     --sides mirrored -o half.hdf --quiet
@@ -132,6 +134,7 @@ assert abs(run["k"] / 2.25e-5 - 1) < run["error"]["total"] < 0.2, run
 END
 }
 
+# bats test_tags=long
 @test "berea: steps of k that do not shrink are no convergence, nor is a round that by chance changes nothing" {
   python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"
   ct2model build berea.tif --segmented 0 --voxel-size 5.345um --crop 32,132,112,112,112,112 -o slow.hdf --quiet
@@ -148,6 +151,7 @@ assert 0.05 < chance["error"]["scan"] < 0.2, chance
 END
 }
 
+# bats test_tags=long
 @test "berea: a mirrored crop that coarse lattices shut, or let too much through, is looked at on finer ones" {
   python3 -c "import zipfile; zipfile.ZipFile('$DATA/berea/berea.zip').extractall('.')"
   ct2model build berea.tif --segmented 0 --voxel-size 5.345um --crop 23,241,57,100,100,100 -o tight.hdf --quiet

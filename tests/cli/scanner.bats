@@ -14,26 +14,16 @@ built() {
   "$CT" build "$WORK/$1" --void-ratio "$2" --size 24x24x12 --json --quiet -o "$WORK/$1$4.hdf" "${@:3}" > "$WORK/$1$4.json"
 }
 
-@test "blur, contrast to noise and the noise's correlation are those of the generator within a tenth" {
-  sand one --seed 31 --blur 5.83um --noise-ratio 16 --fringe 0
-  sand two --seed 32 --blur 11.66um --noise-ratio 6 --fringe 0.7 --noise-length 1
-  # Little noise and a weak fringe: distances that know of a voxel's own noise make it a quarter too sharp; and pores
-  # beside a window's sides are not as far from grains as they look.
-  sand three --seed 37 --blur 13.1um --noise-ratio 28 --fringe 0.3
-  # A wide blur, whose weak fringe looks like a narrower one without: 21 % narrow by the edge response alone.
-  sand four --seed 43 --blur 16.9um --noise-ratio 14 --fringe 0.3
-  # Hardly any pore is three blurs from grains: too few voxels to tell a noise that is correlated, over 16 % too little.
-  sand five --seed 53 --blur 16.9um --noise-ratio 10 --fringe 0 --noise-length 1
-  # Pores so near to black that a tenth of their noise is cut off.
-  sand six --seed 61 --blur 5.83um --noise-ratio 4 --fringe 0
-  # One grain of a heavy mineral, twice as bright, amid pores that are nowhere deep.
-  sand seven --seed 8438 --grain-size 465.11um --voxel-size 21.786um --blur 35.0833um --noise-ratio 6 --fringe 0 --noise-length 1
-  # The scanner is measured before the blur is taken out, which is two thirds of a build.
-  for name in one two three four five six seven; do built $name 0.725 --blur keep; done
-  python3 - "$WORK" << 'P'
+# The scanner of each sand, as NAME:BLUR:RATIO:LENGTH (um), against what its model says of it.
+scanners() {
+  local sand
+  # It is measured before the blur is taken out, which is two thirds of a build.
+  for sand in "$@"; do built "${sand%%:*}" 0.725 --blur keep; done
+  python3 - "$WORK" "$@" << 'P'
 import json, sys
-for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11.66e-6, 6, 5.83e-6), ("three", 13.1e-6, 28, 0.7 * 5.83e-6), ("four", 16.9e-6, 14, 0.7 * 5.83e-6), \
-                                  ("five", 16.9e-6, 10, 5.83e-6), ("six", 5.83e-6, 4, 0.7 * 5.83e-6), ("seven", 35.0833e-6, 6, 21.786e-6):
+for sand in sys.argv[2:]:
+    name, blur, ratio, length = sand.split(":")
+    blur, ratio, length = float(blur) * 1e-6, float(ratio), float(length) * 1e-6
     found = json.load(open(f"{sys.argv[1]}/{name}keep.json"))["scanner"]
     print(name, found)
     assert abs(found["blur_m"] / blur - 1) < 0.1
@@ -42,6 +32,14 @@ for name, blur, ratio, length in ("one", 5.83e-6, 16, 0.7 * 5.83e-6), ("two", 11
     assert 0 < found["blur_uncertainty_m"] < 0.2 * blur
     assert found["resolution_m"] > found["blur_m"]
 P
+}
+
+@test "blur, contrast to noise and the noise's correlation are those of the generator within a tenth" {
+  sand one --seed 31 --blur 5.83um --noise-ratio 16 --fringe 0
+  sand two --seed 32 --blur 11.66um --noise-ratio 6 --fringe 0.7 --noise-length 1
+  # A wide blur, whose weak fringe looks like a narrower one without: 21 % narrow by the edge response alone.
+  sand four --seed 43 --blur 16.9um --noise-ratio 14 --fringe 0.3
+  scanners one:5.83:16:4.081 two:11.66:6:5.83 four:16.9:14:4.081
   for name in one two; do "$CT" info "$WORK/${name}keep.hdf" --json > "$WORK/$name.info"; done
   python3 -c "
 import json
@@ -49,7 +47,21 @@ for name in 'one', 'two':
     built, info = json.load(open(f'$WORK/{name}keep.json')), json.load(open(f'$WORK/{name}.info'))
     assert info['files'][0]['scanner'] == built['scanner'], (info, built['scanner'])"
   "$CT" info "$WORK/onekeep.hdf" | grep -q 'contrast over noise'
-  grep -q scanner <("$CT" build "$WORK/one" --void-ratio 0.725 --size 24x24x12 -o "$WORK/text.hdf" 2> /dev/null)
+  grep -q scanner <("$CT" build "$WORK/one" --void-ratio 0.725 --size 24x24x12 --blur keep -o "$WORK/text.hdf" 2> /dev/null)
+}
+
+# bats test_tags=long
+@test "the scanner of sands with little noise, few deep pores, black pores, a heavy mineral" {
+  # Little noise and a weak fringe: distances that know of a voxel's own noise make it a quarter too sharp; and pores
+  # beside a window's sides are not as far from grains as they look.
+  sand three --seed 37 --blur 13.1um --noise-ratio 28 --fringe 0.3
+  # Hardly any pore is three blurs from grains: too few voxels to tell a noise that is correlated, over 16 % too little.
+  sand five --seed 53 --blur 16.9um --noise-ratio 10 --fringe 0 --noise-length 1
+  # Pores so near to black that a tenth of their noise is cut off.
+  sand six --seed 61 --blur 5.83um --noise-ratio 4 --fringe 0
+  # One grain of a heavy mineral, twice as bright, amid pores that are nowhere deep.
+  sand seven --seed 8438 --grain-size 465.11um --voxel-size 21.786um --blur 35.0833um --noise-ratio 6 --fringe 0 --noise-length 1
+  scanners three:13.1:28:4.081 five:16.9:10:5.83 six:5.83:4:4.081 seven:35.0833:6:21.786
 }
 
 @test "the surface without blur is at least twice as near to the true grains' area as that of the scan" {
@@ -68,6 +80,7 @@ assert kept / true < 0.85 and abs(without / true - 1) < 0.5 * abs(kept / true - 
 P
 }
 
+# bats test_tags=long
 @test "fines under a blur of two thirds of their radius: surface costs less where more of it shows, and k is nearer" {
   # Long grains of 26 voxels and fines of a third of that, blur 1.7 voxels, contrast 8.6 times the noise. k was 13 % too high.
   "$GENERATE" --quiet --output "$WORK/fines" --size 96x96x64 --seed 8415 --void-ratio 0.805 --grain-size 275.77um --voxel-size 10.762um --blur 18.29um \
@@ -101,6 +114,7 @@ assert abs(found['contrast_to_noise'] / 4.7 - 1) < 0.08
 assert abs(found['noise_correlation_m'] / (0.98 * 9.4367e-6) - 1) < 0.08"
 }
 
+# bats test_tags=long
 @test "noise alike over a voxel and a fringe are not taken for fines: k" {
   # Angular grains of 24 voxels, none of them fine: blur 2 voxels, contrast 4.5 times the noise. All of the relief counted, and k was
   # 20 % too low; a seventh of it leaves k 4 % too high.
@@ -123,6 +137,7 @@ assert abs(built["scanner"]["noise_correlation_m"] / (1.04 * 5.3756e-6) - 1) < 0
 P
 }
 
+# bats test_tags=long
 @test "fines that add to the noise read in pores are found, under noise longer than the blur too" {
   # Angular grains of 26 voxels, blur .8 voxels, noise alike over .9: noise was 7 % too high, and a fifth of the relief seen.
   "$GENERATE" --quiet --output "$WORK/added" --size 96x96x64 --seed 9063 --void-ratio 0.6487506182 --grain-size 243.08um --voxel-size 9.8549um --blur 8.0155um \
@@ -162,6 +177,7 @@ assert abs(model['void_ratio'] / 0.725 - 1) < 1e-2"
   "$CT" info "$WORK/flat.hdf" --json | grep -q '"blur_m": null'
 }
 
+# bats test_tags=long
 @test "run and explain say what the scan leaves in k; the bar holds the k of the true grains" {
   sand scanned --seed 35 --blur 9um --noise-ratio 10 --truth "$WORK/scanned.raw" --truth-refine 3
   "$CT" build "$WORK/scanned.raw" --raw 288x288x144:u8 --voxel-size 1.943333um --threshold 0.5 --size 48x48x24 --json \

@@ -515,6 +515,7 @@ assert 0.04 < json.load(open("foretold.json"))["expected_error"] < 0.07
 END
 }
 
+# bats test_tags=long
 @test "a weir: the +- of flux and gauges hold what Darcy's law gives, and a foot too shallow for the spacing is told" {
   weir() { # NAME PERMEABILITY
     cat > "$1.cfg" <<END
@@ -573,6 +574,7 @@ assert "darcy" not in run["heads_m"]["heel"] and run["fluxes_m2_per_s"]["mid"]["
   grep -q 'has a factor of 1.5[0-9]*; but gradients beside a wall as shallow as here are not resolved' even.html
 }
 
+# bats test_tags=long
 @test "the exit gradient of a layer beside a shallow slab or pile: the +- hold finite differences; none is safe whose layer has the foot in it" {
   foot() { # NAME X0 X1 FOOT OF_A_BOX_BELOW
     local below=
@@ -611,6 +613,7 @@ for name, exact in (("slab", 0.3089), ("deeper", 0.2215)):
 END
 }
 
+# bats test_tags=long
 @test "a gauge on the border of two soils, where the head has a kink" {
   cat > up.cfg <<'END'
 scene = { name = "up"; method = "isph"; end_time = "8 s"; };
