@@ -644,6 +644,7 @@ P
   near "$(echo "$output" | value porosity)" 0.2033 0.001
 }
 
+# bats test_tags=long
 @test "grey fibres, and sandstone slices where Otsu goes astray" {
   [ -e "$SHARED/versa" ] || skip "../shared/data/versa is absent"
   run_ct build "$SHARED"/fiberform/100_fiberform.tif --void-ratio 5.667 --voxel-size 1.3um --json \

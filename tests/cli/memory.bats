@@ -106,6 +106,7 @@ assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method' --set wcsph.dt="$dt s" --set "$calm" --set "$moving"
 }
 
+# bats test_tags=long
 @test "Eulerian particles: the same bounds" {
   march '"subvoxel"' '
 assert run["list_rebuilds"] <= 8 # only those that snapshots and rows gave back

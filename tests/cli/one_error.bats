@@ -115,7 +115,7 @@ END
 }
 
 @test "a threshold that no measured void ratio stands behind: what lessens its error is to measure one" {
-  ct2model build "$ROOT/data-samples/small" --threshold 64 --voxel-size 8.745um -o guessed.hdf --quiet
+  ct2model build "$ROOT/data-samples/small" --threshold 64 --voxel-size 8.745um --crop 0,0,0,96,96,24 -o guessed.hdf --quiet
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=guessed.hdf -o by-guess --error 10% > guessed.txt
   grep -q "^verdict .*; most of it is the threshold: measure the void ratio$" guessed.txt || { cat guessed.txt; false; }
 }
@@ -292,6 +292,7 @@ assert all(a > b for a, b in zip(none, scanner)) and all(a > b for a, b in zip(n
 END
 }
 
+# bats test_tags=long
 @test "the last lattice is the coarsest that is expected to reach the error asked for, and explain foretells it" {
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725+-0.01 --voxel-size 8.745um -o whole.hdf --quiet
   sphsolve explain "$ROOT/data-samples/scenes/demo.cfg" --set model.file=whole.hdf --error 11% --json > asked_plan.json

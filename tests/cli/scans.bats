@@ -172,6 +172,7 @@ assert all(v["asymmetry"] < 0.01 for v in k.values())
 P
 }
 
+# bats test_tags=long
 @test "ours keeps more voxels on their side than bicubic-point, at the same void ratio" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/studies/scan-study" --size 96x96x48 --voxel-size 8.745um \
