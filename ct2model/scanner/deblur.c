@@ -33,6 +33,9 @@
 static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
 /* Rounds before grains are told apart. */
 enum { ROUNDS_FIRST = 10 };
+/* What is grain for sure after these: pores that the scan hides are darker. From .65 to .9 grains
+ * are restored alike (docs/notes/2026-11-27-grain-greys.md). */
+static const float BRIGHT = 0.75F;
 
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H */
@@ -89,33 +92,49 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
   filters->step = 1.05 * largest_transfer(scanner->fringe);
 }
 
-/* The grey of the grain around each voxel: what its inner voxels have over what a grain of grey 1
- * has there, which a fringe raises near surfaces; 1 far from all. Grains differ by some per cent,
- * heavy minerals by more than their contrast. */
+/* The grey of the grain around each voxel: what the scan's inner voxels have over what a grain of
+ * grey 1 has there, which a fringe raises near surfaces; 1 far from all. Grains differ by some per
+ * cent, heavy minerals by more than their contrast. y is 1 in grain, 0 in pore. */
 static void find_grain(struct deblur *deblur, const struct filters *filters) {
-  const struct deblur_scanner *scanner = &deblur->scanner;
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
-  float *work = deblur->share;
-  double fine[3], wide[3];
-  for (int d = 0; d < 3; d++) {
-    fine[d] = 1.0 / scanner->stretch[d];
-    wide[d] = fmax(1.6 * filters->once[d], 1.5);
-  }
-  gaussian_filter(deblur->grey, deblur->size, fine, work, deblur->a);
-  for (size_t i = 0; i < n; i++) deblur->u[i] = deblur->a[i] > 0.5F ? 1.0F : 0.0F;
-  gaussian_filter(deblur->u, deblur->size, filters->once, work, deblur->a);
-  laplacian_subtract(deblur->a, deblur->size, filters->fringe, deblur->b);
+  float *a = deblur->a, *b = deblur->b, *work = deblur->share;
+  double wide[3];
+  for (int d = 0; d < 3; d++) wide[d] = fmax(1.6 * filters->once[d], 1.5);
+  gaussian_filter(deblur->y, deblur->size, filters->once, work, a);
+  laplacian_subtract(a, deblur->size, filters->fringe, b);
   for (size_t i = 0; i < n; i++) {
-    const float inner = deblur->u[i] > 0.0F && deblur->a[i] > 0.98F ? 1.0F : 0.0F;
-    deblur->u[i] = deblur->grey[i] * inner;
-    deblur->y[i] = deblur->b[i] * inner;
+    const float inner = deblur->y[i] > 0.0F && a[i] > 0.98F ? 1.0F : 0.0F;
+    a[i] = deblur->grey[i] * inner;
+    b[i] *= inner;
   }
-  gaussian_filter(deblur->u, deblur->size, wide, work, deblur->u);
-  gaussian_filter(deblur->y, deblur->size, wide, work, deblur->y);
+  gaussian_filter(a, deblur->size, wide, work, a);
+  gaussian_filter(b, deblur->size, wide, work, b);
   for (size_t i = 0; i < n; i++) {
-    const float grain = (deblur->u[i] + 1e-5F) / (deblur->y[i] + 1e-5F);
+    const float grain = (a[i] + 1e-5F) / (b[i] + 1e-5F);
     deblur->grain[i] = fminf(fmaxf(grain, 0.5F), 4.0F);
   }
+}
+
+/* Grain as the scan shows it, and the share of grain to begin with; none darker than `least`. */
+static void guess_grain(struct deblur *deblur, const struct filters *filters, float least) {
+  const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
+  double fine[3];
+  for (int d = 0; d < 3; d++) fine[d] = 1.0 / deblur->scanner.stretch[d];
+  gaussian_filter(deblur->grey, deblur->size, fine, deblur->share, deblur->u);
+  for (size_t i = 0; i < n; i++) deblur->y[i] = deblur->u[i] > 0.5F ? 1.0F : 0.0F;
+  find_grain(deblur, filters);
+  for (size_t i = 0; i < n; i++) {
+    deblur->grain[i] = fmaxf(deblur->grain[i], least);
+    deblur->u[i] = fminf(fmaxf(deblur->u[i] / deblur->grain[i], 0.0F), 1.0F);
+  }
+}
+
+/* Grain by what is restored so far. */
+static void find_grain_again(struct deblur *deblur, const struct filters *filters) {
+  const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
+  for (size_t i = 0; i < n; i++)
+    deblur->y[i] = deblur->u[i] * deblur->grain[i] > BRIGHT ? 1.0F : 0.0F;
+  find_grain(deblur, filters);
 }
 
 TARGETS static void multiply(const float *restrict a, const float *restrict b, size_t n,
@@ -206,26 +225,27 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int ro
   }
 }
 
+/* Where grains lie close the blur hides pores between them, and the scan shows inner voxels of a
+ * darker grain, which would fill them. So none is taken for darker at first, and grain is found
+ * again when pores show (docs/notes/2026-11-27-grain-greys.md). What is compared with a scan made
+ * up and restored alike shows all, and does without: the bounds of smooth_walls.c were found so. */
 enum status deblur_run(struct deblur *deblur) {
   enum status status = STATUS_OK;
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
+  const bool whole = all_shown(deblur);
   struct filters filters = {.step = 0.0};
-  double fine[3], average[3];
-  for (int d = 0; d < 3; d++) {
-    fine[d] = 1.0 / deblur->scanner.stretch[d];
+  double average[3];
+  for (int d = 0; d < 3; d++)
     average[d] = -0.5 * AVERAGE; /* M: the Laplacian blurs by twice that */
-  }
   choose_filters(&deblur->scanner, &filters);
-  find_grain(deblur, &filters);
-  gaussian_filter(deblur->grey, deblur->size, fine, deblur->share, deblur->a);
-  for (size_t i = 0; i < n; i++)
-    deblur->u[i] = fminf(fmaxf(deblur->a[i] / deblur->grain[i], 0.0F), 1.0F);
-  if (all_shown(deblur)) {
+  guess_grain(deblur, &filters, whole ? 0.0F : 1.0F);
+  if (whole) {
     gaussian_filter(deblur->grey, deblur->size, filters.once, deblur->share, deblur->a);
     laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
   }
   memset(deblur->contacts, 0, n);
   iterate(deblur, &filters, ROUNDS_FIRST);
+  if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
   iterate(deblur, &filters, deblur->rounds);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);

@@ -294,10 +294,48 @@ static void test_face(void **state) {
   assert_true(sought < 0.7 * reflected);
 }
 
+/* Balls of five voxels' radius, face-centred cubic: the blur hides all pores between them. */
+static double dense(const double at[3]) {
+  static const int sites[4][3] = {{0, 0, 0}, {0, 1, 1}, {1, 0, 1}, {1, 1, 0}};
+  const double edge = 10.0 * sqrt(2.0);
+  double nearest = INFINITY;
+  for (int site = 0; site < 4; site++) {
+    double square = 0.0;
+    for (int d = 0; d < 3; d++)
+      square += pow(remainder(at[d] - 0.5 * edge * sites[site][d], edge), 2.0);
+    nearest = fmin(nearest, sqrt(square));
+  }
+  return nearest - 5.0;
+}
+
+/* Hidden pores are no darker grain: they are found, where grains beyond a face are sought, as in
+ * all scans. */
+static void test_hidden_pores(void **state) {
+  (void)state;
+  const struct deblur_scanner scanner = {
+      .blur = {2.0, 2.0, 2.0}, .power = 0.001, .stretch = {1.0, 1.0, 1.0}, .surface = 1.0};
+  double seen = 0.0, found = 0.0, wanted = 0.0;
+  struct deblur deblur;
+  float *truth = scan(dense, &scanner, &deblur);
+  for (size_t i = 0; i < N; i++) seen += deblur.grey[i] < 0.5F;
+  deblur.beyond[2][0] = 1;
+  assert_int_equal(deblur_run(&deblur), STATUS_OK);
+  for (size_t i = 0; i < N; i++) {
+    found += deblur.share[i] < 0.5F;
+    wanted += truth[i] < 0.5F;
+  }
+  print_message("%g voxels of pore: %g seen, %g found\n", wanted, seen, found);
+  assert_true(seen < 0.01 * wanted);
+  assert_true(fabs(found / wanted - 1.0) < 0.2);
+  deblur_end(&deblur);
+  memory_free(&truth);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_grains),       cmocka_unit_test(test_turned),
       cmocka_unit_test(test_wedge),        cmocka_unit_test(test_fine),
-      cmocka_unit_test(test_smooth_walls), cmocka_unit_test(test_face)};
+      cmocka_unit_test(test_smooth_walls), cmocka_unit_test(test_face),
+      cmocka_unit_test(test_hidden_pores)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
