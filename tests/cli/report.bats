@@ -129,7 +129,7 @@ np.save("blocked.npy", a)'
   # What lessens resolution, and what lessens the largest of the other shares, whichever that is; where these alone are
   # just below what is wanted, smaller voxels are said to be no more than enough.
   data matched.html '(lambda v, b: (lambda remedy, rest: (remedy + "; a model with smaller voxels alone takes it only just below"
-    if 0.045 <= rest < 0.05 else "a model with smaller voxels, and " + remedy) in v["advice"])(
+    if 0.97 * 0.05 <= rest < 0.05 else "a model with smaller voxels, and " + remedy) in v["advice"])(
     {"scan": "a finer or sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)],
     (b["scan"] ** 2 + b["sides"] ** 2 + b["void_ratio"] ** 2) ** 0.5))(page["verdict"][0], page["verdict"][0]["error_budget"])'
   # The calibration is drawn beyond the model's void ratio, measured or not.
