@@ -35,7 +35,7 @@ static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
 enum { ROUNDS_FIRST = 10 };
 /* What is grain for sure after these: pores that the scan hides are darker. From .65 to .9 grains
  * are restored alike (docs/notes/2026-11-27-grain-greys.md). */
-static const float BRIGHT = 0.75F;
+static const float BRIGHT = 0.65F;
 
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H */
