@@ -8,6 +8,7 @@
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/restore.h"
+#include "ct2model/scanner/restored_windows.h"
 #include "ct2model/scanner/windows.h"
 
 /* A piece in the middle is restored as smooth walls would be, and its grains are blurred by one
@@ -19,7 +20,6 @@
 enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
 static const double LEAST = 0.4, STEP = 1.26; /* voxels; up to 3.2 */
 static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
-static const double FAR = 0.5;                /* voxels: shares further from walls are 0 and 1 */
 /* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
 static const double CONTRAST_MOST = 50.0;
 /* Of bodies of known blur two thirds are found within a tenth, the rest within .1 to .45
@@ -62,7 +62,8 @@ static void find_noise(const float *its, struct window *piece, const double stre
   struct noise_sums sums = {.end = NAN};
   for (size_t i = 0; i < n; i++)
     piece->smooth[i] = piece->grey[i] - (float)(look->pore + look->contrast * (double)its[i]);
-  noise_add(piece->smooth, piece->distance, piece->size, -FAR - 1.0, 1.0, 0.0, INFINITY, &sums);
+  noise_add(piece->smooth, piece->distance, piece->size, -RESTORED_WINDOW_FAR - 1.0, 1.0, 0.0,
+            INFINITY, &sums);
   double length = 0.0, axes = 0.0;
   for (int a = 0; a < 3; a++) {
     if (sums.pairs[a] < 30.0) continue;
@@ -83,11 +84,7 @@ static enum status look_at(struct windows *all, const struct deblur_scanner *wor
   struct windows made = {0};
   double left[TRIALS];
   int least = 0;
-  memcpy(deblur->size, piece->size, sizeof deblur->size);
-  memcpy(deblur->grey, piece->grey, n * sizeof *piece->grey);
-  deblur->scanner = *work;
-  TRY(deblur_run(deblur));
-  TRY(edge_distances(deblur->share, piece->size, all->stretch, FAR, piece->distance));
+  TRY(restored_window(piece, all->stretch, work, deblur, piece->distance));
   for (int t = 0; t < TRIALS; t++) {
     TRY(windows_make_up(all, LEAST * pow(STEP, t), look->fringe, 0.0, 1.0, &made));
     left[t] = fit_levels(made.window[0].grey, piece->grey, n, look);
@@ -161,7 +158,6 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     TRY(windows_read_middle(region, &phases, PIECE, &scan));
     const size_t *size = scan.window[0].size;
     TRY(deblur_start(size[0] * size[1] * size[2], &work, &deblur));
-    deblur.rounds = DEBLUR_ROUNDS_COMPARED;
     TRY(look_at(&scan, &work, &deblur, &seen, &found));
     TRY(correct_look(&scan, &work, &deblur, &seen, &look, &found));
     found = found && look.blur > LEAST && look.blur < LEAST * pow(STEP, TRIALS - 1) &&

@@ -8,9 +8,12 @@
 #include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
 #include "ct2model/scanner/noise.h"
+#include "ct2model/scanner/restored_windows.h"
 #include "ct2model/scanner/windows.h"
 
-enum { WINDOWS_LEAST = 3, CORRECTIONS = 2 };
+enum { WINDOWS_LEAST = 3 };
+/* By the grains as their surfaces show them, and as they are restored with what that gave. */
+enum { CORRECTIONS_FIRST = 1, CORRECTIONS = 3 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
 static const double REACH = 2.6;
@@ -124,40 +127,65 @@ static double measure_noise(struct windows *all, double noise_ratio, const struc
 }
 
 /* Neighbours, curvature and surfaces that noise has moved bend the response. How much is seen on a
- * scan made up of the same grains, whose scanner is known: the one sought gives there what the scan
- * gave (indirect inference, Gourieroux, Monfort and Renault 1993). */
-static enum status correct_fit(const struct windows *all, double contrast_to_noise, double reach,
-                               struct scanner *scanner, struct edge_fit *fit) {
+ * scan made up of `grains`, whose scanner is known: the one sought gives there what the scan gave
+ * (indirect inference, Gourieroux, Monfort and Renault 1993). `fit` gets nearer to it. */
+static enum status correct_fit(const struct windows *grains, const struct edge_fit *seen,
+                               const struct fringe_request *scan, int times, struct edge_fit *fit) {
   enum status status = STATUS_OK;
-  const struct edge_fit seen = *fit;
-  const double noise = 1.0 / scanner->contrast_to_noise;
-  const double length = scanner->noise_correlation / all->unit;
   struct windows made = {0};
-  for (int again = 0; again < CORRECTIONS && length >= 0.0; again++) {
-    struct scanner its_scanner = *scanner;
+  for (int again = 0; again < times && scan->length >= 0.0; again++) {
+    struct scanner its_scanner = {0};
     struct edge_fit its;
     const double blur = edge_fit_blur(fit), fringe = fmax(fit->fringe, 0.0);
-    TRY(windows_make_up(all, blur, fringe, noise, length, &made));
-    TRY(windows_find_surfaces(&made, contrast_to_noise, edge_response_limit(reach, all->stretch)));
-    if (!fit_windows(&made, reach, &its_scanner, &its) || !(its.grain - its.pore > 0.3)) break;
+    TRY(windows_make_up(grains, blur, fringe, scan->noise, scan->length, &made));
+    TRY(windows_find_surfaces(&made, scan->contrast_to_noise,
+                              edge_response_limit(scan->reach, grains->stretch)));
+    if (!fit_windows(&made, scan->reach, &its_scanner, &its) || !(its.grain - its.pore > 0.3))
+      break;
     windows_end(&made);
-    fit->deviation = edge_fit_deviation(blur * edge_fit_blur(&seen) / edge_fit_blur(&its));
-    fit->fringe = fmax(fringe + seen.fringe - its.fringe, 0.0);
-    const double contrast = (seen.grain - seen.pore) / (its.grain - its.pore);
-    fit->pore = seen.pore - contrast * its.pore;
+    fit->deviation = edge_fit_deviation(blur * edge_fit_blur(seen) / edge_fit_blur(&its));
+    fit->fringe = fmax(fringe + seen->fringe - its.fringe, 0.0);
+    const double contrast = (seen->grain - seen->pore) / (its.grain - its.pore);
+    fit->pore = seen->pore - contrast * its.pore;
     fit->grain = fit->pore + contrast;
   }
-  if (fit->fringe < FAINT && length >= 0.0)
-    TRY(fringe_find(all, &scanner->response,
-                    &(struct fringe_request){contrast_to_noise, reach, noise, length},
-                    edge_fit_blur(fit) / edge_fit_blur(&seen), fit));
+cleanup:
+  windows_end(&made);
+  return status;
+}
+
+static void take_fit(const struct windows *all, const struct edge_fit *fit,
+                     struct scanner *scanner) {
   scanner->blur = edge_fit_blur(fit) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
+  scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
+  scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
+}
+
+/* What `scanner` and `fit`, as seen, are of: the grains under the blur are restored with a first
+ * guess of it, as a scan made up of the blurred ones would be blurred twice. */
+static enum status find_fit(const struct windows *all, double contrast_to_noise, double reach,
+                            struct scanner *scanner, struct edge_fit *fit) {
+  enum status status = STATUS_OK;
+  const struct edge_fit seen = *fit;
+  const struct fringe_request scan = {.contrast_to_noise = contrast_to_noise,
+                                      .reach = reach,
+                                      .noise = 1.0 / scanner->contrast_to_noise,
+                                      .length = scanner->noise_correlation / all->unit};
+  struct windows grains = {0};
+  TRY(correct_fit(all, &seen, &scan, CORRECTIONS_FIRST, fit));
+  take_fit(all, fit, scanner);
+  TRY(restored_windows(all, scanner, &grains));
+  TRY(correct_fit(&grains, &seen, &scan, CORRECTIONS, fit));
+  if (fit->fringe < FAINT && scan.length >= 0.0)
+    TRY(fringe_find(&grains, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
+                    fit));
+  take_fit(all, fit, scanner);
   scanner->contrast_to_noise *= (fit->grain - fit->pore) / (seen.grain - seen.pore);
   scanner->blur_error =
       hypot(scanner->blur_error, 0.5 * (edge_fit_blur(fit) - edge_fit_blur(&seen)) * all->unit);
 cleanup:
-  windows_end(&made);
+  windows_end(&grains);
   return status;
 }
 
@@ -245,8 +273,6 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   const double sign = sign_of_lesser(survey), depth = fmax(3.0 * fit->deviation, DEPTH_SEEN);
   const struct phase_greys lesser = greys_within(all, survey, sign, DEPTH_SEEN);
   const struct phase_greys greater = greys_within(all, survey, -sign, fmin(depth, EDGE_REACH));
-  scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
-  scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
   double pore = scanner->pore, grain = scanner->grain;
   const double seen = sign > 0.0 ? survey->phases.grain_peak : survey->phases.pore_peak;
   *(sign > 0.0 ? &grain : &pore) = greater.common > ENOUGH ? greater.mean : seen;
@@ -324,11 +350,15 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     reach = wanted;
   }
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+  /* The peaks of noisy or narrow phases are not their greys: surfaces are where those say. */
+  windows_take_levels(&all, fit.pore, fit.grain);
+  TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
+  if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
   scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
   const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   const double seen_fringe = fit.fringe;
-  TRY(correct_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
+  TRY(find_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
   scanner->noise /= left;
   scanner->contrast_to_noise *= left;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
@@ -339,6 +369,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
 cleanup:
   if (!scanner->known) {
     scanner->blur = scanner->blur_error = scanner->fringe = NAN;
+    scanner->pore = scanner->grain = NAN;
     if (status == STATUS_OK) assume_scanner(&all, survey, scanner);
   }
   windows_end(&all);

@@ -112,6 +112,17 @@ cleanup:
   return status;
 }
 
+void windows_take_levels(struct windows *all, double pore, double grain) {
+  const double contrast = all->grain - all->pore;
+  for (size_t i = 0; i < all->count; i++) {
+    struct window *w = &all->window[i];
+    for (size_t v = 0; v < window_voxels(w); v++)
+      w->grey[v] = (float)(((double)w->grey[v] - pore) / (grain - pore));
+  }
+  all->grain = all->pore + contrast * grain;
+  all->pore += contrast * pore;
+}
+
 /* Smoothing that leaves noise of a tenth of the contrast, so that surfaces are found where they are
  * and not where noise is; noise correlated over 0.7 voxels is taken for granted. A voxel at least:
  * a distance from the voxel's own grey would know of its noise, and edges look sharper. */
@@ -212,6 +223,10 @@ static void add_noise(struct window *w, const double stretch[3], double noise, d
   for (size_t v = 0; v < n; v++) w->grey[v] += scale * w->smooth[v];
 }
 
+size_t windows_step(const struct windows *scan) {
+  return scan->count > WINDOWS / 2 ? 2 : 1;
+}
+
 enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
                             double length, struct windows *made) {
   enum status status = STATUS_OK;
@@ -224,7 +239,7 @@ enum status windows_make_up(const struct windows *scan, double blur, double frin
     sigma[d] = blur / scan->stretch[d];
     weight[d] = fringe * sigma[d] * sigma[d];
   }
-  for (size_t i = 0; i < scan->count; i += scan->count > WINDOWS / 2 ? 2 : 1) {
+  for (size_t i = 0; i < scan->count; i += windows_step(scan)) {
     const float *distance = scan->window[i].distance;
     struct window *w = &made->window[made->count];
     *w = scan->window[i];

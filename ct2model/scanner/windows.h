@@ -29,6 +29,8 @@ void windows_end(struct windows *windows);
 /* One window in the middle, of up to `side` voxels a side; likewise. */
 enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
                                 size_t side, struct windows *windows);
+/* From then on pore and grain are where they were so much. */
+void windows_take_levels(struct windows *windows, double pore, double grain);
 /* The greys smoothed as their noise asks for, and the distances to where they are 1/2, at most
  * `limit`. */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double limit);
@@ -37,7 +39,9 @@ enum status windows_find_surfaces(struct windows *windows, double contrast_to_no
 void windows_find_ends(const struct windows *windows, double ends[2]);
 /* No voxel is known to lie deeper than the window's side is far. */
 void windows_bound_depth(struct windows *windows);
-/* Up to three of the windows with the grains of `scan`, as its distances show them (a voxel's share
+/* What is made up is every so many of the windows, three at most. */
+size_t windows_step(const struct windows *scan);
+/* Those windows with the grains of `scan`, as its distances show them (a voxel's share
  * of grain is 1/2 less its distance, within 0 and 1), under a scanner of that blur, noise and
  * length of the noise's correlation (voxels, of the contrast, voxels). The same noise at every
  * call, its negative where `noise` is below 0. Free with windows_end, on failure too. */
