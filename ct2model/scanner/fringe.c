@@ -11,6 +11,8 @@
  * responses are less alike again. */
 enum { TRIALS = 8 };
 static const double STEP = 0.1;
+/* A fringe that lessens the misfit by no more than that much of it is chance. */
+static const double CHANCE = 0.05;
 /* Voxels: surfaces of both scans may lie apart by up to SHIFTS times that. */
 enum { SHIFTS = 30 };
 static const double SHIFT = 0.02;
@@ -88,9 +90,14 @@ static double least_between(const struct trial three[3]) {
 enum status fringe_find(const struct windows *scan, const struct edge_response *seen,
                         const struct fringe_request *request, double ratio, struct edge_fit *fit) {
   enum status status = STATUS_OK;
-  struct trial last = {0}, best = {.misfit = INFINITY}, next = {0};
+  struct trial none = {0}, last = {0}, best, next = {0};
   bool found;
-  for (int i = 0; i < TRIALS; i++) {
+  /* Twice, as the ratio may be far off. */
+  TRY(try_fringe(scan, seen, request, &ratio, &none, &found));
+  if (found) TRY(try_fringe(scan, seen, request, &ratio, &none, &found));
+  if (!found) return STATUS_OK;
+  best = none;
+  for (int i = 1; i < TRIALS; i++) {
     next = (struct trial){.fringe = i * STEP};
     TRY(try_fringe(scan, seen, request, &ratio, &next, &found));
     if (!found) return STATUS_OK;
@@ -98,8 +105,9 @@ enum status fringe_find(const struct windows *scan, const struct edge_response *
     last = best;
     best = next;
   }
-  if (!(best.fringe > 0.0)) return STATUS_OK;
-  if (next.misfit > best.misfit) {
+  if (!(best.misfit < (1.0 - CHANCE) * none.misfit)) {
+    best = none;
+  } else if (next.misfit > best.misfit) {
     best = (struct trial){.fringe = least_between((struct trial[]){last, best, next})};
     TRY(try_fringe(scan, seen, request, &ratio, &best, &found));
     if (!found) return STATUS_OK;

@@ -13,8 +13,8 @@ struct fringe_request {
 };
 
 /* `fit` explains `seen`, the response of the windows, with hardly any fringe: it becomes that of
- * the fringe with which a scan made up of the same grains looks most like this one, and stays as it
- * is where that is none. `ratio`: blur over the one that its response seems to have. */
+ * the fringe, or of none, with which a scan made up of the same grains looks most like this one.
+ * `ratio`: blur over the one that its response seems to have. */
 enum status fringe_find(const struct windows *scan, const struct edge_response *seen,
                         const struct fringe_request *request, double ratio, struct edge_fit *fit);
 

@@ -12,7 +12,7 @@
 #include "ct2model/scanner/windows.h"
 
 enum { WINDOWS_LEAST = 3 };
-/* By the grains as their surfaces show them, and as they are restored with what that gave. */
+/* By the grains as their surfaces show them, then as they are restored with what that gave. */
 enum { CORRECTIONS_FIRST = 1, CORRECTIONS = 3 };
 /* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
  * are alone. */
@@ -162,8 +162,8 @@ static void take_fit(const struct windows *all, const struct edge_fit *fit,
   scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
 }
 
-/* What `scanner` and `fit`, as seen, are of: the grains under the blur are restored with a first
- * guess of it, as a scan made up of the blurred ones would be blurred twice. */
+/* What `scanner` and `fit`, as seen, are of. A scan made up of grains as a blur of a voxel and more
+ * shows them would be blurred twice: they are restored with a first guess of it. */
 static enum status find_fit(const struct windows *all, double contrast_to_noise, double reach,
                             struct scanner *scanner, struct edge_fit *fit) {
   enum status status = STATUS_OK;
@@ -175,10 +175,12 @@ static enum status find_fit(const struct windows *all, double contrast_to_noise,
   struct windows grains = {0};
   TRY(correct_fit(all, &seen, &scan, CORRECTIONS_FIRST, fit));
   take_fit(all, fit, scanner);
-  TRY(restored_windows(all, scanner, &grains));
-  TRY(correct_fit(&grains, &seen, &scan, CORRECTIONS, fit));
+  const bool fine = scanner->blur < all->unit;
+  const struct windows *its = fine ? all : &grains;
+  if (!fine) TRY(restored_windows(all, scanner, &grains));
+  TRY(correct_fit(its, &seen, &scan, CORRECTIONS, fit));
   if (fit->fringe < FAINT && scan.length >= 0.0)
-    TRY(fringe_find(&grains, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
+    TRY(fringe_find(its, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
                     fit));
   take_fit(all, fit, scanner);
   scanner->contrast_to_noise *= (fit->grain - fit->pore) / (seen.grain - seen.pore);

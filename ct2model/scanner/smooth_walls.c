@@ -39,7 +39,7 @@ static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
  * it is high the misfit is the scanner's error as much, and any relief would lessen it. Contrast is
  * told to some .5: from NOISY to CLEAR times the noise less and less of it counts, so that no
  * relief hinges on that (docs/notes/2026-11-27-fines.md). */
-static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.8;
+static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.9;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
 static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
@@ -144,7 +144,7 @@ static enum status find_hidden(const struct region *region, const struct scanner
   restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
   TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
                       scanner->noise_correlation / scan->unit, deblur, &cost));
-  *relief = fmin(fmax(log(SHARPER * cost) / log(LESS), 0.0), 1.0);
+  *relief = fmin(fmax(log(SHARPER * cost) / log(RESTORE_COST_LEAST), 0.0), 1.0);
 cleanup:
   return status;
 }
