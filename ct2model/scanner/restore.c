@@ -15,6 +15,9 @@ static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
 /* Smooth walls have no relief for cheap surface to keep, and show all that noise makes: surface
  * costs so many times as much there (docs/notes/2026-11-25-smooth-walls.md). */
 static const double SMOOTHER = 8.0;
+/* Where relief is much finer than in sand of one size it would take grains away: so many times at
+ * the least (docs/notes/2026-11-26-scanner-bias.md). */
+static const double FINER = 0.25;
 /* In blurs: beyond this a slab's surroundings do not matter. */
 static const double MARGIN = 7.0;
 /* In blurs: grains so far beyond the faces of the scan are sought with the others, as they show in
@@ -148,7 +151,7 @@ void restore_scanner(const struct region *region, const struct scanner *scanner,
   const double own = noise_volume(fmin(scanner->noise_correlation, length), region->voxel);
   const double smoother = fmax(1.0, SMOOTHER * own / volume_alike);
   work->surface = scanner->smooth_walls > 0.0  ? pow(smoother, scanner->smooth_walls)
-                  : scanner->fine_relief > 0.0 ? pow(RESTORE_COST_LEAST, scanner->fine_relief)
+                  : scanner->fine_relief > 0.0 ? pow(FINER, scanner->fine_relief)
                                                : 1.0;
 }
 

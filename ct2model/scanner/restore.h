@@ -15,10 +15,6 @@
  * still spans nine tenths of one. */
 size_t restore_step(const size_t size[3], const double voxel[3], double blur);
 
-/* Where relief is much finer than in sand of one size surface at its usual cost would take grains
- * away: so many times that at the least (docs/notes/2026-11-28-scanner-levels.md). */
-#define RESTORE_COST_LEAST 0.4
-
 /* What is told to deblur_start, of a region averaged over `step` voxels a side. */
 void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
                      size_t step, struct deblur_scanner *work);

@@ -36,10 +36,11 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
 static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
 /* Where contrast is low the misfit is noise, and the cost of the least risk (least_risk.h) tells
  * relief that noise hides from the test above: SHARPER of that cost counts where it is less. Where
- * it is high the misfit is the scanner's error as much, and any relief would lessen it. Contrast is
- * told to some .5: from NOISY to CLEAR times the noise less and less of it counts, so that no
- * relief hinges on that (docs/notes/2026-11-27-fines.md). */
-static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.9;
+ * it is high the misfit is the scanner's error as much, and any relief would lessen it; of what the
+ * test says LESSER is enough where it is low (docs/notes/2026-11-28-scanner-levels.md). Contrast is
+ * told to some .5: from NOISY to CLEAR times the noise less and less of that counts, so that no
+ * relief hinges on it (docs/notes/2026-11-27-fines.md). */
+static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.8, LESSER = 0.66;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
 static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
@@ -144,7 +145,7 @@ static enum status find_hidden(const struct region *region, const struct scanner
   restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
   TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
                       scanner->noise_correlation / scan->unit, deblur, &cost));
-  *relief = fmin(fmax(log(SHARPER * cost) / log(RESTORE_COST_LEAST), 0.0), 1.0);
+  *relief = fmin(fmax(log(SHARPER * cost) / log(LESS), 0.0), 1.0);
 cleanup:
   return status;
 }
@@ -192,7 +193,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   if (clear < 1.0) {
     double hidden;
     TRY(find_hidden(region, scanner, &scan, &deblur, &hidden));
-    relief += (1.0 - clear) * fmax(hidden - relief, 0.0);
+    relief = clear * relief + (1.0 - clear) * fmax(hidden, LESSER * relief);
   }
   scanner->fine_relief = relief;
 cleanup:
