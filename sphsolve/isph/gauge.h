@@ -11,10 +11,10 @@
 
 /* Whether there is a head: gravity. */
 bool isph_has_head(const struct isph *s);
-/* Pressure (Pa) and Darcy velocity (m/s) at a point, exact for linear fields, 0 in a void; with
- * gravity the total head z + P / (rho g), m, z against gravity
- * from the origin; with a surface too the level of the highest water over the point, m, NAN where
- * there is none. Returns how many numbers. Collective. */
+/* Pressure (Pa) and Darcy velocity (m/s) at a point, exact for linear fields, 0 in a void and
+ * beyond the water; with gravity the total head z + P / (rho g), m, z against gravity from the
+ * origin; with a surface too the level of the highest water over the point, m, NAN where there is
+ * none. Returns how many numbers. Collective. */
 size_t isph_read_gauge(const struct isph *s, const double point[3], double *number);
 
 #endif

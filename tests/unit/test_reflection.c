@@ -106,6 +106,25 @@ static void a_gauge_on_a_side_sees_images(void **state) {
   finish(&run);
 }
 
+/* A row of particles below a gauge, as the tip of a wave, tells nothing of the pressure up there:
+ * it reads as in a void. */
+static void a_gauge_beyond_the_water_reads_nothing(void **state) {
+  struct run run;
+  (void)state;
+  wave(&run, false);
+  struct isph *s = &run.s;
+  double number[GAUGE_NUMBERS], at[3] = {0.2, 0, 0.1};
+  for (size_t i = 0; i < s->count; i++) {
+    double *x = s->position[i], to = at[2] - 1.2 * s->spacing;
+    const bool row = fabs(x[2] - to) < .5 * s->spacing;
+    x[2] = row ? to + 1e-2 * s->spacing * sin(1e3 * (double)i) : .01 * x[2];
+    s->pressure[i] = row ? 1e4 * (1 + sin(3e2 * (double)i)) : 0;
+  }
+  isph_read_gauge(s, at, number);
+  assert_true(number[0] == 0 && fabs(number[4] - at[2]) < 1e-15);
+  finish(&run);
+}
+
 /* Sides too close for one image, and sides beside windows, have walls of particles. */
 static void narrow_domains_do_not_reflect(void **state) {
   struct run run;
@@ -124,6 +143,7 @@ int main(void) {
       cmocka_unit_test(a_side_is_a_plane_of_symmetry),
       cmocka_unit_test(a_side_carries_the_weight),
       cmocka_unit_test(a_gauge_on_a_side_sees_images),
+      cmocka_unit_test(a_gauge_beyond_the_water_reads_nothing),
       cmocka_unit_test(narrow_domains_do_not_reflect),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
