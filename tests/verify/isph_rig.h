@@ -101,17 +101,21 @@ static void start(struct run *run, const char *format, ...) {
 }
 
 /* .6 m of water long in a tank of a given length, H deep, before a gate lifted at the median speed
- * of Lobovsky, Botia-Vera, Castellana, Mas-Soler, Souto-Iglesias 2014, J. Fluids Struct. 48. */
-static inline void start_gated_dam(struct run *run, double wide, double depth, double dx) {
+ * of Lobovsky, Botia-Vera, Castellana, Mas-Soler, Souto-Iglesias 2014, J. Fluids Struct. 48. The
+ * walls slip or hold. */
+static inline void start_gated_dam(struct run *run, double wide, double depth, double dx,
+                                   bool slip) {
   start(run,
         "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+        "isph = { wall = { slip = %s; }; };\n"
         "domain = { size = [\"%.9g m\", \"%g m\"]; spacing = \"%g m\"; periodic = [false, "
         "false]; };\n"
         "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.6 m\", \"%g m\"]; },\n"
         "{ type = \"wall\"; box = [\"0.6 m\", \"0\", \"%g m\", \"%g m\"]; velocity = [\"0\", "
         "\"%g m/s\"]; } );\n"
         "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
-        wide, 1.5 * depth, dx, depth, .6 + 2 * dx, 1.2 * depth, depth < .5 ? 3.46 : 4.53);
+        slip ? "true" : "false", wide, 1.5 * depth, dx, depth, .6 + 2 * dx, 1.2 * depth,
+        depth < .5 ? 3.46 : 4.53);
 }
 
 static void finish(struct run *run) {

@@ -4,14 +4,28 @@
 
 #include "tests/verify/isph_rig.h"
 
-/* Sensors of `impact`, what is read of a run (their peaks, and the impulse at the first), the most
- * runs of a dam, the most steps of one. */
-enum { SENSORS = 3, READ = SENSORS + 1, RUNS = 25, STEPS = 4000 };
+/* Sensors of `impact`, windows of means at the first two, what is read of a run (peaks, the impulse
+ * at the first, means), the most runs of a dam, the most steps of one. */
+enum {
+  SENSORS = 3,
+  WINDOWS = 2,
+  READ = SENSORS + 1 + 2 * WINDOWS,
+  RUNS = 25,
+  STEPS = 4000,
+};
 
 struct dam {
   double depth, spacing; /* m */
   double lasts;          /* the impulse is read for so long after the arrival, s */
   int runs;              /* odd */
+  bool slip;             /* the walls */
+};
+
+/* What a number read of a run is held against; no row without a name. */
+struct asked {
+  const char *name;
+  double range[2];
+  bool judged;
 };
 
 /* The largest mean over `width` (s) of sensor k of `record` (rows of time, its step, pressures). */
@@ -24,6 +38,15 @@ static double peak_of(double (*record)[2 + SENSORS], int steps, int k, double wi
     most = fmax(most, time >= width ? sum / time : 0);
   }
   return most;
+}
+
+/* The mean of sensor k of `record` over the steps that end from `since` to `until` (s). */
+static double mean_of(double (*record)[2 + SENSORS], int steps, int k, double since, double until) {
+  double sum = 0, time = 0;
+  for (int n = 0; n < steps; n++)
+    if (record[n][0] > since && record[n][0] <= until)
+      sum += record[n][2 + k] * record[n][1], time += record[n][1];
+  return sum / time;
 }
 
 /* Displaces the water by up to a thousandth of a spacing along x and z, uniformly: the numbers of
@@ -42,16 +65,18 @@ static void displace(struct isph *s, uint64_t seed) {
 }
 
 /* The peaks (Pa, means over 2 ms) by sensors 3, 15 and 30 mm above the floor on the wall 1.01 m
- * before the gate, and the impulse (Pa s) at the lowest, of one run. */
+ * before the gate, the impulse (Pa s) at the lowest, and means (Pa) at the lowest two, of one run.
+ */
 static void run_impact(const struct dam *dam, uint64_t seed, double read[READ]) {
   static const double above[SENSORS] = {.003, .015, .03};
+  static const double window[WINDOWS + 1] = {.043, .06, .079}; /* from the arrival on, s */
   static double record[STEPS][2 + SENSORS];
   const double wall = dam->spacing * round(1.61 / dam->spacing);
   double arrival = INFINITY, impulse = 0;
   int steps = 0;
   struct run run = {0};
   const clock_t begun = clock();
-  start_gated_dam(&run, wall, dam->depth, dam->spacing);
+  start_gated_dam(&run, wall, dam->depth, dam->spacing, dam->slip);
   displace(&run.s, seed);
   while (run.s.time < fmin(3.4 * sqrt(dam->depth / 9.81), arrival + 1.1 * dam->lasts) &&
          steps < STEPS) {
@@ -67,6 +92,10 @@ static void run_impact(const struct dam *dam, uint64_t seed, double read[READ]) 
   }
   for (int k = 0; k < SENSORS; k++) read[k] = peak_of(record, steps, k, .002);
   read[SENSORS] = impulse;
+  for (int n = 0; n < 2 * WINDOWS; n++) {
+    const double *at = &window[n % WINDOWS];
+    read[SENSORS + 1 + n] = mean_of(record, steps, n / WINDOWS, arrival + at[0], arrival + at[1]);
+  }
   printf("     start %d: peaks %.0f, %.0f, %.0f Pa, impulse %.0f Pa s, %d steps, %.0f s\n",
          (int)seed, read[0], read[1], read[2], impulse, steps,
          (double)(clock() - begun) / CLOCKS_PER_SEC);
@@ -79,15 +108,16 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Reports the median of `runs` values against the middle of `range`, with that as bound, and shows
- * the least and the most; judged only if `judged`. */
-static void report_median(const char *name, const double range[2], double *values, int runs,
-                          bool judged, double started) {
+/* Reports the median of `runs` values against the middle of the range asked, with that as bound,
+ * and shows the least and the most. */
+static void report_median(const char *name, const struct asked *asked, double *values, int runs,
+                          double started) {
   char row[128];
+  const double *range = asked->range;
   const double middle = .5 * (range[0] + range[1]), bound = .5 * (range[1] - range[0]);
   qsort(values, (size_t)runs, sizeof *values, ascending);
   snprintf(row, sizeof row, "%s, median of %d", name, runs);
-  if (judged)
+  if (asked->judged)
     report(row, middle, values[runs / 2], bound, started);
   else
     show(row, middle, values[runs / 2], started);
@@ -97,39 +127,60 @@ static void report_median(const char *name, const double range[2], double *value
   show(row, range[1], values[runs - 1], started);
 }
 
-/* Medians of displaced starts, as those of the repetitions: single runs are chaotic. Peaks: the
- * range from the 2.5th to the 97.5th percentile of a hundred repetitions (table 2, H = .3 m); a
- * peak rises and falls within 3 ms, and means over 2 ms are read here, so that the strike of one
- * particle is none. Impulses at 3 mm from the arrival on: H = .3 m, .45 of sqrt(H/g) of the record
- * of figure 18, whose peak is their median; .6 m, their median impulse, over their median times of
- * rise and fall, 7 and 104 ms (section 5.2.3). No scatter of impulses was found: a tenth, as that
- * of the peaks at 15 and 30 mm. */
-static void report_impact(const struct dam *dam, const double (*peaks)[2], bool judged,
-                          double seen) {
-  static const char *const places[] = {"peak at 3 mm, Pa", "peak at 15 mm, Pa", "peak at 30 mm, Pa",
-                                       "impulse at 3 mm, Pa s"};
-  const double started = clock_seconds(), impulse[2] = {.9 * seen, 1.1 * seen};
+/* Medians of displaced starts, as those of the repetitions: single runs are chaotic. */
+static void report_impact(const struct dam *dam, const struct asked asked[READ]) {
+  const double started = clock_seconds();
   double read[RUNS][READ], values[RUNS];
   for (int n = 0; n < dam->runs; n++) run_impact(dam, (uint64_t)n + 1, read[n]);
   for (int k = 0; k < READ; k++) {
     char name[96];
-    const double *range = k == SENSORS ? impulse : peaks[k];
-    if (range[0] <= 0) continue;
+    if (asked[k].name == NULL) continue;
     for (int n = 0; n < dam->runs; n++) values[n] = read[n][k];
-    snprintf(name, sizeof name, "impact: %s, H %g m, %g mm", places[k], dam->depth,
+    snprintf(name, sizeof name, "impact: %s, H %g m, %g mm", asked[k].name, dam->depth,
              1e3 * dam->spacing);
-    report_median(name, range, values, dam->runs, k == SENSORS || judged, started);
+    report_median(name, &asked[k], values, dam->runs, started);
   }
 }
 
+#define WITHIN(share, value)                                                                       \
+  { (1 - (share)) * (value), (1 + (share)) * (value) }
+
+/* Peaks: the range from the 2.5th to the 97.5th percentile of a hundred repetitions (table 2); a
+ * peak rises and falls within 3 ms, and means over 2 ms are read here, so that the strike of one
+ * particle is none. Impulse and means: the record of figure 18, whose peak is their median. It has
+ * 395 Pa s (trapezoids through its 98 points) in .45 of sqrt(H/g) from the arrival on; the 406 of
+ * before is that of .468. No scatter of impulses was found: a tenth, as that of the peaks at 15 and
+ * 30 mm. The means tell whether there is friction at the floor: walls that slip are 15 to 31 %
+ * above. */
 static void low_impact(void) {
-  static const double peaks[SENSORS][2] = {{7506, 13098}, {5326, 6331}, {3979, 4962}};
-  report_impact(&(struct dam){.3, .005, .45 * sqrt(.3 / 9.81), 25}, peaks, true, 406);
+  static const struct asked asked[READ] = {
+      {"peak at 3 mm, Pa", {7506, 13098}, true},
+      {"peak at 15 mm, Pa", {5326, 6331}, true},
+      {"peak at 30 mm, Pa", {3979, 4962}, true},
+      {"impulse at 3 mm, Pa s", WITHIN(.1, 395), true},
+      {"mean at 3 mm, 43 to 60 ms, Pa", WITHIN(.08, 4190), true},
+      {"mean at 3 mm, 60 to 79 ms, Pa", WITHIN(.08, 3700), true},
+      {"mean at 15 mm, 43 to 60 ms, Pa", WITHIN(.08, 4440), true},
+      {"mean at 15 mm, 60 to 79 ms, Pa", WITHIN(.08, 3700), true},
+  };
+  report_impact(&(struct dam){.3, .005, .45 * sqrt(.3 / 9.81), 25, false}, asked);
 }
 
+/* Medians of section 5.2.3, shown only: 1274 Pa s is of each run over its own impact time (twice
+ * the time from half the peak to the peak, and twice that from there to half the peak), not of the
+ * sum of their median times, 7 and 104 ms. With the shape of figure 18 the median peak and times
+ * give 1105. What is judged is the impulse with walls that slip, where two methods solve the same
+ * equations: interFoam has 1187 (cells of 5 mm, 1.25 by the floor, read as here; the cells of
+ * tests/verify/dam_reference 161 .6 slip, twice as wide, have 1152). */
 static void high_impact(void) {
-  static const double peaks[SENSORS][2] = {{18569, 18569}};
-  report_impact(&(struct dam){.6, .0075, .111, 11}, peaks, false, 1274);
+  static const struct asked shown[READ] = {{"peak at 3 mm, Pa", {18569, 18569}, false},
+                                           [SENSORS] = {"impulse at 3 mm, Pa s",
+                                                        {1274, 1274},
+                                                        false}},
+                            judged[READ] = {[SENSORS] = {"impulse at 3 mm, slip, Pa s",
+                                                         WITHIN(.04, 1187), true}};
+  report_impact(&(struct dam){.6, .0075, .111, 11, false}, shown);
+  report_impact(&(struct dam){.6, .0075, .111, 3, true}, judged);
 }
 
 int main(int argc, char **argv) {

@@ -146,7 +146,7 @@ static void gated_dam(void) {
     struct run run = {0};
     int low = k / 2;
     double started = clock_seconds(), depth = low ? .3 : .6, dx = (k % 2 == 0 ? .05 : .025) * depth;
-    start_gated_dam(&run, 1.62, depth, dx);
+    start_gated_dam(&run, 1.62, depth, dx, false);
     for (int m = 0; m < (low ? 10 : 6); m++) {
       char name[96];
       double front = 0, there = 1 + depth / .6 * seen[low][m];
