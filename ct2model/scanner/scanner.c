@@ -163,9 +163,10 @@ static void take_fit(const struct windows *all, const struct edge_fit *fit,
 }
 
 /* What `scanner` and `fit`, as seen, are of. A scan made up of grains as a blur of a voxel and more
- * shows them would be blurred twice: they are restored with a first guess of it. */
-static enum status find_fit(const struct windows *all, double contrast_to_noise, double reach,
-                            struct scanner *scanner, struct edge_fit *fit) {
+ * shows them would be blurred twice: they are restored with a first guess of it where they are
+ * `deep`. */
+static enum status find_fit(const struct windows *all, bool deep, double contrast_to_noise,
+                            double reach, struct scanner *scanner, struct edge_fit *fit) {
   enum status status = STATUS_OK;
   const struct edge_fit seen = *fit;
   const struct fringe_request scan = {.contrast_to_noise = contrast_to_noise,
@@ -175,9 +176,9 @@ static enum status find_fit(const struct windows *all, double contrast_to_noise,
   struct windows grains = {0};
   TRY(correct_fit(all, &seen, &scan, CORRECTIONS_FIRST, fit));
   take_fit(all, fit, scanner);
-  const bool fine = scanner->blur < all->unit;
-  const struct windows *its = fine ? all : &grains;
-  if (!fine) TRY(restored_windows(all, scanner, &grains));
+  const bool as_seen = !deep || scanner->blur < all->unit;
+  const struct windows *its = as_seen ? all : &grains;
+  if (!as_seen) TRY(restored_windows(all, scanner, &grains));
   TRY(correct_fit(its, &seen, &scan, CORRECTIONS, fit));
   if (fit->fringe < FAINT && scan.length >= 0.0)
     TRY(fringe_find(its, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
@@ -235,6 +236,12 @@ static struct phase_greys greys_within(const struct windows *all, const struct s
 /* Grains' distances are below 0. */
 static double sign_of_lesser(const struct survey *survey) {
   return survey->porosity < 0.5 ? 1.0 : -1.0;
+}
+
+/* Whether the lesser phase is deep enough in places to show its own grey. */
+static bool shows_grey(const struct windows *all, const struct survey *survey) {
+  const struct phase_greys lesser = greys_within(all, survey, sign_of_lesser(survey), DEPTH_SEEN);
+  return lesser.deep > DEEP * lesser.count;
 }
 
 /* Of the region: over the windows, or over the slices that the survey has looked at where these are
@@ -352,15 +359,18 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     reach = wanted;
   }
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
-  /* The peaks of noisy or narrow phases are not their greys: surfaces are where those say. */
-  windows_take_levels(&all, fit.pore, fit.grain);
-  TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
-  if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+  /* Peaks of noisy phases lie between their greys, and surfaces are where these say. */
+  const bool deep = shows_grey(&all, survey);
+  if (deep) {
+    windows_take_levels(&all, fit.pore, fit.grain);
+    TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
+    if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+  }
   scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
   const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   const double seen_fringe = fit.fringe;
-  TRY(find_fit(&all, phases->contrast_to_noise, reach, scanner, &fit));
+  TRY(find_fit(&all, deep, phases->contrast_to_noise, reach, scanner, &fit));
   scanner->noise /= left;
   scanner->contrast_to_noise *= left;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;

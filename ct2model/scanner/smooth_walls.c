@@ -23,10 +23,10 @@
 static const double SMOOTH = 1.16, ROUGH = 1.22;
 /* Fine relief: a quarter of the usual cost against that. Noise may have been measured 10 to 20 %
  * low, or 10 % high where fines add to it, and what it does grows faster than it: so the noise made
- * up is the one that leaves as much unexplained as the scan does. 1 to 1.1 in sands of which the
+ * up is the one that leaves as much unexplained as the scan does. 1 to 1.13 in sands of which the
  * usual cost takes noise, 1.15 to 1.47 where it takes small grains, a scanner found wrong apart
  * (docs/notes/2026-11-27-fines.md). */
-static const double LESS = 0.25, USUAL = 1.10, FINE = 1.39;
+static const double LESS = 0.25, USUAL = 1.13, FINE = 1.39;
 static const double NONE = 2.0; /* from here on the scanner is another one than was found */
 /* A fringe and a wider blur are alike: blurs that differ by WIDER of themselves for each unit of
  * fringe explain a scan as well, and a fringe found too large looks like relief. Over contrasts of
