@@ -6,9 +6,9 @@
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scanner/deblur.h"
+#include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/restore.h"
-#include "ct2model/scanner/restored_windows.h"
 #include "ct2model/scanner/windows.h"
 
 /* A piece in the middle is restored as smooth walls would be, and its grains are blurred by one
@@ -62,7 +62,7 @@ static void find_noise(const float *its, struct window *piece, const double stre
   struct noise_sums sums = {.end = NAN};
   for (size_t i = 0; i < n; i++)
     piece->smooth[i] = piece->grey[i] - (float)(look->pore + look->contrast * (double)its[i]);
-  noise_add(piece->smooth, piece->distance, piece->size, -RESTORED_WINDOW_FAR - 1.0, 1.0, 0.0,
+  noise_add(piece->smooth, piece->distance, piece->size, -GRAIN_WINDOW_FAR - 1.0, 1.0, 0.0,
             INFINITY, &sums);
   double length = 0.0, axes = 0.0;
   for (int a = 0; a < 3; a++) {
@@ -84,7 +84,7 @@ static enum status look_at(struct windows *all, const struct deblur_scanner *wor
   struct windows made = {0};
   double left[TRIALS];
   int least = 0;
-  TRY(restored_window(piece, all->stretch, work, deblur, piece->distance));
+  TRY(grain_window(piece, all->stretch, work, deblur, piece->distance));
   for (int t = 0; t < TRIALS; t++) {
     TRY(windows_make_up(all, LEAST * pow(STEP, t), look->fringe, 0.0, 1.0, &made));
     left[t] = fit_levels(made.window[0].grey, piece->grey, n, look);

@@ -7,8 +7,8 @@
 #include "ct2model/scan/survey.h"
 #include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
+#include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/noise.h"
-#include "ct2model/scanner/restored_windows.h"
 #include "ct2model/scanner/windows.h"
 
 enum { WINDOWS_LEAST = 3 };
@@ -178,7 +178,7 @@ static enum status find_fit(const struct windows *all, bool deep, double contras
   take_fit(all, fit, scanner);
   const bool as_seen = !deep || scanner->blur < all->unit;
   const struct windows *its = as_seen ? all : &grains;
-  if (!as_seen) TRY(restored_windows(all, scanner, &grains));
+  if (!as_seen) TRY(grain_windows(all, scanner, &grains));
   TRY(correct_fit(its, &seen, &scan, CORRECTIONS, fit));
   if (fit->fringe < FAINT && scan.length >= 0.0)
     TRY(fringe_find(its, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),

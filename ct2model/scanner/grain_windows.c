@@ -1,4 +1,4 @@
-#include "ct2model/scanner/restored_windows.h"
+#include "ct2model/scanner/grain_windows.h"
 
 #include <string.h>
 
@@ -10,22 +10,22 @@ static size_t voxels_of(const struct window *window) {
   return window->size[0] * window->size[1] * window->size[2];
 }
 
-enum status restored_window(const struct window *window, const double stretch[3],
-                            const struct deblur_scanner *scanner, struct deblur *deblur,
-                            float *distance) {
+enum status grain_window(const struct window *window, const double stretch[3],
+                         const struct deblur_scanner *scanner, struct deblur *deblur,
+                         float *distance) {
   enum status status = STATUS_OK;
   memcpy(deblur->size, window->size, sizeof deblur->size);
   memcpy(deblur->grey, window->grey, voxels_of(window) * sizeof *window->grey);
   deblur->scanner = *scanner;
   deblur->rounds = DEBLUR_ROUNDS_COMPARED;
   TRY(deblur_run(deblur));
-  TRY(edge_distances(deblur->share, window->size, stretch, RESTORED_WINDOW_FAR, distance));
+  TRY(edge_distances(deblur->share, window->size, stretch, GRAIN_WINDOW_FAR, distance));
 cleanup:
   return status;
 }
 
-enum status restored_windows(const struct windows *scan, const struct scanner *scanner,
-                             struct windows *grains) {
+enum status grain_windows(const struct windows *scan, const struct scanner *scanner,
+                          struct windows *grains) {
   enum status status = STATUS_OK;
   struct deblur deblur = {0};
   struct deblur_scanner work;
@@ -39,7 +39,7 @@ enum status restored_windows(const struct windows *scan, const struct scanner *s
     *w = (struct window){0};
     memcpy(w->size, scan->window[i].size, sizeof w->size);
     TRY(memory_allocate(&w->distance, voxels_of(w), sizeof(float), "a window of the scan"));
-    TRY(restored_window(&scan->window[i], scan->stretch, &work, &deblur, w->distance));
+    TRY(grain_window(&scan->window[i], scan->stretch, &work, &deblur, w->distance));
   }
 cleanup:
   deblur_end(&deblur);
