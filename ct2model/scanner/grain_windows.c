@@ -6,16 +6,12 @@
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/restore.h"
 
-static size_t voxels_of(const struct window *window) {
-  return window->size[0] * window->size[1] * window->size[2];
-}
-
 enum status grain_window(const struct window *window, const double stretch[3],
                          const struct deblur_scanner *scanner, struct deblur *deblur,
                          float *distance) {
   enum status status = STATUS_OK;
   memcpy(deblur->size, window->size, sizeof deblur->size);
-  memcpy(deblur->grey, window->grey, voxels_of(window) * sizeof *window->grey);
+  memcpy(deblur->grey, window->grey, window_voxels(window) * sizeof *window->grey);
   deblur->scanner = *scanner;
   deblur->rounds = DEBLUR_ROUNDS_COMPARED;
   TRY(deblur_run(deblur));
@@ -33,12 +29,12 @@ enum status grain_windows(const struct windows *scan, const struct scanner *scan
   grains->count = 0;
   /* All windows have one size. */
   restore_scanner(scan->region, scanner, scanner->blur, 1, &work);
-  TRY(deblur_start(voxels_of(&scan->window[0]), &work, &deblur));
+  TRY(deblur_start(window_voxels(&scan->window[0]), &work, &deblur));
   for (size_t i = 0; i < scan->count; i += windows_step(scan)) {
     struct window *w = &grains->window[grains->count++];
     *w = (struct window){0};
     memcpy(w->size, scan->window[i].size, sizeof w->size);
-    TRY(memory_allocate(&w->distance, voxels_of(w), sizeof(float), "a window of the scan"));
+    TRY(memory_allocate(&w->distance, window_voxels(w), sizeof(float), "a window of the scan"));
     TRY(grain_window(&scan->window[i], scan->stretch, &work, &deblur, w->distance));
   }
 cleanup:

@@ -2,8 +2,8 @@
 #ifndef TOSUI_CT2MODEL_SCANNER_GRAIN_WINDOWS_H
 #define TOSUI_CT2MODEL_SCANNER_GRAIN_WINDOWS_H
 
-#include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/blur_and_noise.h"
+#include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/windows.h"
 
 /* Voxels: shares of grain further from walls are 0 and 1. */

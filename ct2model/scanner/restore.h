@@ -5,8 +5,8 @@
 #define TOSUI_CT2MODEL_SCANNER_RESTORE_H
 
 #include "ct2model/scan/region.h"
-#include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/blur_and_noise.h"
+#include "ct2model/scanner/deblur.h"
 #include "ct2model/surface/coarse.h"
 
 /* 1 up to 150 million voxels: wedges between grains are lost with a mean. Of the sample sand,

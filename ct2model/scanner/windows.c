@@ -13,7 +13,7 @@
 enum { SIDE = 96, DEPTH = 40 };
 static const double CUT = 1e-3; /* of the voxels; fewer at the last grey are a few minerals */
 
-static size_t window_voxels(const struct window *window) {
+size_t window_voxels(const struct window *window) {
   return window->size[0] * window->size[1] * window->size[2];
 }
 

@@ -22,6 +22,7 @@ struct windows {
   struct window window[WINDOWS];
 };
 
+size_t window_voxels(const struct window *window);
 /* From corner to corner of the region. Free with windows_end, on failure too. */
 enum status windows_read(const struct region *region, const struct grey_phases *phases,
                          struct windows *windows);
@@ -29,7 +30,7 @@ void windows_end(struct windows *windows);
 /* One window in the middle, of up to `side` voxels a side; likewise. */
 enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
                                 size_t side, struct windows *windows);
-/* From then on pore and grain are where they were so much. */
+/* The greys that are `pore` and `grain` become 0 and 1. */
 void windows_take_levels(struct windows *windows, double pore, double grain);
 /* The greys smoothed as their noise asks for, and the distances to where they are 1/2, at most
  * `limit`. */
