@@ -13,8 +13,8 @@
  * g the scan, C the covariance of its noise, but for tr C, which is the same for each cost. The
  * trace is n . J n on average over noise n that is made up, and J n the difference that a little of
  * n makes (Ramani, Blu and Unser 2008, IEEE Trans. Image Process. 17: 1540). */
-enum { COSTS = 4 };
-static const double COST[COSTS] = {0.25, 0.5, 1.0, 2.0}; /* each twice the last */
+enum { COSTS = 6 };
+static const double COST[COSTS] = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}; /* each twice the last */
 static const double LITTLE = 0.1;
 
 /* H A u of the piece with so much of the noise added, and its misfit to the piece. */

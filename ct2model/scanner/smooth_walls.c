@@ -17,30 +17,21 @@
  * would take. The third moment is compared: edges, corners and contacts of grains are few, but lose
  * more than noise does anywhere.
  *
- * Smooth walls: the usual cost against that of smooth walls. Of 47 sands of contrast 4 to 30 times
- * the noise the ratio is 1.18 to 1.9, 1.24 and more in all but two; of 40 bodies with smooth walls
- * it is .76 to 1.18 (docs/notes/2026-11-25-smooth-walls.md). */
-static const double SMOOTH = 1.16, ROUGH = 1.22;
+ * Smooth walls: the usual cost against that of smooth walls. Of sands the ratio is 1.1 to 1.9, of
+ * bodies with smooth walls .76 to 1.18 (docs/notes/2026-11-28-surface-cost.md). */
+static const double SMOOTH = 1.11, ROUGH = 1.18;
 /* Fine relief: a quarter of the usual cost against that. Noise may have been measured 10 to 20 %
  * low, or 10 % high where fines add to it, and what it does grows faster than it: so the noise made
- * up is the one that leaves as much unexplained as the scan does. 1 to 1.13 in sands of which the
- * usual cost takes noise, 1.15 to 1.47 where it takes small grains, a scanner found wrong apart
- * (docs/notes/2026-11-27-fines.md). */
-static const double LESS = 0.25, USUAL = 1.13, FINE = 1.39;
+ * up is the one that leaves as much unexplained as the scan does. */
+static const double LESS = 0.25;
 static const double NONE = 2.0; /* from here on the scanner is another one than was found */
-/* A fringe and a wider blur are alike: blurs that differ by WIDER of themselves for each unit of
- * fringe explain a scan as well, and a fringe found too large looks like relief. Over contrasts of
- * 9 times the noise few are too large by a tenth, under 6 some by .3 (DOUBT over the contrast, up
- * to DOUBT_MOST): the mean of the relief with the fringe found and with that much less of it counts
- * (docs/notes/2026-11-26-hidden-fines.md). */
-static const double DOUBT = 1.8, DOUBT_MOST = 0.3, WIDER = 0.8;
-/* Where contrast is low the misfit is noise, and the cost of the least risk (least_risk.h) tells
- * relief that noise hides from the test above: SHARPER of that cost counts where it is less. Where
- * it is high the misfit is the scanner's error as much, and any relief would lessen it; of what the
- * test says LESSER is enough where it is low (docs/notes/2026-11-28-scanner-levels.md). Contrast is
- * told to some .5: from NOISY to CLEAR times the noise less and less of that counts, so that no
- * relief hinges on it (docs/notes/2026-11-27-fines.md). */
-static const double NOISY = 7.0, CLEAR = 8.0, SHARPER = 0.8, LESSER = 0.66;
+/* Octaves by which the cost of surface changes for one of the cost of the least risk
+ * (least_risk.h), and for a ratio of fine relief of 2: so k of 102 generated sands is off by the
+ * least (docs/notes/2026-11-28-surface-cost.md). Up to NOTHING it may be chance, from SOMETHING on
+ * all of it counts. */
+static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING = 0.4;
+/* From the finest relief, beyond which noise is let in, to smooth walls. */
+static const double FINEST = -1.5, SMOOTHEST = 3.0;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
 static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
@@ -118,34 +109,24 @@ static double ramp(double value, double from, double to) {
   return isfinite(value) ? fmin(fmax((value - from) / (to - from), 0.0), 1.0) : 0.0;
 }
 
-/* Relief finer than of sand, 0 to 1, were the scanner that one. */
-static enum status find_fine(const struct region *region, const struct scanner *scanner,
-                             struct windows *scan, struct deblur *deblur, float *lower,
-                             double *relief) {
+/* Octaves of the usual cost of surface that walls with relief are given. */
+static enum status find_octaves(const struct region *region, const struct scanner *scanner,
+                                struct windows *scan, struct deblur *deblur, float *lower,
+                                double *octaves) {
   enum status status = STATUS_OK;
   const double fine[2] = {LESS, 1.0};
   struct taken seen, ratio;
-  double contrast;
-  *relief = 0.0;
+  double contrast, least_risk;
   restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
   TRY(look_at_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
   TRY(compare(scan, scanner, noise * sqrt(ratio.left), fine, &seen, deblur, lower, &ratio));
-  *relief = ratio.cube < NONE ? ramp(ratio.cube, USUAL, FINE) : 0.0;
-cleanup:
-  return status;
-}
-
-/* Relief by the cost of surface that has the least risk. */
-static enum status find_hidden(const struct region *region, const struct scanner *scanner,
-                               struct windows *scan, struct deblur *deblur, double *relief) {
-  enum status status = STATUS_OK;
-  double cost;
-  restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
   TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
-                      scanner->noise_correlation / scan->unit, deblur, &cost));
-  *relief = fmin(fmax(log(SHARPER * cost) / log(LESS), 0.0), 1.0);
+                      scanner->noise_correlation / scan->unit, deblur, &least_risk));
+  const double relief = ratio.cube < NONE ? ratio.cube - 1.0 : 0.0;
+  const double wanted = BY_RISK * log2(least_risk) - BY_RELIEF * relief;
+  *octaves = fmax(wanted * ramp(fabs(wanted), NOTHING, SOMETHING), FINEST);
 cleanup:
   return status;
 }
@@ -159,7 +140,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   struct windows scan = {0};
   struct taken seen, ratio;
   float *lower = NULL;
-  double contrast, relief;
+  double contrast, octaves = 0.0;
   scanner->smooth_walls = scanner->fine_relief = 0.0;
   if (!scanner->known || !isfinite(scanner->noise_correlation)) return STATUS_OK;
   its.smooth_walls = 1.0;
@@ -174,28 +155,15 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   TRY(look_at_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
-  scanner->smooth_walls = ramp(-ratio.cube, -ROUGH, -SMOOTH);
+  const double smooth_share = ramp(-ratio.cube, -ROUGH, -SMOOTH);
   /* Noise longer than the blur and a voxel looks like relief: no scan is made up with it as long as
    * it is (restore_scanner). */
   const double longest = fmax(scanner->blur, scanner->unit);
-  if (scanner->smooth_walls > 0.0 || scanner->noise_correlation > longest) goto cleanup;
-  its = *scanner;
-  TRY(find_fine(region, &its, &scan, &deblur, lower, &relief));
-  const double drop = fmin(scanner->fringe, fmin(DOUBT_MOST, DOUBT / scanner->contrast_to_noise));
-  if (relief > 0.0 && drop > 0.0) {
-    its.fringe -= drop;
-    its.blur *= 1.0 - WIDER * drop;
-    double other;
-    TRY(find_fine(region, &its, &scan, &deblur, lower, &other));
-    relief = 0.5 * (relief + other);
-  }
-  const double clear = ramp(scanner->contrast_to_noise, NOISY, CLEAR);
-  if (clear < 1.0) {
-    double hidden;
-    TRY(find_hidden(region, scanner, &scan, &deblur, &hidden));
-    relief = clear * relief + (1.0 - clear) * fmax(hidden, LESSER * relief);
-  }
-  scanner->fine_relief = relief;
+  if (smooth_share < 1.0 && scanner->noise_correlation <= longest)
+    TRY(find_octaves(region, scanner, &scan, &deblur, lower, &octaves));
+  octaves += smooth_share * (SMOOTHEST - octaves);
+  scanner->smooth_walls = fmax(octaves / SMOOTHEST, 0.0);
+  scanner->fine_relief = fmax(octaves / log2(LESS), 0.0);
 cleanup:
   memory_free(&lower);
   deblur_end(&deblur);
