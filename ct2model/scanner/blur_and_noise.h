@@ -19,7 +19,7 @@ struct scanner {
   double contrast_to_noise;
   double noise_correlation; /* m: standard deviation of the Gaussian that correlates white noise */
   double resolution;        /* m: period at which the modulation transfer falls to a tenth */
-  double smooth_walls;      /* 0 with relief to 1 smooth (smooth_walls.h); NAN: not looked for */
+  double smooth_walls;      /* 0 as of sand to 1, no relief (smooth_walls.h); NAN: not looked for */
   double fine_relief;       /* 0 as of sand to 1, much small relief, as of fines; likewise */
   double unit;              /* m: the smallest side of a voxel, unit of the response's distances */
   struct edge_response response; /* greys 0 pore, 1 grain; over all windows */

@@ -30,8 +30,9 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
  * least (docs/notes/2026-11-28-surface-cost.md). Up to NOTHING it may be chance, from SOMETHING on
  * all of it counts. */
 static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING = 0.4;
-/* From the finest relief, beyond which noise is let in, to smooth walls. */
-static const double FINEST = -1.5, SMOOTHEST = 3.0;
+/* From the finest relief, a quarter of the usual cost, to smooth walls. Under contrasts of NOISY
+ * times the noise and less a cost under LEAST lets noise in; from CLEAR on there is little. */
+static const double FINEST = -2.0, SMOOTHEST = 3.0, LEAST = -1.5, NOISY = 7.0, CLEAR = 9.0;
 /* Voxels a side: walls enough, restored six times in a second. */
 enum { PIECE = 64 };
 static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
@@ -126,7 +127,8 @@ static enum status find_octaves(const struct region *region, const struct scanne
                       scanner->noise_correlation / scan->unit, deblur, &least_risk));
   const double relief = ratio.cube < NONE ? ratio.cube - 1.0 : 0.0;
   const double wanted = BY_RISK * log2(least_risk) - BY_RELIEF * relief;
-  *octaves = fmax(wanted * ramp(fabs(wanted), NOTHING, SOMETHING), FINEST);
+  const double least = LEAST + (FINEST - LEAST) * ramp(scanner->contrast_to_noise, NOISY, CLEAR);
+  *octaves = fmax(wanted * ramp(fabs(wanted), NOTHING, SOMETHING), least);
 cleanup:
   return status;
 }
@@ -163,7 +165,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
     TRY(find_octaves(region, scanner, &scan, &deblur, lower, &octaves));
   octaves += smooth_share * (SMOOTHEST - octaves);
   scanner->smooth_walls = fmax(octaves / SMOOTHEST, 0.0);
-  scanner->fine_relief = fmax(octaves / log2(LESS), 0.0);
+  scanner->fine_relief = fmax(octaves / FINEST, 0.0);
 cleanup:
   memory_free(&lower);
   deblur_end(&deblur);
