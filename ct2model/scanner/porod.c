@@ -30,6 +30,7 @@ static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2
  * (docs/notes/2026-11-26-smooth-sands.md). There S is the law's, and its half width holds the
  * restored surface, too. */
 static const double APART = 0.15, TOUCHING = 0.21;
+static const double GRAINS = 0.25; /* from here on they are those of grains in a heap */
 /* S over that of the restored surface: of sands it is 1.17 at most. Where the law asks for more, as
  * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
  * up to that distance, and falls steeply from there. */
@@ -153,22 +154,51 @@ static double follow_back(const struct pairs vectors[VECTORS], double n, double 
   return surface;
 }
 
-enum status porod_surface(const struct restored *restored, const struct scanner *scanner,
-                          const double voxel[3], double *surface, double *error) {
+/* S, `found` (NAN where a side is too short), its `slope`, B, and `scatter`, its standard error;
+ * `surface` as the walls have it. */
+static enum status find_law(const struct restored *restored, double blur, const double voxel[3],
+                            double surface, double *found, double *slope, double *scatter) {
   enum status status = STATUS_OK;
   struct pairs vectors[VECTORS];
   const double n = restored->void_ratio / (1.0 + restored->void_ratio);
-  const double a = 4.0 * n * (1.0 - n) / *surface;
+  const double a = 4.0 * n * (1.0 - n) / surface;
   const double widest = fmax(voxel[0], fmax(voxel[1], voxel[2]));
-  const double from = fmax(FROM_VOXELS * widest, fmin(FROM_BLURS * scanner->blur, FROM_MOST * a));
+  const double from = fmax(FROM_VOXELS * widest, fmin(FROM_BLURS * blur, FROM_MOST * a));
+  *found = *slope = *scatter = NAN;
+  if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
+  TRY(count_all(restored, vectors));
+  *found = follow_back(vectors, n, surface, slope, scatter);
+cleanup:
+  return status;
+}
+
+/* Whether the law is that of the walls. */
+static bool holds(double found, double scatter, double surface) {
+  return found < MOST * surface && 2.0 * scatter <= LAW * found;
+}
+
+enum status porod_grains(const struct restored *restored, double blur, const double voxel[3],
+                         double surface, double *grains) {
+  enum status status = STATUS_OK;
+  double found, slope, scatter;
+  TRY(find_law(restored, blur, voxel, surface, &found, &slope, &scatter));
+  const double share = fmin(fmax((slope - TOUCHING) / (GRAINS - TOUCHING), 0.0), 1.0);
+  *grains = holds(found, scatter, surface) ? share : 0.0;
+cleanup:
+  return status;
+}
+
+enum status porod_surface(const struct restored *restored, const struct scanner *scanner,
+                          const double voxel[3], double *surface, double *error) {
+  enum status status = STATUS_OK;
+  double found, slope, scatter;
+  const double n = restored->void_ratio / (1.0 + restored->void_ratio);
+  const double a = 4.0 * n * (1.0 - n) / *surface;
   const bool alone = scanner->known && !scanner->narrow;
   *error = (alone && scanner->smooth_walls == 1.0 ? SMOOTH : UNSEEN) * *surface;
   if (!alone) return STATUS_OK;
-  if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
-  TRY(count_all(restored, vectors));
-  double slope, scatter;
-  const double found = follow_back(vectors, n, *surface, &slope, &scatter);
-  if (!(found < MOST * *surface) || 2.0 * scatter > LAW * found) return STATUS_OK;
+  TRY(find_law(restored, scanner->blur, voxel, *surface, &found, &slope, &scatter));
+  if (!holds(found, scatter, *surface)) return STATUS_OK;
   const double edges = fmin(fmax((slope - APART) / (TOUCHING - APART), 0.0), 1.0);
   const double smooth = scanner->smooth_walls, own = smooth * (1.0 - edges);
   const double both = smooth * edges * fabs(found / *surface - 1.0);

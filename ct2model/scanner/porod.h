@@ -13,5 +13,9 @@
  * as generated sands and bodies have it. `voxel`: edges of the restored voxels, m. */
 enum status porod_surface(const struct restored *restored, const struct scanner *scanner,
                           const double voxel[3], double *surface, double *error);
+/* 0 to 1: how far the walls are as near to each other as those of grains that touch, alike in all
+ * directions; 0 where the law says nothing. `surface` (1/m) as the walls have it, roughly. */
+enum status porod_grains(const struct restored *restored, double blur, const double voxel[3],
+                         double surface, double *grains);
 
 #endif

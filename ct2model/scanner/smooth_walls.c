@@ -7,7 +7,9 @@
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/least_risk.h"
+#include "ct2model/scanner/porod.h"
 #include "ct2model/scanner/restore.h"
+#include "ct2model/scanner/restored.h"
 #include "ct2model/scanner/windows.h"
 
 /* A Monte Carlo test (Barnard 1963, J. R. Stat. Soc. B 25: 294). A piece of the scan is restored
@@ -133,6 +135,31 @@ cleanup:
   return status;
 }
 
+/* How far the walls that `deblur` has left are those of grains that touch (porod.h), and no tubes,
+ * fibres or beads. */
+static enum status find_touching(const struct region *region, const struct deblur *deblur,
+                                 double blur, double *touching) {
+  enum status status = STATUS_OK;
+  const size_t *size = deblur->size, n = size[0] * size[1] * size[2];
+  struct restored piece = {.threshold = 127.5};
+  double grain = 0.0, faces = 0.0;
+  TRY(memory_allocate(&piece.scan.levels, n, 1, "a piece of the scan"));
+  memcpy(piece.scan.size, size, sizeof piece.scan.size);
+  for (size_t i = 0; i < n; i++) {
+    piece.scan.levels[i] = (uint8_t)lrint(255.0 * (double)deblur->share[i]);
+    grain += piece.scan.levels[i] > 127 ? 1.0 : 0.0;
+    if (i % size[0] > 0) // NOLINT: a row has voxels
+      faces += (piece.scan.levels[i] > 127) != (piece.scan.levels[i - 1] > 127) ? 1.0 : 0.0;
+  }
+  piece.void_ratio = (double)n / grain - 1.0;
+  /* A random line meets half of the surface in a unit of volume (Saltykov 1958). */
+  const double surface = 2.0 * faces / ((double)n * region->voxel[0]);
+  TRY(porod_grains(&piece, blur, region->voxel, surface, touching));
+cleanup:
+  memory_free(&piece.scan.levels);
+  return status;
+}
+
 enum status smooth_walls_find(const struct region *region, struct scanner *scanner) {
   enum status status = STATUS_OK;
   const struct grey_phases phases = {.pore_peak = scanner->pore, .grain_peak = scanner->grain};
@@ -142,7 +169,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   struct windows scan = {0};
   struct taken seen, ratio;
   float *lower = NULL;
-  double contrast, octaves = 0.0;
+  double contrast, touching, octaves = 0.0;
   scanner->smooth_walls = scanner->fine_relief = 0.0;
   if (!scanner->known || !isfinite(scanner->noise_correlation)) return STATUS_OK;
   its.smooth_walls = 1.0;
@@ -155,9 +182,10 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   deblur.rounds = DEBLUR_ROUNDS_COMPARED;
   const double smooth[2] = {1.0, work.surface};
   TRY(look_at_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
+  TRY(find_touching(region, &deblur, scanner->blur, &touching));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
-  const double smooth_share = ramp(-ratio.cube, -ROUGH, -SMOOTH);
+  const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -ROUGH, -SMOOTH);
   /* Noise longer than the blur and a voxel looks like relief: no scan is made up with it as long as
    * it is (restore_scanner). */
   const double longest = fmax(scanner->blur, scanner->unit);
