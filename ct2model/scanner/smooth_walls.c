@@ -32,6 +32,9 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
  * least (docs/notes/2026-11-28-surface-cost.md). Up to NOTHING it may be chance, from SOMETHING on
  * all of it counts. */
 static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING = 0.4;
+/* Under a blur of SHARP voxels relief shows, under one of WIDE its corners look like it: FEWER less
+ * of it counts. */
+static const double SHARP = 2.2, WIDE = 2.8, FEWER = 0.67;
 /* From the finest relief, a quarter of the usual cost, to smooth walls. Under contrasts of NOISY
  * times the noise and less a cost under LEAST lets noise in; from CLEAR on there is little. */
 static const double FINEST = -2.0, SMOOTHEST = 3.0, LEAST = -1.5, NOISY = 7.0, CLEAR = 9.0;
@@ -129,8 +132,10 @@ static enum status find_octaves(const struct region *region, const struct scanne
                       scanner->noise_correlation / scan->unit, deblur, &least_risk));
   const double relief = ratio.cube < NONE ? ratio.cube - 1.0 : 0.0;
   const double wanted = BY_RISK * log2(least_risk) - BY_RELIEF * relief;
+  const double wide = ramp(scanner->blur / scan->unit, SHARP, WIDE);
+  const double counts = wanted < 0.0 ? 1.0 - FEWER * wide : 1.0;
   const double least = LEAST + (FINEST - LEAST) * ramp(scanner->contrast_to_noise, NOISY, CLEAR);
-  *octaves = fmax(wanted * ramp(fabs(wanted), NOTHING, SOMETHING), least);
+  *octaves = fmax(counts * wanted * ramp(fabs(wanted), NOTHING, SOMETHING), least);
 cleanup:
   return status;
 }
