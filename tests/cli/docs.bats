@@ -92,7 +92,7 @@ P
   part_of_sample 24 "$SLICES"
   run_blocks "$ROOT/docs/calibration.md"
   k() { sed -n 's/^  "k": \([0-9.e-]*\),/\1/p' "calibration/run-$1.json"; }
-  awk -v a="$(k 0.705)" -v b="$(k 0.725)" -v c="$(k 0.745)" 'BEGIN { exit !(0 < a && a < b && b < c && sprintf("%.2f", (c - a) / 2 / b) == 0.05) }'
+  awk -v a="$(k 0.705)" -v b="$(k 0.725)" -v c="$(k 0.745)" 'BEGIN { exit !(0 < a && a < b && b < c && sprintf("%.2f", (c - a) / 2 / b) == 0.04) }'
   [ "$(bash -c "$(grep '^grep' "$ROOT/docs/calibration.md")" | wc -l)" -eq 3 ] # of the runs, not of their lattices
   [ "$(wc -l < calibration/study/calibration.csv)" -eq 4 ]
   unset THRESHOLDS SLICES
