@@ -26,9 +26,11 @@ static double uniform(uint64_t *state) {
 }
 
 /* Shares of grain, blurred, with voxels so many times as long along z; balls' centres lie outside
- * too. `apart`: on a lattice on which they do not meet. The threshold leaves the porosity as it
- * was, which is returned. */
-static double draw(size_t longer, bool apart, struct restored *restored) {
+ * too. `lattice`: their radius on a lattice of 28 voxels, else 0. The threshold leaves the porosity
+ * as it was, which is returned. */
+static double draw(size_t longer, double lattice, struct restored *restored) {
+  const bool apart = lattice > 0.0;
+  const double radius = apart ? lattice : RADIUS;
   const size_t size[3] = {SIDE, SIDE, SIDE / longer}, n = size[0] * size[1] * size[2];
   const double left = 0.5 * BLUR; /* after the restoration */
   const double sigma[3] = {left, left, left / (double)longer}, box = SIDE + 2.0 * RADIUS;
@@ -47,7 +49,7 @@ static double draw(size_t longer, bool apart, struct restored *restored) {
       const double dx = (double)(i % SIDE) + 0.5 - at[0];
       const double dy = (double)(i / SIDE % SIDE) + 0.5 - at[1];
       const double dz = ((double)(i / SIDE / SIDE) + 0.5) * (double)longer - at[2];
-      if (dx * dx + dy * dy + dz * dz < RADIUS * RADIUS) share[i] = 1.0F;
+      if (dx * dx + dy * dy + dz * dz < radius * radius) share[i] = 1.0F;
     }
   }
   for (size_t i = 0; i < n; i++) pores += share[i] < 0.5F;
@@ -77,7 +79,7 @@ static void test_overlapping(void **state) {
     const struct scanner scanner = scanner_of(0.0);
     const double voxel[3] = {METRE, METRE, METRE * (double)longer};
     struct restored restored;
-    const double n = draw(longer, false, &restored), exact = -3.0 * log(n) * n / (RADIUS * METRE);
+    const double n = draw(longer, 0.0, &restored), exact = -3.0 * log(n) * n / (RADIUS * METRE);
     double surface[2] = {0.9 * exact, 0.9 * exact}, error = NAN;
     for (int threads = 0; threads < 2; threads++) {
       omp_set_num_threads(1 + 3 * threads);
@@ -131,6 +133,9 @@ static void test_one_direction(void **state) {
   for (size_t i = 0; i < n; i++) restored.scan.levels[i] = i % SIDE / (SIDE / 3) == 1 ? 0 : 255;
   assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
   assert_true(surface == given && fabs(error / given - 0.2) < 1e-9);
+  double grains = NAN;
+  assert_int_equal(porod_grains(&restored, scanner.blur, voxel, given, &grains), STATUS_OK);
+  assert_true(grains == 0.0);
   restored_end(&restored);
 }
 
@@ -141,7 +146,7 @@ static void test_smooth_walls(void **state) {
   const struct scanner scanner = scanner_of(1.0);
   const double voxel[3] = {METRE, METRE, METRE};
   struct restored restored;
-  const double n = draw(1, false, &restored), exact = -3.0 * log(n) * n / (RADIUS * METRE);
+  const double n = draw(1, 0.0, &restored), exact = -3.0 * log(n) * n / (RADIUS * METRE);
   double surface = 0.9 * exact, error = NAN;
   assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
   print_message("overlapping: %+.2f %% +- %.1f %%\n", 100.0 * (surface / exact - 1.0),
@@ -149,11 +154,28 @@ static void test_smooth_walls(void **state) {
   assert_true(fabs(surface / exact - 1.0) < 0.04);
   assert_true(surface - 0.9 * exact < error && error < 0.15 * exact); /* holds both */
   restored_end(&restored);
-  (void)draw(1, true, &restored);
+  (void)draw(1, RADIUS, &restored);
   const double given = surface = 0.95 * 4.0 * M_PI * pow(RADIUS, 2.0) / pow(28.0, 3.0) / METRE;
   assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
   assert_true(surface == given && fabs(error / given - 0.09) < 1e-9);
   restored_end(&restored);
+}
+
+/* Balls of 9 voxels on a lattice of 28 stand apart, balls of 14 touch. */
+static void test_grains(void **state) {
+  (void)state;
+  const double voxel[3] = {METRE, METRE, METRE};
+  for (int touch = 0; touch < 2; touch++) {
+    const double radius = touch ? 14.0 : RADIUS;
+    const double surface = 4.0 * M_PI * pow(radius, 2.0) / pow(28.0, 3.0) / METRE;
+    struct restored restored;
+    double grains = NAN;
+    (void)draw(1, radius, &restored);
+    assert_int_equal(porod_grains(&restored, BLUR * METRE, voxel, surface, &grains), STATUS_OK);
+    print_message("balls of %g voxels: %g\n", radius, grains);
+    assert_true(touch ? grains > 0.5 : grains == 0.0);
+    restored_end(&restored);
+  }
 }
 
 /* What the law does not know of stays. */
@@ -163,7 +185,7 @@ static void test_left_alone(void **state) {
   struct scanner scanner = scanner_of(0.0);
   struct restored restored;
   double surface = given, error = 0.0;
-  (void)draw(1, false, &restored);
+  (void)draw(1, 0.0, &restored);
   scanner.narrow = true;
   assert_int_equal(porod_surface(&restored, &scanner, voxel, &surface, &error), STATUS_OK);
   assert_true(surface == given && fabs(error / given - 0.2) < 1e-9);
@@ -176,8 +198,8 @@ static void test_left_alone(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_overlapping), cmocka_unit_test(test_plane_walls),
+      cmocka_unit_test(test_overlapping),   cmocka_unit_test(test_plane_walls),
       cmocka_unit_test(test_one_direction), cmocka_unit_test(test_smooth_walls),
-      cmocka_unit_test(test_left_alone)};
+      cmocka_unit_test(test_grains),        cmocka_unit_test(test_left_alone)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
