@@ -117,6 +117,7 @@ static enum status choose_region(struct pipeline *pipeline) {
   if (!pipeline->labels.on) TRY(survey_region(pipeline));
   int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
   for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
+  pipeline->as_read = *region;
   /* Each slice is denoised once. */
   if (axis != 2 || region->denoise != DENOISE_NONE)
     TRY(region_turn(region, axis, &pipeline->turned));
@@ -352,7 +353,7 @@ static enum status restore(struct pipeline *pipeline) {
   const size_t *size = pipeline->size;
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
-  if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->region, &pipeline->scanner));
+  if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->as_read, &pipeline->scanner));
   TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;

@@ -47,6 +47,7 @@ struct pipeline {
   bool unsized;   /* a sweep of voxels of no known size: no length is told */
   struct stack stack;
   struct region region;
+  struct region as_read;             /* the same in the scan's axes, which the scanner is told in */
   struct labels labels;              /* of a segmented image: `region` reads them smoothed */
   struct grey_soil micro;            /* what --micro made of greys */
   struct survey survey;              /* of the greys as stored, in the scan's axes */
