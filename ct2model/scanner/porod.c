@@ -30,7 +30,9 @@ static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2
  * (docs/notes/2026-11-26-smooth-sands.md). There S is the law's, and its half width holds the
  * restored surface, too. */
 static const double APART = 0.15, TOUCHING = 0.21;
-static const double GRAINS = 0.25; /* from here on they are those of grains in a heap */
+/* Of 102 sands B is .254 and more, and hides no smooth walls
+ * (docs/notes/2026-11-28-surface-cost.md). */
+static const double GRAINS = 0.25;
 /* S over that of the restored surface: of sands it is 1.17 at most. Where the law asks for more, as
  * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
  * up to that distance, and falls steeply from there. */
@@ -177,13 +179,17 @@ static bool holds(double found, double scatter, double surface) {
   return found < MOST * surface && 2.0 * scatter <= LAW * found;
 }
 
+/* 0 up to `from`, 1 from `to` on. */
+static double ramp(double value, double from, double to) {
+  return fmin(fmax((value - from) / (to - from), 0.0), 1.0);
+}
+
 enum status porod_grains(const struct restored *restored, double blur, const double voxel[3],
                          double surface, double *grains) {
   enum status status = STATUS_OK;
   double found, slope, scatter;
   TRY(find_law(restored, blur, voxel, surface, &found, &slope, &scatter));
-  const double share = fmin(fmax((slope - TOUCHING) / (GRAINS - TOUCHING), 0.0), 1.0);
-  *grains = holds(found, scatter, surface) ? share : 0.0;
+  *grains = holds(found, scatter, surface) ? ramp(slope, TOUCHING, GRAINS) : 0.0;
 cleanup:
   return status;
 }
@@ -199,7 +205,7 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   if (!alone) return STATUS_OK;
   TRY(find_law(restored, scanner->blur, voxel, *surface, &found, &slope, &scatter));
   if (!holds(found, scatter, *surface)) return STATUS_OK;
-  const double edges = fmin(fmax((slope - APART) / (TOUCHING - APART), 0.0), 1.0);
+  const double edges = ramp(slope, APART, TOUCHING);
   const double smooth = scanner->smooth_walls, own = smooth * (1.0 - edges);
   const double both = smooth * edges * fabs(found / *surface - 1.0);
   *surface += (1.0 - own) * (found - *surface);

@@ -32,8 +32,8 @@ static const double NONE = 2.0; /* from here on the scanner is another one than 
  * least (docs/notes/2026-11-28-surface-cost.md). Up to NOTHING it may be chance, from SOMETHING on
  * all of it counts. */
 static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING = 0.4;
-/* Under a blur of SHARP voxels relief shows, under one of WIDE its corners look like it: FEWER less
- * of it counts. */
+/* Under a blur of SHARP voxels relief shows, under one of WIDE corners look like it, and so much
+ * less of it counts (ibid.). */
 static const double SHARP = 2.2, WIDE = 2.8, FEWER = 0.67;
 /* From the finest relief, a quarter of the usual cost, to smooth walls. Under contrasts of NOISY
  * times the noise and less a cost under LEAST lets noise in; from CLEAR on there is little. */

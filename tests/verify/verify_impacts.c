@@ -148,9 +148,9 @@ static void report_impact(const struct dam *dam, const struct asked asked[READ])
 /* Peaks: the range from the 2.5th to the 97.5th percentile of a hundred repetitions (table 2); a
  * peak rises and falls within 3 ms, and means over 2 ms are read here, so that the strike of one
  * particle is none. Impulse and means: the record of figure 18, whose peak is their median. It has
- * 395 Pa s (trapezoids through its 98 points) in .45 of sqrt(H/g) from the arrival on. No scatter of impulses was found: a tenth, as that of the peaks at 15 and
- * 30 mm. The means tell whether there is friction at the floor: walls that slip are 15 to 31 %
- * above. */
+ * 395 Pa s (trapezoids through its 98 points) in .45 of sqrt(H/g) from the arrival on. No scatter
+ * of impulses was found: a tenth, as that of the peaks at 15 and 30 mm. The means tell whether there
+ * is friction at the floor: walls that slip are 15 to 31 % above. */
 static void low_impact(void) {
   static const struct asked asked[READ] = {
       {"peak at 3 mm, Pa", {7506, 13098}, true},
