@@ -66,6 +66,18 @@ static void *place(char *start, size_t bytes) {
   return data;
 }
 
+/* Where the system grants pages of 2 MB on request, a large block has them: touching a page for the
+ * first time takes as long for 2 MB as for 4 kB, but for its zeros, and fewer addresses miss the TLB.
+ * Smaller blocks would hold more than they use. A system without them answers no, which is fine. */
+#define LARGE_PAGE ((size_t)2 << 20)
+static void ask_for_large_pages(char *start, size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  if (bytes < 2 * LARGE_PAGE) return;
+  const size_t before = (LARGE_PAGE - (size_t)start % LARGE_PAGE) % LARGE_PAGE;
+  (void)madvise(start + before, (bytes - before) / LARGE_PAGE * LARGE_PAGE, MADV_HUGEPAGE);
+#endif
+}
+
 enum status memory_allocate(void *pointer, size_t count, size_t size, const char *what) {
   void *data;
   size_t bytes, with_header, held;
@@ -90,6 +102,7 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
     release(bytes);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
   }
+  ask_for_large_pages(start, with_header);
   data = place(start, bytes);
   memcpy(pointer, &data, sizeof data);
   return STATUS_OK;
