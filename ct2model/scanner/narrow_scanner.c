@@ -19,6 +19,7 @@
  * (indirect inference, Gourieroux, Monfort and Renault 1993). */
 enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
 static const double LEAST = 0.4, STEP = 1.26; /* voxels; up to 3.2 */
+static const double FIRST = 2.0;              /* voxels, where the blur that was read is wider */
 static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
 /* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
 static const double CONTRAST_MOST = 50.0;
@@ -151,6 +152,8 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   const double fringe = scanner->levels ? scanner->fringe : 0.0;
   struct look seen = {.levels = scanner->levels, .fringe = fringe}, look;
   bool found = true;
+  const double widest = LEAST * pow(STEP, TRIALS - 1) * scanner->unit;
+  if (its.blur > widest) its.blur = FIRST * scanner->unit;
   for (int turn = 0; found && turn < TURNS; turn++) {
     const struct grey_phases phases = {.pore_peak = its.pore, .grain_peak = its.grain};
     restore_scanner(region, &its, its.blur, 1, &work);

@@ -35,6 +35,9 @@ static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING =
 /* Under a blur of SHARP voxels relief shows, under one of WIDE corners look like it, and so much
  * less of it counts (ibid.). */
 static const double SHARP = 2.2, WIDE = 2.8, FEWER = 0.67;
+/* Noise that is correlated over as much as the blur, or a voxel, looks like relief: from a share of
+ * ALIKE on neither is told. Nor is a scan made up with noise longer than that (restore_scanner). */
+static const double SHORTER = 0.6, ALIKE = 0.9;
 /* From the finest relief, a quarter of the usual cost, to smooth walls. Under contrasts of NOISY
  * times the noise and less a cost under LEAST lets noise in; from CLEAR on there is little. */
 static const double FINEST = -2.0, SMOOTHEST = 3.0, LEAST = -1.5, NOISY = 7.0, CLEAR = 9.0;
@@ -191,11 +194,11 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
   const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -ROUGH, -SMOOTH);
-  /* Noise longer than the blur and a voxel looks like relief: no scan is made up with it as long as
-   * it is (restore_scanner). */
-  const double longest = fmax(scanner->blur, scanner->unit);
-  if (smooth_share < 1.0 && scanner->noise_correlation <= longest)
+  const double length = scanner->noise_correlation / fmax(scanner->blur, scanner->unit);
+  const double told = ramp(-length, -ALIKE, -SHORTER);
+  if (smooth_share < 1.0 && told > 0.0)
     TRY(find_octaves(region, scanner, &scan, &deblur, lower, &octaves));
+  octaves *= told;
   octaves += smooth_share * (SMOOTHEST - octaves);
   scanner->smooth_walls = fmax(octaves / SMOOTHEST, 0.0);
   scanner->fine_relief = fmax(octaves / FINEST, 0.0);
