@@ -131,15 +131,17 @@ cleanup:
   return status;
 }
 
-static void take_look(const struct look *look, const struct windows *scan,
+/* Noise that was seen far from walls, as it is where levels or a wide blur were read, stays. */
+static void take_look(const struct look *look, const struct windows *scan, bool wide,
                       struct scanner *scanner) {
   const double contrast = scanner->grain - scanner->pore;
   scanner->pore += contrast * look->pore;
   scanner->grain = scanner->pore + contrast * look->contrast;
   scanner->blur = look->blur * scan->unit;
-  if (look->levels) return; /* and noise was seen far from walls */
-  scanner->noise = contrast * look->noise;
-  scanner->contrast_to_noise = look->contrast / look->noise;
+  if (look->levels) return;
+  if (!wide) scanner->noise = contrast * look->noise;
+  scanner->contrast_to_noise = contrast * look->contrast / scanner->noise;
+  if (wide) return;
   scanner->noise_correlation = look->length * scan->unit;
 }
 
@@ -153,7 +155,8 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   struct look seen = {.levels = scanner->levels, .fringe = fringe}, look;
   bool found = true;
   const double widest = LEAST * pow(STEP, TRIALS - 1) * scanner->unit;
-  if (its.blur > widest) its.blur = FIRST * scanner->unit;
+  const bool wide = its.blur > widest;
+  if (wide) its.blur = FIRST * scanner->unit;
   for (int turn = 0; found && turn < TURNS; turn++) {
     const struct grey_phases phases = {.pore_peak = its.pore, .grain_peak = its.grain};
     restore_scanner(region, &its, its.blur, 1, &work);
@@ -165,7 +168,7 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     TRY(correct_look(&scan, &work, &deblur, &seen, &look, &found));
     found = found && look.blur > LEAST && look.blur < LEAST * pow(STEP, TRIALS - 1) &&
             look.contrast > 0.0;
-    if (found) take_look(&look, &scan, &its);
+    if (found) take_look(&look, &scan, wide, &its);
     deblur_end(&deblur);
     windows_end(&scan);
   }
