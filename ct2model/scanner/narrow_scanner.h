@@ -7,8 +7,9 @@
 #include "ct2model/scanner/scanner.h"
 
 /* Of a scanner that is assumed, or was read where each surface has another one near, or too wide to
- * have been read from few: it becomes known, with what its grains say; or stays as it is where no blur up to three voxels explains the
- * scan better than others, or where there is hardly any noise. */
+ * have been read from few: it becomes known, with what its grains say; or stays as it is where no
+ * blur up to three voxels explains the scan better than others, or where there is hardly any noise.
+ */
 enum status narrow_scanner_find(const struct region *region, struct scanner *scanner);
 
 #endif
