@@ -139,10 +139,11 @@ static void take_look(const struct look *look, const struct windows *scan, bool 
   scanner->grain = scanner->pore + contrast * look->contrast;
   scanner->blur = look->blur * scan->unit;
   if (look->levels) return;
-  if (!wide) scanner->noise = contrast * look->noise;
+  if (!wide) {
+    scanner->noise = contrast * look->noise;
+    scanner->noise_correlation = look->length * scan->unit;
+  }
   scanner->contrast_to_noise = contrast * look->contrast / scanner->noise;
-  if (wide) return;
-  scanner->noise_correlation = look->length * scan->unit;
 }
 
 enum status narrow_scanner_find(const struct region *region, struct scanner *scanner) {

@@ -283,6 +283,24 @@ assert run["error"]["total"] < 0.4
 P
 }
 
+@test "noise as long as the blur is no relief; a wide blur that few surfaces tell is sought by the grains" {
+  # Angular sands of scan-quality, seeds 9436 and 9446, whose pores show no grey of their own in the second.
+  "$BUILD/bin/generate_sand" --quiet --size 96x96x64 --seed 9436 --void-ratio 0.65067 --grain-size 124.92um --voxel-size 4.3855um \
+    --blur 5.0045um --noise-ratio 4.74 --noise-length 1.08 --fringe 0 --ring 0.06 --beam 0 --output "$WORK/noise"
+  "$BUILD/bin/generate_sand" --quiet --size 96x96x64 --seed 9446 --void-ratio 0.74689 --grain-size 125.05um --voxel-size 4.6581um \
+    --blur 12.8747um --noise-ratio 7.40 --noise-length 0.85 --fringe 0 --ring 0 --beam 0 --output "$WORK/wide"
+  "$BUILD/bin/ct2model" build "$WORK/noise" --void-ratio 0.650735 --voxel-size 4.385469um --crop 0,0,0,96,96,60 -o "$WORK/noise.hdf" --json > "$WORK/noise.json"
+  "$BUILD/bin/ct2model" build "$WORK/wide" --void-ratio 0.745285 --voxel-size 4.658146um --crop 0,0,0,96,96,60 -o "$WORK/wide.hdf" --json > "$WORK/wide.json"
+  python3 - "$WORK" << 'P'
+import json, sys
+noise, wide = (json.load(open(f"{sys.argv[1]}/{n}.json"))["scanner"] for n in ("noise", "wide"))
+print(noise, wide)
+assert noise["fine_relief"] == 0
+assert abs(wide["blur_m"] / 12.8747e-6 - 1) < 2 * wide["blur_uncertainty_m"] / wide["blur_m"] < 0.6   # 25 um without
+assert 6 < wide["contrast_to_noise"] < 8
+P
+}
+
 @test "plane walls across narrow gaps: the blur is found beside the fringe that edges show" {
   # Voronoi cells of random points, each shrunk about its own: gaps of four voxels. A blur alone that explains the scan is 45 %
   # narrower than the one beside the fringe.

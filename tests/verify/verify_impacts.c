@@ -165,10 +165,10 @@ static void low_impact(double spacing, int runs, bool peaks) {
   report_impact(&(struct dam){.3, spacing, .45 * sqrt(.3 / 9.81), runs, false}, asked);
 }
 
-/* A sensor's face is 4.2 mm wide, and at the wall the front is 15 to 25 mm thick: of 5 mm that is
- * less than one particle and three to five, whose pulses are 11 to 13 % above the range of both
- * lower peaks (shown). Peaks are judged where a face is two particles wide; single runs scatter by
- * half as much there, so that five do. */
+/* A sensor's face is 4.2 mm wide, and the water that strikes the wall is 15 to 25 mm thick. Particles
+ * of 5 mm are wider than the face, and three to five of them lie in that water: it pulses, and the
+ * medians of both lower peaks are 11 and 12 % above their ranges (shown). So peaks are judged on
+ * particles of 2.5 mm; single runs scatter by less than half as much there, and five will do. */
 static void coarse_impact(void) {
   low_impact(.005, 25, false);
 }
