@@ -18,7 +18,7 @@
  * of the same grains, whose scanner is known: the one sought gives there what the scan gave
  * (indirect inference, Gourieroux, Monfort and Renault 1993). */
 enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
-static const double LEAST = 0.4, STEP = 1.26; /* voxels; up to 3.2 */
+static const double LEAST = 0.4, STEP = 1.26; /* voxels, and the ratio of two trials */
 static const double FIRST = 2.0;              /* voxels, where the blur that was read is wider */
 static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
 /* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
@@ -146,6 +146,10 @@ static void take_look(const struct look *look, const struct windows *scan, bool 
   scanner->contrast_to_noise = contrast * look->contrast / scanner->noise;
 }
 
+double narrow_scanner_widest(void) {
+  return LEAST * pow(STEP, TRIALS - 1);
+}
+
 enum status narrow_scanner_find(const struct region *region, struct scanner *scanner) {
   enum status status = STATUS_OK;
   struct scanner its = *scanner;
@@ -155,8 +159,7 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   const double fringe = scanner->levels ? scanner->fringe : 0.0;
   struct look seen = {.levels = scanner->levels, .fringe = fringe}, look;
   bool found = true;
-  const double widest = LEAST * pow(STEP, TRIALS - 1) * scanner->unit;
-  const bool wide = its.blur > widest;
+  const bool wide = its.blur > narrow_scanner_widest() * scanner->unit;
   if (wide) its.blur = FIRST * scanner->unit;
   for (int turn = 0; found && turn < TURNS; turn++) {
     const struct grey_phases phases = {.pore_peak = its.pore, .grain_peak = its.grain};
@@ -167,8 +170,8 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     TRY(deblur_start(size[0] * size[1] * size[2], &work, &deblur));
     TRY(look_at(&scan, &work, &deblur, &seen, &found));
     TRY(correct_look(&scan, &work, &deblur, &seen, &look, &found));
-    found = found && look.blur > LEAST && look.blur < LEAST * pow(STEP, TRIALS - 1) &&
-            look.contrast > 0.0;
+    found =
+        found && look.blur > LEAST && look.blur < narrow_scanner_widest() && look.contrast > 0.0;
     if (found) take_look(&look, &scan, wide, &its);
     deblur_end(&deblur);
     windows_end(&scan);

@@ -7,6 +7,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/scanner/ramp.h"
 #include "ct2model/surface/phase_bits.h"
 
 /* Of two points a distance r apart, in any direction, one is in the pore and one in the grain with
@@ -177,11 +178,6 @@ cleanup:
 /* Whether the law is that of the walls. */
 static bool holds(double found, double scatter, double surface) {
   return found < MOST * surface && 2.0 * scatter <= LAW * found;
-}
-
-/* 0 up to `from`, 1 from `to` on. */
-static double ramp(double value, double from, double to) {
-  return fmin(fmax((value - from) / (to - from), 0.0), 1.0);
 }
 
 enum status porod_grains(const struct restored *restored, double blur, const double voxel[3],

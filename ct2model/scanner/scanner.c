@@ -8,6 +8,7 @@
 #include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
 #include "ct2model/scanner/grain_windows.h"
+#include "ct2model/scanner/narrow_scanner.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
@@ -19,8 +20,8 @@ enum { CORRECTIONS_FIRST = 1, CORRECTIONS = 3 };
 static const double REACH = 2.6;
 static const double FAINT = 0.1; /* a fringe that the fit cannot tell from none */
 /* A phase shows its own grey where a twentieth of it is as deep (voxels). Where a hundredth is not,
- * each surface has another one near, and the blur is known to a quarter (1 sigma); BROAD: voxels. */
-static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25, BROAD = 3.2;
+ * each surface has another one near, and the blur is known to a quarter (1 sigma). */
+static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
 static const double ENOUGH = 500.0; /* voxels, for a mean grey */
 /* Neighbours that are near look like a fringe up to so much, before it is corrected. */
 static const double CLEAR = 0.3;
@@ -289,8 +290,8 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   const double contrast = grain - pore;
   if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
   /* A wide blur that few surfaces tell was read where others are near, too. */
-  const bool near =
-      scanner->blur_error >= UNSEEN * scanner->blur && scanner->blur > BROAD * all->unit;
+  const bool near = scanner->blur_error >= UNSEEN * scanner->blur &&
+                    scanner->blur > narrow_scanner_widest() * all->unit;
   scanner->narrow = near || lesser.deep < NOWHERE * lesser.count;
   if (scanner->narrow) scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
   if (!other || lesser.deep > DEEP * lesser.count) return true;

@@ -8,6 +8,7 @@
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/least_risk.h"
 #include "ct2model/scanner/porod.h"
+#include "ct2model/scanner/ramp.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/restored.h"
 #include "ct2model/scanner/windows.h"
@@ -111,11 +112,6 @@ static enum status compare(const struct windows *scan, const struct scanner *sca
 cleanup:
   windows_end(&made);
   return status;
-}
-
-/* 0 up to `from`, 1 from `to` on. */
-static double ramp(double value, double from, double to) {
-  return isfinite(value) ? fmin(fmax((value - from) / (to - from), 0.0), 1.0) : 0.0;
 }
 
 /* Octaves of the usual cost of surface that walls with relief are given. */
