@@ -59,13 +59,17 @@ all: $(BINARIES)
 NEEDS_NOTHING = clean format deps dist uninstall package
 INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
+# HDF5 from its archive where there is one: Debian's shared library loads curl, Kerberos and GnuTLS with it, and a program
+# that needs none of them takes four times as long to start.
+HDF5_ARCHIVE = if test -e "$$(pkg-config --libs-only-L hdf5-serial | sed 's/^-L//; s/ *$$//')/libhdf5.a"; then sed 's/-lhdf5\b/-l:libhdf5.a -lsz -ldl/'; else cat; fi
 ifneq ($(filter-out $(NEEDS_NOTHING),$(or $(MAKECMDGOALS),all)),)
 -include $(BUILD)/config.mk $(if $(filter 1,$(MPI)),$(BUILD)/config-mpi.mk)
 endif
 $(BUILD)/config.mk: Makefile scripts/install-deps
 	$(Q)scripts/install-deps $(if $(INSTALLS),,--check)
 	$(Q)mkdir -p $(@D)
-	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" "$$(pkg-config --libs $(PACKAGES))" > $@
+	$(Q)printf 'DEP_CFLAGS = %s\nDEP_LIBS = %s -lm -lz -lpthread\n' "$$(pkg-config --cflags $(PACKAGES))" \
+	  "$$(pkg-config --libs $(PACKAGES) | $(HDF5_ARCHIVE))" > $@
 # sphsolve-mpi takes parallel HDF5 instead; the headers of libraries are not ours to be warned about.
 MPI_PACKAGES = hdf5-openmpi ompi-c PETSc $(filter-out hdf5-serial,$(PACKAGES))
 $(BUILD)/config-mpi.mk: Makefile scripts/install-deps
