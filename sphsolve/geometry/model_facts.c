@@ -60,8 +60,10 @@ static struct scan_quality read_scan(struct h5_file *file) {
                                  .labels = true};
   }
   const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
+  /* Noise is alike over a voxel at least. */
   const double alike =
-      2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
+      fmax(h5_attribute_or_nan(file, "/model", "voxel_scanned"),
+           2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation"));
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
   struct scan_quality scan = {.blur = blur,
                               .blur_error =
