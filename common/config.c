@@ -75,7 +75,7 @@ static enum status read_text(const char *path, char **text) {
         path);
   if (used > 2 && (memcmp(*text, "\377\376", 2) == 0 || memcmp(*text, "\376\377", 2) == 0))
     TRY_FAIL(STATUS_INPUT, "%s: is text in UTF-16; save it as UTF-8", path);
-  /* UTF-8 byte order mark that some editors write */
+  /* UTF-8 byte order mark that some editors write. */
   if (used > 3 && memcmp(*text, "\357\273\277", 3) == 0) memset(*text, ' ', 3);
   if (memchr(*text, 0, used))
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
@@ -470,7 +470,7 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
           size_t used = strlen(list), earlier = 0;
-          /* a name that occurs twice */
+          /* A name that occurs twice. */
           while (earlier < k && strcmp(names[earlier], names[k]) != 0) earlier++;
           if (earlier == k)
             snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);

@@ -10,9 +10,9 @@ struct convergence {
   double order;      /* observed; NAN with two spacings or without monotone convergence */
   double order_used; /* order of the extrapolation */
   bool monotone;     /* differences keep their sign from the coarsest to the finest */
-  /* monotone, and the observed order differs from the formal one by at most half of it */
+  /* Monotone, and the observed order differs from the formal one by at most half of it. */
   bool credible;
-  /* not extrapolated: it would change the value by more than half, or the order is below 0.5 */
+  /* Not extrapolated: it would change the value by more than half, or the order is below 0.5. */
   bool far;
   bool near;           /* not extrapolated: the spacings are too similar; the index is then 1 */
   double value, slope; /* f = value + slope h^order_used through the data */

@@ -15,12 +15,12 @@
  * one component of the vectors in such a range. */
 struct runs {
   const char *data;
-  /* bytes of a number; components that are stored in chunks of their own */
+  /* Bytes of a number; components that are stored in chunks of their own. */
   size_t item, components;
-  size_t row;                 /* bytes of one step along the axis that is cut */
-  /* steps along that axis: of the dataset, of a chunk; number of chunks along it */
+  size_t row; /* bytes of one step along the axis that is cut */
+  /* Steps along that axis: of the dataset, of a chunk; number of chunks along it. */
   size_t length, step, count;
-  size_t bytes;               /* of a chunk */
+  size_t bytes; /* of a chunk */
   int axis;
 };
 

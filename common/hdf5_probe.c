@@ -16,10 +16,10 @@
 #define PROBE_SECONDS 20
 #endif
 #define READ_LIMIT (1u << 22) /* bytes of an object; larger ones would reveal nothing more */
-/* bytes that the library may allocate: a damaged size made it ask for 4 GB */
+/* Bytes that the library may allocate: a damaged size made it ask for 4 GB. */
 #define LIBRARY_MEMORY_LIMIT (1ul << 28)
 enum { PROBE_OUT_OF_MEMORY = 2, PROBE_INCOMPLETE, PROBE_TOO_DEEP }; /* exit codes of the child */
-/* nested groups; our files have three, and the time of the library is quadratic in the depth */
+/* Nested groups; our files have three, and the time of the library is quadratic in the depth. */
 #define GROUP_DEPTH_MAX 32
 
 /* Ends the child; with `make coverage` its counters are written first. */

@@ -11,10 +11,10 @@
 #define BATCH_DIVISOR 16
 
 struct layout {
-  /* bytes of a number; components that are stored in chunks of their own */
+  /* Bytes of a number; components that are stored in chunks of their own. */
   size_t item, components;
-  size_t row;                 /* bytes of one step along the axis that is cut */
-  /* steps along that axis: of the dataset, of a chunk; number of chunks along it */
+  size_t row; /* bytes of one step along the axis that is cut */
+  /* Steps along that axis: of the dataset, of a chunk; number of chunks along it. */
   size_t length, step, count;
   size_t chunks, bytes; /* chunks of the dataset; bytes of a chunk, decompressed */
   int axis;

@@ -10,12 +10,12 @@
 #include "common/units.h"
 
 struct option_entry {
-  const char *name;    /* long name without dashes */
-  char letter;         /* 0: none */
-  /* NULL: a flag; "[...]": optional value, integers or LABEL=..., "" if omitted */
+  const char *name; /* long name without dashes */
+  char letter;      /* 0: none */
+  /* NULL: a flag; "[...]": optional value, integers or LABEL=..., "" if omitted. */
   const char *metavar;
-  unsigned commands;   /* bit i: option of the i-th subcommand; OPTION_ALL: of all */
-  const char *help;    /* one line */
+  unsigned commands; /* bit i: option of the i-th subcommand; OPTION_ALL: of all */
+  const char *help;  /* one line */
 };
 #define OPTION_ALL 0xffffffffu
 

@@ -19,7 +19,7 @@ static bool forced;
 
 void output_start(bool force) {
   forced = force;
-  /* writing beyond the limit on file sizes then fails with an error message */
+  /* Writing beyond the limit on file sizes then fails with an error message. */
   signal(SIGXFSZ, SIG_IGN);
   output_note_inputs();
 }
@@ -84,7 +84,8 @@ static enum status check_folder(const char *path) {
   if (!S_ISDIR(info.st_mode))
     return FAIL(STATUS_RUN, "%s: cannot be written: %s is no folder", path, folder);
   /* A trial file is created and removed: permissions do not tell about file systems that accept no
-   * files or about names that are too long. Its name is unique, because other ranks may test too. */
+   * files or about names that are too long. Its name is unique, because other ranks may test too.
+   */
   char probe[OUTPUT_NAME_MAX + 8];
   snprintf(probe, sizeof probe, "%s.XXXXXX", path);
   const int file = mkstemp(probe);

@@ -25,7 +25,7 @@ int ranks_end(enum status status) {
 
 /* bytes of a message at most: MPI counts them in an int */
 #define MESSAGE_BYTES_MAX ((size_t)1 << 30)
-/* s that failed ranks wait for the others to fail too, before they abort */
+/* s that failed ranks wait for the others to fail too, before they abort. */
 #define ABORT_DELAY 2.0
 
 static int own, count = 1;
