@@ -140,8 +140,8 @@ static void print_json(const json_t *json) {
 
 /* Outputs a product: on stdout as text, or as JSON unless it is part of another product's JSON
  * (`held`); with -o also as files. */
-static enum status deliver(const struct options *options, struct product *product,
-                           bool in_other_json) {
+static enum status output_product(const struct options *options, struct product *product,
+                                  bool in_other_json) {
   enum status status = STATUS_OK;
   const char *folder = options_text(options, "output");
   TRY(product_finish(product));
@@ -218,8 +218,8 @@ cleanup:
 
 /* Runs an analysis and those that its command also outputs: products of their own, in one JSON
  * object. */
-static enum status deliver_analysis(const struct options *options, const struct analysis *analysis,
-                                    const struct subject *subject) {
+static enum status output_analysis(const struct options *options, const struct analysis *analysis,
+                                   const struct subject *subject) {
   enum status status = STATUS_OK;
   struct product product = {0}, second[ANALYSES] = {{0}};
   TRY(product_start(analysis->name, &product));
@@ -235,9 +235,9 @@ static enum status deliver_analysis(const struct options *options, const struct 
     TRY(analyses[i]->analyze(subject, options, &second[i]));
     json_object_set(product.json, analyses[i]->name, second[i].json);
   }
-  TRY(deliver(options, &product, false));
+  TRY(output_product(options, &product, false));
   for (size_t i = 0; i < ANALYSES; i++)
-    if (second[i].name != NULL) TRY(deliver(options, &second[i], true));
+    if (second[i].name != NULL) TRY(output_product(options, &second[i], true));
   if (analysis == &darcy_analysis && !options_json(options) && log_level() > LOG_QUIET)
     print_verdict(subject->runs, subject->n, product.json);
 cleanup:
@@ -258,8 +258,8 @@ static enum status run_command(const struct options *options) {
     n = options_operand_count(options);
     TRY(memory_allocate(&solutes, n, sizeof *solutes, "names of files"));
     for (size_t i = 0; i < n; i++) solutes[i] = options_operand(options, i);
-    TRY(deliver_analysis(options, analysis,
-                         &(struct subject){.solutes = solutes, .solute_count = n}));
+    TRY(output_analysis(options, analysis,
+                        &(struct subject){.solutes = solutes, .solute_count = n}));
     goto cleanup;
   }
   TRY(read_runs(options, analysis == NULL, &runs, &n));
@@ -268,7 +268,7 @@ static enum status run_command(const struct options *options) {
   if (analysis == NULL)
     TRY(report_command(options, runs, n));
   else
-    TRY(deliver_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
+    TRY(output_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
 cleanup:
   for (size_t i = 0; runs != NULL && i < n; i++) run_free(&runs[i]);
   memory_free(&runs);

@@ -127,7 +127,7 @@ static double relative_dispersion(const struct curves *c, const struct plane *p)
   return p->d * p->distance * c->peclet / c->length;
 }
 
-static bool holds(const struct plane *p) {
+static bool equation_holds(const struct plane *p) {
   return p->misfit <= MISFIT_MAX && fabs(p->first - 1) <= TAIL_ERROR_MAX &&
          fabs(p->last - 1) <= TAIL_ERROR_MAX;
 }
@@ -150,7 +150,7 @@ static void write_json(const struct curves *list, size_t n, json_t *json) {
         json_put_number(object, "misfit", plane->misfit);
         json_put_number(object, "first_over_fit", plane->first);
         json_put_number(object, "last_over_fit", plane->last);
-        json_object_set_new(object, "holds", json_boolean(holds(plane)));
+        json_object_set_new(object, "holds", json_boolean(equation_holds(plane)));
       }
       json_array_append_new(planes, object);
     }
@@ -190,7 +190,7 @@ static void write_summary(const struct curves *list, size_t n, FILE *stream) {
       fprintf(stream, "  %10.4g  %8.4g  %10.4g  %5.1f %%  %9.3g", 1e3 * plane->distance, plane->v,
               relative_dispersion(c, plane), 100 * plane->misfit, plane->first);
       if (plane->reached)
-        fprintf(stream, "  %9.3g  %s\n", plane->last, holds(plane) ? "holds" : "fails");
+        fprintf(stream, "  %9.3g  %s\n", plane->last, equation_holds(plane) ? "holds" : "fails");
       else
         fprintf(stream, "  %9s  not all have passed\n", "");
     }

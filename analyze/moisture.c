@@ -225,7 +225,7 @@ static void plot(const struct moisture *m, struct product *product) {
   product->height = 420;
 }
 
-static void tell(const struct moisture *m, struct product *product) {
+static void write_summary(const struct moisture *m, struct product *product) {
   FILE *summary = product->summary.stream;
   const struct run *run = m->run;
   const double water = last_value(run, "water"), open = last_value(run, "water_open"),
@@ -276,7 +276,7 @@ static enum status analyze(const struct subject *subject, const struct options *
              "%s: moisture is of runs of method richards with snapshots; this one is of %s",
              run->path, run->method);
   TRY(moisture_read(run, &moisture));
-  tell(&moisture, product);
+  write_summary(&moisture, product);
   write_cells(&moisture, product->csv.stream);
   plot(&moisture, product);
 cleanup:

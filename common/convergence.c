@@ -136,8 +136,8 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
  * settings of 56 bodies the interval contains 97 % of the true values
  * (docs/notes/2026-11-25-sharper.md). */
 #define LIMIT_COVERAGE 1.85
-#define LIMIT_STEP_LEAST 0.05
-#define LIMIT_STEP_MOST 0.3
+#define LIMIT_STEP_MIN 0.05
+#define LIMIT_STEP_MAX 0.3
 #define LIMIT_STEP_PORES 1.2
 
 struct limit_fit {
@@ -221,7 +221,7 @@ void converge_limit(const double *h, const double *f, size_t n, double scale, do
   }
   /* With two or three values the caller enlarges the whole error (cascade_few_lattices). */
   const double few_pores = window == LIMIT_VALUES_MAX ? LIMIT_STEP_PORES / fmax(across, 1.0) : 0.0;
-  const double share = fmin(fmax(few_pores, LIMIT_STEP_LEAST), LIMIT_STEP_MOST);
+  const double share = fmin(fmax(few_pores, LIMIT_STEP_MIN), LIMIT_STEP_MAX);
   const double bound = LIMIT_COVERAGE * hypot(sqrt(square), share * (f[0] - mean));
   limit->value = mean;
   limit->low = fmin(1.0, bound / mean);

@@ -56,7 +56,7 @@ static void add_result(json_t *results, const struct run *runs, size_t n, const 
                          json_object_get(fit, "dlnk_dvoid_ratio")));
 }
 
-static bool holds(const json_t *fit, const json_t *row) {
+static bool contains_run(const json_t *fit, const json_t *row) {
   size_t i;
   const json_t *other;
   json_array_foreach(json_object_get(fit, "runs"), i, other) {
@@ -78,7 +78,7 @@ static const json_t *better_single_run(const json_t *series, const json_t *group
     if (json_array_size(rows) != 1 || !(error < least) ||
         !isfinite(json_number_or_nan(parts, "resolution")) ||
         strcmp(string(parts, "resolution_from"), "lattices") != 0 ||
-        !holds(series, json_array_get(rows, 0)))
+        !contains_run(series, json_array_get(rows, 0)))
       continue;
     least = error;
     best = group;
@@ -93,7 +93,7 @@ static bool covered(const json_t *group, const json_t *series) {
   json_array_foreach(json_object_get(group, "runs"), g, row) {
     bool found = false;
     json_array_foreach(series, s, one) {
-      found |= isfinite(json_number_or_nan(one, "k_m_per_s")) && holds(one, row);
+      found |= isfinite(json_number_or_nan(one, "k_m_per_s")) && contains_run(one, row);
     }
     if (!found) return false;
   }

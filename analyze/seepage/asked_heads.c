@@ -14,7 +14,7 @@ static bool is_water(const struct head_field *f, size_t c) {
   return f->soil[c] == REGION_NONE && f->wall[c] == REGION_NONE && !isnan(f->head[c]);
 }
 
-static bool holds(const struct head_region *window, const struct head_field *f, size_t c) {
+static bool contains_cell(const struct head_region *window, const struct head_field *f, size_t c) {
   const double x = head_field_x(f, c % f->nx), z = head_field_z(f, c / f->nx);
   return x > window->low[0] && x < window->high[0] && z > window->low[1] && z < window->high[1];
 }
@@ -34,7 +34,7 @@ static size_t find_body(const struct head_field *f, const struct head_region *wi
   size_t count = 0;
   memset(body, 0, f->nx * f->nz);
   for (size_t c = 0; c < f->nx * f->nz; c++)
-    if (holds(window, f, c)) add_cell(f, c, body, list, &count);
+    if (contains_cell(window, f, c)) add_cell(f, c, body, list, &count);
   for (size_t n = 0; n < count; n++) {
     const size_t c = list[n], i = c % f->nx, k = c / f->nx;
     if (i > 0) add_cell(f, c - 1, body, list, &count);
@@ -52,7 +52,7 @@ static bool is_shared(const struct head_field *f, const struct head_region *wind
     const struct head_region *other = &f->regions[r];
     if (strcmp(other->type, "inflow") != 0 || other->head == window->head) continue;
     for (size_t n = 0; n < count; n++)
-      if (holds(other, f, list[n])) return true;
+      if (contains_cell(other, f, list[n])) return true;
   }
   return false;
 }
@@ -67,10 +67,11 @@ static void prescribe_water_head(const struct head_field *f, const struct head_r
   if (sqrt(square) > HEAD_TOLERANCE * f->dz) return;
   for (size_t n = 0; n < count; n++) asked->head[list[n]] = window->head;
   const double off = fabs(mean - window->head);
-  if (off <= HEAD_TOLERANCE * f->dz || (!asked->met && off <= fabs(asked->found - asked->asked)))
+  if (off <= HEAD_TOLERANCE * f->dz ||
+      (!asked->reached && off <= fabs(asked->found - asked->prescribed)))
     return;
-  asked->met = false;
-  asked->window = window->number, asked->found = mean, asked->asked = window->head;
+  asked->reached = false;
+  asked->window = window->number, asked->found = mean, asked->prescribed = window->head;
 }
 
 /* A drain prescribes the pressure max(0, rho g (head - z)), except in cells with a lower
@@ -79,7 +80,7 @@ static void prescribe_drain_head(const struct head_field *f, const struct head_r
                                  double *head) {
   for (size_t c = 0; c < f->nx * f->nz; c++) {
     const double held = fmax(drain->head, head_field_z(f, c / f->nx));
-    if (holds(drain, f, c) && f->head[c] > held - HEAD_TOLERANCE * f->dz) head[c] = held;
+    if (contains_cell(drain, f, c) && f->head[c] > held - HEAD_TOLERANCE * f->dz) head[c] = held;
   }
 }
 
@@ -88,7 +89,7 @@ enum status asked_heads_find(const struct head_field *f, struct asked_heads *ask
   const size_t cells = f->nx * f->nz;
   unsigned char *body = NULL;
   size_t *list = NULL;
-  *asked = (struct asked_heads){.met = true};
+  *asked = (struct asked_heads){.reached = true};
   TRY(memory_allocate(&asked->head, cells, sizeof *asked->head, "heads"));
   TRY(memory_allocate(&body, cells, sizeof *body, "free water"));
   TRY(memory_allocate(&list, cells, sizeof *list, "free water"));

@@ -8,9 +8,9 @@ struct asked_heads {
   /* [nz][nx] m: heads of the run, except for still water before a window and for drains, which have
    * the prescribed ones. */
   double *head;
-  bool met;            /* the water of the run is at the prescribed heads; if not: */
-  size_t window;       /* number of the inflow region whose water deviates most */
-  double found, asked; /* m, its head in the run and the prescribed one */
+  bool reached;             /* the water of the run is at the prescribed heads; if not: */
+  size_t window;            /* number of the inflow region whose water deviates most */
+  double found, prescribed; /* m, its head in the run and the prescribed one */
 };
 
 /* For a field read by head_field_read. Heads that the run file does not contain, or that change in

@@ -277,14 +277,14 @@ static void show_gradient(double gradient, double error, double critical, bool r
 /* Reports water that is not at the head of its window. */
 static void show_asked(const struct seepage *s, json_t *json, FILE *summary) {
   const struct asked_heads *a = &s->asked;
-  if (a->met) return;
+  if (a->reached) return;
   json_object_set_new(json, "window_off",
                       json_pack("{s:I,s:o,s:o}", "inflow", (json_int_t)a->window, "head_m",
-                                json_number(a->found), "asked_m", json_number(a->asked)));
+                                json_number(a->found), "asked_m", json_number(a->prescribed)));
   fprintf(summary,
           "window     the water before regions[%zu] stands at %.4g m, not at its head of %.4g m, "
           "%s; a head a whole number of spacings high is met\n",
-          a->window, a->found, a->asked,
+          a->window, a->found, a->prescribed,
           s->darcy.known ? "which the +- hold" : "which no +- here holds");
 }
 

@@ -9,7 +9,7 @@
 
 #define DROPS 10     /* number of head steps between equipotentials */
 #define TUBES_MAX 30 /* number of flow tubes between streamlines */
-#define TUBES_LEAST 2
+#define TUBES_MIN 2
 /* Width in pixels: the text is readable if a telephone shows the plot 360 pixels wide; a page
  * enlarges it. */
 #define WIDTH 560
@@ -44,7 +44,7 @@ static int tubes_of(const struct seepage *s) {
     k = f->regions[r].permeability;
   }
   const double tubes = s->flow / (k * s->drop / DROPS);
-  return tubes >= TUBES_LEAST && tubes <= TUBES_MAX ? (int)round(tubes) : 6;
+  return tubes >= TUBES_MIN && tubes <= TUBES_MAX ? (int)round(tubes) : 6;
 }
 
 static void write_lines(const struct seepage *s, int tubes, FILE *stream) {
