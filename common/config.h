@@ -25,6 +25,7 @@ const char *config_folder(const struct config *config);
 
 /* The child with that name, or NULL. Records the name as known in `parent`. */
 config_node *config_child(struct config *config, config_node *parent, const char *name);
+/* The i-th item of a list, and the number of items of a list or group. */
 config_node *config_item(config_node *list, size_t i);
 size_t config_count(const config_node *node);
 bool config_is_list(const config_node *node); /* list or array */

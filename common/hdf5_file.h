@@ -33,6 +33,7 @@ enum status h5_commit(struct h5_file *file);
 void h5_leave_on_signal(bool leave);
 /* Closes and frees; a file being written is removed. NULL is allowed. */
 void h5_close(struct h5_file *file);
+/* The path with which the file was opened or created. */
 const char *h5_path(const struct h5_file *file);
 
 /* Writes a dataset; missing parent groups are created. */
@@ -42,6 +43,7 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
  * dims[0] rows. */
 enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
                           const size_t *dims, const void *data, bool compress);
+/* A scalar string. */
 enum status h5_write_text(struct h5_file *file, const char *name, const char *text);
 /* A 1-D array of strings. */
 enum status h5_write_texts(struct h5_file *file, const char *name, size_t count,
@@ -78,6 +80,7 @@ enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type ty
  * share the memory (common/node_memory.h). */
 enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t *dims, void *data);
+/* A string, or an array of strings, in new memory: memory_free, h5_free_texts. */
 enum status h5_read_text(struct h5_file *file, const char *name, char **text);
 enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count, char ***texts);
 void h5_free_texts(size_t count, char ***texts);

@@ -13,6 +13,7 @@ struct h5_file {
   char *path, *part; /* final name, and the name while being written */
 };
 
+/* The HDF5 types of numbers in memory and, little-endian, in files. */
 hid_t h5_memory_type(enum h5_type type);
 hid_t h5_disk_type(enum h5_type type);
 /* Dataset layout: chunks of at most about 1 MB along the slowest axis, with byte shuffle and fast

@@ -18,6 +18,7 @@ extern const char *const kernel_names[KERNELS + 1];
 const char *kernel_in_words(const char *name);
 /* Support radius over smoothing length: 3 or 2. */
 double kernel_support_ratio(enum kernel kernel);
+/* W(r, h), in m^-dimensions for r and h in m. */
 double kernel_w(enum kernel kernel, int dimensions, double r, double h);
 /* dW/dr, never positive. */
 double kernel_dw(enum kernel kernel, int dimensions, double r, double h);

@@ -23,6 +23,7 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
 /* sphsolve-mpi only: maps `bytes` of an open file that other processes map too; counted as `own`
  * bytes. */
 enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const char *what);
+/* Whether `data` comes from memory_map. */
 bool memory_is_mapped(const void *data);
 
 /* Like realloc for a block of memory_allocate; new bytes are zero. On failure the block stays. */

@@ -27,6 +27,7 @@ struct ranks_traffic {
  * code. */
 void ranks_start(int *argc, char ***argv);
 int ranks_end(enum status status);
+/* Number of ranks, and the number of this one, from 0. */
 int ranks_count(void);
 int ranks_own(void);
 /* Collective; bitwise equal results on every rank. */
@@ -49,6 +50,7 @@ void ranks_gather(void *data, const size_t *start, size_t size);
  * sending. */
 void ranks_send(const void *from, size_t bytes, int rank, int tag);
 void ranks_receive(void *to, size_t bytes, int rank, int tag);
+/* Waits for all messages posted by ranks_send and ranks_receive. */
 void ranks_wait(void);
 struct ranks_traffic ranks_traffic(void);
 

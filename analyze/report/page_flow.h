@@ -48,7 +48,7 @@ size_t flow_cell(const struct run *run, const struct flow *flow, const double at
 struct camera {
   double right[3], up[3], forward[3], middle[3], scale; /* cells per pixel */
 };
-void flow_look(const struct flow *flow, size_t side, struct camera *camera);
+void flow_camera(const struct flow *flow, size_t side, struct camera *camera);
 
 /* Writes an <img>: orthographic view with a corner cut away, grains shaded, streamlines coloured by
  * speed. */

@@ -37,7 +37,7 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
 
 #define STILL 360 /* pixels per side */
 
-void flow_look(const struct flow *flow, size_t side, struct camera *camera) {
+void flow_camera(const struct flow *flow, size_t side, struct camera *camera) {
   const double turn = 0.62, tilt = 0.42;
   const double forward[3] = {cos(tilt) * sin(turn), cos(tilt) * cos(turn), -sin(tilt)};
   double diagonal = 0.0;
@@ -152,7 +152,7 @@ enum status flow_write_still(const struct flow *flow, FILE *stream) {
   float *depths = NULL;
   uint32_t palette[256];
   struct camera camera;
-  flow_look(flow, STILL, &camera);
+  flow_camera(flow, STILL, &camera);
   TRY(memory_allocate(&pixels, STILL * STILL, 1, "a picture"));
   TRY(memory_allocate(&depths, STILL * STILL, sizeof *depths, "a picture"));
   double reach = 0.5 * camera.scale * STILL;

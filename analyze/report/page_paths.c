@@ -118,7 +118,7 @@ enum status paths_write(const struct flow *flow, FILE *stream) {
   enum status status = STATUS_OK;
   uint8_t *pixels = NULL;
   struct camera camera;
-  flow_look(flow, SIDE, &camera);
+  flow_camera(flow, SIDE, &camera);
   TRY(memory_allocate(&pixels, (size_t)3 * SIDE * SIDE, 1, "a picture"));
 #pragma omp parallel for schedule(dynamic, 8)
   for (size_t y = 0; y < SIDE; y++)
