@@ -28,7 +28,7 @@ static const char *const part_words[PARTS] = {
 /* D* over D by one method, or the reported values; arrays of `count`. */
 struct curve {
   bool there;
-  /* a part is NULL if the method does not have it. */
+  /* A part is NULL if the method does not have it. */
   double *column[COLUMNS], *part[DIRECTIONS][PARTS];
 };
 
