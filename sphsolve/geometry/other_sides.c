@@ -7,12 +7,12 @@
 #include "common/side_distance.h"
 #include "sphsolve/geometry/soil.h"
 
-/* Where a mirrored site comes from. */
+/* Index of the original of a mirrored site. */
 static size_t source(size_t i, size_t n) {
   return i < n ? i : 2 * n - 1 - i;
 }
 
-/* Distances as they are inside, where nothing is known of what lies beyond a side. */
+/* Wall distances from the inside of the sample only; the neighbourhood beyond a side is unknown. */
 static enum status distances_inside(const struct lattice *wrapped, const bool axes[3],
                                     float **distance) {
   enum status status = STATUS_OK;
@@ -21,9 +21,9 @@ static enum status distances_inside(const struct lattice *wrapped, const bool ax
   side_distance_unwrap(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
-      /* No wall beside it inside: the distance it had, and one spacing at least. */
-      const float own = wrapped->wall_distance[i];
-      (*distance)[i] = copysignf(fmaxf(fabsf(own), (float)wrapped->spacing[0]), own);
+      /* No wall nearby inside: keeps its distance, but at least one spacing. */
+      const float old = wrapped->wall_distance[i];
+      (*distance)[i] = copysignf(fmaxf(fabsf(old), (float)wrapped->spacing[0]), old);
     }
 cleanup:
   return status;
@@ -82,8 +82,8 @@ cleanup:
   return status;
 }
 
-/* From the centre of site i to the nearer side, negative in the wall beyond the last of n; the wall
- * of `all` - n sites ends where the sample begins again. */
+/* Distance from the centre of site i to the nearer side, negative in the wall beyond the n-th site;
+ * the wall of `all` - n sites ends where the periodic sample begins again. */
 static double room(size_t i, size_t n, size_t all, double spacing) {
   const double x = (double)i + 0.5, outside = fmin(x - (double)n, (double)all - x);
   return spacing * (i < n ? fmin(x, (double)n - x) : -outside);
