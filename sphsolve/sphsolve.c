@@ -412,7 +412,7 @@ static enum status explain(const struct options *options, struct job *job) {
     return job->scene.method->explain_on_flow(&job->scene, thread_count(), options_json(options));
   if (wanted) TRY(parse_wanted_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
-  TRY(plan_look_for_path(&job->plan));
+  TRY(plan_find_path(&job->plan));
   wanted = wanted && !job->plan.blocked;
   job->plan.goal.error = recommended.wanted;
   if (options_given(options, "ranks")) {
