@@ -25,7 +25,7 @@ struct method {
   bool resolves_pores;
   bool marches;    /* integrates in time to any end_time; otherwise it solves the steady flow */
   bool takes_soil; /* takes models with pores smaller than the voxel */
-  /* solves the steady flow without inertia; "auto" and advice use it for that */
+  /* Solves the steady flow without inertia; "auto" and advice use it for that. */
   bool solves_creeping;
   bool moves_walls;          /* walls may be displaced, not only move along themselves */
   bool has_turbulence;       /* it has a turbulence model */
