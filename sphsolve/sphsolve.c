@@ -100,13 +100,13 @@ static enum status prepare(const struct options *options, const char *more, stru
   TRY(read_scene(options, more, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
   if (job->tensor) TRY(lattice_mirror_flow(&job->scene, &job->lattice));
-  TRY(lattice_take_spacing(&job->scene, &job->lattice));
+  TRY(lattice_apply_spacing(&job->scene, &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
   if (method->wall_layers != plan_wall_layers(&job->scene)) {
     /* A free surface, which is only found on the lattice, may require a method with other walls. */
     lattice_free(&job->lattice);
     TRY(lattice_build(&job->scene, method->wall_layers, &job->lattice));
-    TRY(lattice_take_spacing(&job->scene, &job->lattice));
+    TRY(lattice_apply_spacing(&job->scene, &job->lattice));
   }
   TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
 cleanup:

@@ -55,8 +55,8 @@ cleanup:
 }
 
 /* Finds the axes along which the model does not match itself at the periodic boundary. */
-static void find_unlike(const struct scene *scene, const struct voxel_model *model,
-                        struct model_facts *facts) {
+static void find_mismatched_axes(const struct scene *scene, const struct voxel_model *model,
+                                 struct model_facts *facts) {
   const double *force = scene->driving;
   facts->unlike[0] = facts->unlike[1] = facts->sides_wrapped;
   facts->unlike[2] = model->periodic[2] && model_cut_pores(model, 2) > 0.0;
@@ -88,7 +88,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->model.count = model_site_count(&model);
   lattice->model.voxel = cbrt(model.spacing[0] * model.spacing[1] * model.spacing[2]);
   lattice->bulk_count = (double)lattice->model.count;
-  find_unlike(scene, &model, &lattice->model);
+  find_mismatched_axes(scene, &model, &lattice->model);
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {
@@ -181,8 +181,8 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
  * later porous region does not remove the water. Soil outside water regions is dry unless it is
  * `saturated`; if all soil is saturated by default, it is wet unless the region says `saturated =
  * false`. */
-static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
-                  uint16_t *region) {
+static void classify_point(const struct scene *scene, const double x[3], bool all_saturated,
+                           uint8_t *kind, uint16_t *region) {
   bool water = false;
   *kind = SITE_EMPTY;
   *region = 0;
@@ -246,7 +246,7 @@ static bool fill_sites(const struct scene *scene, const size_t pad[3], const siz
         if (outside)
           lattice->kind[at] = SITE_WALL;
         else
-          claim(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
+          classify_point(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
         empty = empty || lattice->kind[at] == SITE_EMPTY;
       }
   return ranks_any(empty);
@@ -386,7 +386,7 @@ cleanup:
   return status;
 }
 
-static size_t count_unlike(const uint8_t *a, const uint8_t *b, size_t n) {
+static size_t count_differences(const uint8_t *a, const uint8_t *b, size_t n) {
   uint32_t unlike = 0;
   for (size_t i = 0; i < n; i++) unlike += a[i] != b[i];
   return unlike;
@@ -399,9 +399,9 @@ void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
   for (size_t row = 0; row < rows; row++) {
     const size_t j = row % n[1], k = row / n[1];
     const uint8_t *own = lattice->kind + row * n[0];
-    x += count_unlike(own, own + 1, n[0] - 1) + (own[0] != own[n[0] - 1]);
-    y += count_unlike(own, lattice->kind + (k * n[1] + (j + 1) % n[1]) * n[0], n[0]);
-    z += count_unlike(own, lattice->kind + ((k + 1) % n[2] * n[1] + j) * n[0], n[0]);
+    x += count_differences(own, own + 1, n[0] - 1) + (own[0] != own[n[0] - 1]);
+    y += count_differences(own, lattice->kind + (k * n[1] + (j + 1) % n[1]) * n[0], n[0]);
+    z += count_differences(own, lattice->kind + ((k + 1) % n[2] * n[1] + j) * n[0], n[0]);
   }
   faces[0] = x, faces[1] = y, faces[2] = z;
 }

@@ -20,7 +20,7 @@ static const double SHAPE = 0.32;  /* ln 1.38 */
 static const double OFF_MIDDLE_USUAL = 0.05;
 static const double OFF_MIDDLE_RANGE = 0.12;
 
-static double shape_lost(struct h5_file *file) {
+static double shape_uncertainty(struct h5_file *file) {
   const double pore = h5_attribute_or_nan(file, "/calibration", "pore_peak");
   const double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
   const double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
@@ -77,7 +77,7 @@ static struct scan_quality read_scan(struct h5_file *file) {
       .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
   scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
   if (!scan.known) assume_blur(file, &scan);
-  scan.shape = shape_lost(file);
+  scan.shape = shape_uncertainty(file);
   scan.between = interpolation_variance(file);
   scan.smooth_walls = fmax(0.0, h5_attribute_or_nan(file, "/scanner", "smooth_walls"));
   return scan;

@@ -160,7 +160,7 @@ void lattice_mirror_distances(struct lattice *l) {
            plane * sizeof *l->wall_distance);
 }
 
-void lattice_take_kinds(struct lattice *l, float offset, float least) {
+void lattice_set_kinds(struct lattice *l, float offset, float least) {
   size_t pores = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pores)
   for (size_t s = 0; s < l->count; s++) {
@@ -210,7 +210,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
   TRY(resample_distances(fine, mirrored, out));
   TRY(interrupt_look());
-  lattice_take_kinds(out, (float)offset, (float)(1e-3 * spacing));
+  lattice_set_kinds(out, (float)offset, (float)(1e-3 * spacing));
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);
@@ -249,7 +249,7 @@ double lattice_void_ratio(const struct lattice *l, double moved) {
   return pores / (l->bulk_count - pores);
 }
 
-enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice) {
+enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lattice) {
   struct lattice wanted = {0};
   double sites = 1;
   if (!isfinite(scene->lattice_spacing)) return STATUS_OK;

@@ -13,7 +13,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
                              struct lattice *out);
 
 /* Resamples the lattice to the spacing that the scene asks for (lattice.spacing), if any. */
-enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice);
+enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lattice);
 
 /* Sites along each axis, and their number, of the lattice that lattice_resample would make. */
 enum status lattice_resampled_size(const struct lattice *fine, double spacing, size_t size[3],
@@ -28,7 +28,7 @@ void lattice_mirror_distances(struct lattice *lattice);
 
 /* Adds `offset` (m) to all wall distances, limits their magnitude to at least `least` (m), and sets
  * the kinds of all sites by their sign and the number of sites of each kind. */
-void lattice_take_kinds(struct lattice *lattice, float offset, float least);
+void lattice_set_kinds(struct lattice *lattice, float offset, float least);
 
 /* Void ratio with all walls `moved` (m) into the grains; sites on the surface count in part. */
 double lattice_void_ratio(const struct lattice *lattice, double moved);

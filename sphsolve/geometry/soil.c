@@ -39,8 +39,8 @@ struct covered {
   size_t first, count, size;
 };
 
-static struct covered cover(size_t i, double spacing, size_t size, double fine_spacing,
-                            size_t more) {
+static struct covered find_covered(size_t i, double spacing, size_t size, double fine_spacing,
+                                   size_t more) {
   /* Adds whole periods, so that no index is negative. */
   const size_t boxes = (more + size - 1) / size;
   const double low =
@@ -101,7 +101,7 @@ enum status lattice_soil_resample(const struct lattice *fine, struct lattice *ou
       for (size_t more = 0; more < 3 && !found; more++) {
         struct covered c[3];
         for (int a = 0; a < 3; a++)
-          c[a] = cover(at[a], out->spacing[a], fine->size[a], fine->spacing[a], more);
+          c[a] = find_covered(at[a], out->spacing[a], fine->size[a], fine->spacing[a], more);
         found = average_soil(fine, c, out, site);
       }
     }

@@ -175,7 +175,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   if (mirrored) lattice_mirror_distances(out);
   match_porosity(out, wanted, width);
   TRY(interrupt_look());
-  lattice_take_kinds(out, 0.0f, (float)(1e-3 * h));
+  lattice_set_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
   memory_free(&image);
   memory_free(&work);

@@ -41,6 +41,7 @@ enum watch_bound watchdog_worst(const struct watch_reading *reading, double *use
 /* Whether this state should replace the kept one: it uses no larger fraction of the bounds, or the
  * kept one is old. The caller then copies the state and calls watchdog_keep. */
 bool watchdog_wants(const struct watchdog *dog, int64_t step, double used);
+/* Records that the state of `step` was kept, with its used fraction of the bounds. */
 void watchdog_keep(struct watchdog *dog, int64_t step, double used);
 /* Counts a trip. Returns false if there is no good state, or if three halvings have not helped. */
 bool watchdog_trip(struct watchdog *dog, double time);

@@ -108,8 +108,8 @@ static enum status write_count(struct h5_file *file, const char *name, uint64_t 
 
 /* Coefficients of the steady flow law along x and z: permeabilities in m/s, and b of i = v / K + b
  * v |v| (Darcy, Forchheimer); NAN for soil that does not follow such a law along the axes. */
-static void find_law(const struct scene *scene, const struct region *region, double permeability,
-                     double law[3]) {
+static void find_flow_law(const struct scene *scene, const struct region *region,
+                          double permeability, double law[3]) {
   const double e = region->porosity, *v = region->soil_velocity;
   const bool turned = region->anisotropic && region->anisotropy[2] != 0;
   const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0;
@@ -153,7 +153,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
         soil ? GRAVITY_STANDARD * e * e * e * d * d / (region->alpha * nu * (1 - e) * (1 - e))
              : NAN;
     law[3 * k] = law[3 * k + 1] = law[3 * k + 2] = NAN;
-    if (soil) find_law(scene, region, permeability[k], law + 3 * k);
+    if (soil) find_flow_law(scene, region, permeability[k], law + 3 * k);
     const bool held = (region->type == REGION_INFLOW && region->boundary == BOUNDARY_HEAD) ||
                       region->type == REGION_DRAIN;
     head[k] = held && region->table.count == 0 ? region->head : NAN;

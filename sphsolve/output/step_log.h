@@ -27,6 +27,7 @@ struct step_log {
 
 /* Counts a step whose length `effect` limited. */
 void step_log_limit(struct step_log *log, const char *effect);
+/* Records a return to an earlier state. */
 enum status step_log_back(struct step_log *log, const struct step_back *back);
 /* Write and read GROUP/limits/{name,steps} and GROUP/watchdog/{time,back_to,dt,cause}; empty ones
  * are omitted. */

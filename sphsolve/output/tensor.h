@@ -49,6 +49,7 @@ void tensor_set_column(const struct scene *scene, const double darcy_velocity[3]
  * lattice with k known to the `wanted` error (0: on the lattice's own sites). */
 bool tensor_read_column(const struct scene *scene, const struct lattice *lattice, double wanted,
                         const char *prefix, int axis, struct tensor *tensor);
+/* Whether all three columns are set. */
 bool tensor_complete(const struct tensor *tensor);
 
 /* Print to stdout, or return a new JSON object. */

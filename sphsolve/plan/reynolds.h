@@ -17,6 +17,7 @@
 /* Hydraulic diameter, m; 0 without walls. S is the area of voxel faces divided by 3/2, by which
  * they overestimate a smooth surface. */
 double hydraulic_diameter(const struct lattice *lattice);
+/* Hydraulic diameter of a bed of spheres of diameter `grain_size`, m. */
 double hydraulic_diameter_of_grains(double grain_size, double porosity);
 /* `darcy`: Darcy velocity, m/s. */
 double reynolds_number(const double darcy[3], double porosity, double diameter,

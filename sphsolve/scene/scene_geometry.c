@@ -101,7 +101,7 @@ static enum status check_pair(struct config *config, config_node *list, const st
 }
 
 /* A wall at rest. */
-static bool rests(const struct region *region) {
+static bool is_resting_wall(const struct region *region) {
   const double *v = region->velocity;
   return region->type == REGION_WALL && v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
@@ -154,7 +154,7 @@ static enum status check_throats(struct config *config, config_node *list,
       TRY(check_gap(config, list, scene, i, NULL, a, wall->box[a + 3], scene->domain_size[a]));
     }
     for (size_t j = 0; j < scene->region_count; j++)
-      if (j != i && rests(&scene->regions[j]) && !is_polygon(&scene->regions[j]))
+      if (j != i && is_resting_wall(&scene->regions[j]) && !is_polygon(&scene->regions[j]))
         TRY(check_gap(config, list, scene, i, &scene->regions[j], a, wall->box[a + 3],
                       scene->regions[j].box[a]));
   }
@@ -174,7 +174,7 @@ enum status scene_check_geometry(struct config *config, config_node *list,
   if (scene->region_count > PAIRED_REGIONS_MAX) return STATUS_OK;
   for (size_t i = 0; i < scene->region_count; i++) {
     for (size_t j = i + 1; j < scene->region_count; j++) TRY(check_pair(config, list, scene, i, j));
-    if (rests(&scene->regions[i])) TRY(check_throats(config, list, scene, i));
+    if (is_resting_wall(&scene->regions[i])) TRY(check_throats(config, list, scene, i));
   }
 cleanup:
   return status;
@@ -182,5 +182,5 @@ cleanup:
 
 bool scene_in_wall(const struct scene *scene, const double point[3]) {
   const int region = region_at(scene, point);
-  return region >= 0 && rests(&scene->regions[region]);
+  return region >= 0 && is_resting_wall(&scene->regions[region]);
 }

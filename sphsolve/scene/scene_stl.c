@@ -255,7 +255,7 @@ cleanup:
 }
 
 /* Twice the area of the surface projected along an axis. */
-static double facing(const struct stl *stl, int axis) {
+static double projected_area(const struct stl *stl, int axis) {
   const int a = (axis + 1) % 3, b = (axis + 2) % 3;
   double sum = 0;
   for (size_t t = 0; t < stl->count; t++) {
@@ -274,7 +274,7 @@ enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
   const bool soil = whole->type == REGION_POROUS;
   double area[3];
   for (int a = 0; a < 3; a++) {
-    area[a] = facing(whole->stl, a);
+    area[a] = projected_area(whole->stl, a);
     if (area[a] > area[cut.run] * (1 + 1e-6)) cut.run = a;
   }
   cut.across = cut.run == 0 ? 1 : 0, cut.up = cut.run == 2 ? 1 : 2;

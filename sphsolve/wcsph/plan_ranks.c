@@ -13,7 +13,7 @@
 
 /* Number of sites within `reach` of a rank's part, limited to all others: the lattice is bisected
  * repeatedly across its longest side. */
-static double around(const struct lattice *l, double ranks, double reach) {
+static double count_ghost_sites(const struct lattice *l, double ranks, double reach) {
   double side[3], grown = 1, own = 1, left = ranks;
   for (int a = 0; a < 3; a++) side[a] = (double)l->size[a];
   while (left > 1) {
@@ -35,7 +35,7 @@ void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ra
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
   const double share = fluid / fmax(sites, 1);
   const double reach = plan->context.support / plan->context.spacing + GHOST_REACH;
-  const double beside = r > 1 ? around(l, r, reach) : 0;
+  const double beside = r > 1 ? count_ghost_sites(l, r, reach) : 0;
   cost->uneven = 1 + 0.5 * PARTITION_UNIT * (r - 1) / fmax(fluid, 1);
   cost->ghosts = GHOST_BYTES_SENT * share * beside;
   cost->messages = 2 * fmin(r - 1, 12);

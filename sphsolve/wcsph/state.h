@@ -26,6 +26,7 @@ struct wcsph_state {
   struct watchdog dog;
   struct wcsph_budget budget;
 };
+/* Time of the present state, s. */
 double wcsph_time(const struct wcsph_state *state);
 bool wcsph_sample_due(const struct wcsph_state *state);
 /* Halves or doubles the step; doubling is refused (false) except on steps at which a sample can
@@ -44,6 +45,7 @@ struct wcsph_copy {
   int halvings;
   struct wcsph_budget budget;
 };
+/* Stores a copy of the state in the file next to copy->beside. */
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* Restores the copy; the present step is kept unless the copy's was shorter. */
 enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);

@@ -35,8 +35,8 @@ static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_t
 }
 
 /* Describes which quantity exceeded its bound, and for which particle. */
-static void describe(const struct wcsph_run *run, enum watch_bound bound,
-                     const struct wcsph_totals *totals, char what[160]) {
+static void describe_violation(const struct wcsph_run *run, enum watch_bound bound,
+                               const struct wcsph_totals *totals, char what[160]) {
   const struct engine *engine = &run->state.engine;
   double high = totals->density_max - 1, low = 1 - totals->density_min;
   const size_t number = bound != WATCH_DENSITY ? totals->fastest
@@ -109,7 +109,7 @@ cleanup:
 }
 
 /* Adapts the step to the velocities, such that particles do not pass each other in one step. */
-static void adapt(struct wcsph_run *run) {
+static void adapt_step(struct wcsph_run *run) {
   struct wcsph_state *state = &run->state;
   double h = state->engine.settings.smoothing_length, speed = state->engine.speed_max;
   if (!isnan(run->scene->wcsph.dt)) return;
@@ -143,7 +143,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   TRY(wcsph_sum(&state->engine, false, &totals));
   enum watch_bound worst = check_bounds(run, &totals, &used);
   if (used >= 1) {
-    describe(run, worst, &totals, what);
+    describe_violation(run, worst, &totals, what);
     *again = true;
     TRY(wcsph_step_back(run, wcsph_run_time(run), what));
   } else {
@@ -152,7 +152,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
       TRY(wcsph_keep(state, &run->copy));
       watchdog_keep(&state->dog, state->step, used);
     }
-    adapt(run);
+    adapt_step(run);
   }
   wcsph_set_last_step(run);
 cleanup:

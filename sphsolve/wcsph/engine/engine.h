@@ -103,6 +103,8 @@ struct particle_fields engine_fields(const struct engine_settings *settings);
 enum status engine_make(const struct lattice *lattice, const struct engine_settings *settings,
                         struct engine *engine);
 void engine_free(struct engine *engine);
+/* Advances the particles by one time step; STATUS_NUMERIC if too many have clustered at one
+ * place. */
 enum status engine_step(struct engine *engine);
 /* Collective (common/ranks.h): waits for ghosts in transfer. */
 void engine_await_ghosts(struct engine *engine);
@@ -139,6 +141,7 @@ static inline bool engine_has_walls(const struct engine *engine) {
   return (RANKS && w->partition != NULL ? w->partition[ranks_count()]
                                         : engine->particles.wall_clusters) > 0;
 }
+/* Changes the time step, s. */
 void engine_set_dt(struct engine *engine, double dt);
 /* Frees data that the next step makes anew (lists and their boxes). Results stay bitwise
  * unchanged. */

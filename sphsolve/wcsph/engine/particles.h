@@ -91,6 +91,7 @@ enum status particles_hold(struct particles *particles, size_t from, size_t coun
 enum status particles_make_site_terms(struct particles *particles);
 /* Frees the walls and all their arrays. */
 void particles_drop_walls(struct particles *particles);
+/* As particles_hold, for the walls. */
 enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,
                                  size_t clusters);
 /* Addresses of the arrays that are reordered with the particles; 4 bytes per slot each. */
