@@ -1,5 +1,5 @@
-/* An analysis: a command of `analyze`, a section of the report, or both, told by one descriptor in
- * its own file. analyses.def lists them. */
+/* An analysis is a command of `analyze`, a section of the report, or both. It is described by one
+ * struct in its own file; analyses.def lists them. */
 #ifndef TOSUI_ANALYZE_ANALYSIS_H
 #define TOSUI_ANALYZE_ANALYSIS_H
 
@@ -11,49 +11,52 @@
 #include "analyze/run_file.h"
 #include "common/options.h"
 
-/* What is analysed, and what is known of it before. A command fills in the runs or the files of a
- * solute alone; what stands below them is known where the report asks. */
+/* What is analysed. For a command only the runs, or the files of a solute, are set; the report also
+ * sets the members below. */
 struct subject {
   const struct run *runs;
   size_t n;
-  const char *const *solutes; /* files that hold what a solute did */
+  const char *const *solutes; /* files of runs of method solute */
   size_t solute_count;
-  size_t permeable; /* the first so many have a permeability, which no longer drifts; no other */
-  size_t flowing;   /* the first so many one above 0; the water of the permeable others rests */
+  /* Number of runs, at the beginning, with a permeability (0 included) that does not drift. */
+  size_t permeable;
+  size_t flowing; /* number of them with a permeability above 0 */
   bool snapshots; /* every run has a snapshot */
   bool maps;      /* the report shows maps of speed and pressure in a plane */
 };
 
-/* How a section stands on the page: not at all, behind a fold at the end, or open. */
+/* How a section is shown on the page: not at all, collapsed at the end, or open. */
 enum showing { SHOW_NOT, SHOW_FOLDED, SHOW_OPEN };
 
 #define ANALYSIS_OPTIONS 4
 
 struct analysis {
-  const char *name; /* of its command, its files, its section and its member of the page's data */
+  const char *name; /* of its command, its files, its section and its member of the page's JSON */
 
-  /* The command. `name` NULL: none of its own. */
+  /* The command; without a `name` there is none. */
   struct option_command command;
-  struct option_entry options[ANALYSIS_OPTIONS]; /* those it takes alone; `commands` is not read */
+  struct option_entry options[ANALYSIS_OPTIONS]; /* its own options; `commands` is not used */
   bool of_solutes;                               /* its operands are files of a solute, not runs */
   bool several_models; /* its runs may be of several models, one for each spacing */
-  /* Another whose command delivers this one as well, where it applies. */
+  /* Name of another analysis whose command also outputs this one, if it applies. */
   const char *delivered_with;
 
-  /* The section of the page; no heading: none. */
-  const char *heading, *contents, *caption; /* HTML; `contents` stands in the list of sections */
-  /* Which of its runs: all, those that have a k, those whose water flows, or, where none has a k,
-   * the first. */
+  /* The section of the page; without a heading there is none. */
+  /* HTML; `contents` is the entry in the list of sections. */
+  const char *heading, *contents, *caption;
+  /* Runs in the section: all, those with a permeability, those with a permeability above 0, or, if
+   * none has a permeability, the first. */
   enum { OF_ALL, OF_PERMEABLE, OF_FLOWING, OF_FIRST } page_runs;
-  bool charts;   /* page.js draws its data, the plot stands in for them */
-  bool may_fail; /* the page warns and goes without */
+  bool charts;   /* page.js draws its data, and the plot is a substitute */
+  bool may_fail; /* on failure the page gives a warning and omits the section */
 
-  /* Decided by what the subject holds, not by trying. NULL: to every run. */
+  /* Decides by the contents of the subject whether the analysis applies, without running it. NULL:
+   * always. */
   enum status (*applies)(const struct subject *subject, bool *applies);
-  /* From the subject to JSON, CSV, plot and summary. `options` NULL: as the page shows it. */
+  /* Computes JSON, CSV, plot and summary. `options` is NULL for the page. */
   enum status (*analyze)(const struct subject *subject, const struct options *options,
                          struct product *product);
-  /* NULL: open. */
+  /* How the section is shown; NULL: open. */
   enum showing (*showing)(const struct subject *subject, const json_t *json);
 };
 
@@ -69,7 +72,7 @@ enum {
 };
 extern const struct analysis *const analyses[ANALYSES];
 
-/* What its `applies` says. */
+/* The result of its `applies`. */
 enum status analysis_applies(const struct analysis *analysis, const struct subject *subject,
                              bool *applies);
 

@@ -1,4 +1,4 @@
-/* analyze: from runs of sphsolve to numbers, plots and a report. */
+/* analyze: numbers, plots and a report from runs of sphsolve. */
 #include <limits.h>
 #include <math.h>
 #include <stdio.h>
@@ -24,7 +24,8 @@
 #include "common/threads.h"
 #include "common/units.h"
 
-/* Commands: those of the analyses, in their order, and the report; with the options of each. */
+/* Number of commands (those of the analyses in their order, report, terminator) and of their
+ * options. */
 #define COMMANDS (ANALYSES + 2)
 #define ENTRIES (ANALYSES * ANALYSIS_OPTIONS + 3)
 
@@ -65,14 +66,14 @@ static void build_table(struct analyze_table *table) {
   table->entries[1] = mix;
 }
 
-/* Whether two names are those of one file. */
-static bool file_is(const char *a, const char *b) {
+/* Whether two paths are the same file. */
+static bool same_file(const char *a, const char *b) {
   struct stat of_a, of_b;
   return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && of_a.st_dev == of_b.st_dev &&
          of_a.st_ino == of_b.st_ino;
 }
 
-/* The operands that are runs. `solutes`: the caller shows those that hold what a solute did. */
+/* Reads the operands that are runs. `solutes`: the caller handles files of a solute itself. */
 static enum status read_runs(const struct options *options, bool solutes, struct run **runs,
                              size_t *n) {
   enum status status = STATUS_OK;
@@ -88,7 +89,7 @@ static enum status read_runs(const struct options *options, bool solutes, struct
       continue;
     }
     bool again = false;
-    for (size_t j = 0; j < i && !again; j++) again = file_is(path, options_operand(options, j));
+    for (size_t j = 0; j < i && !again; j++) again = same_file(path, options_operand(options, j));
     if (again) {
       log_warning("%s: given twice, counted once", path);
       continue;
@@ -114,8 +115,8 @@ cleanup:
   return status;
 }
 
-/* What k is good for, and what would make it better, as the head of the page says; of several the
- * first, with its name. */
+/* Prints the assessment of k and the advice as at the head of the page; with several results that
+ * of the first, with its name. */
 static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
   struct page_model model;
   json_t *results = verdict_results(runs, n, darcy, NULL);
@@ -137,15 +138,16 @@ static void print_json(const json_t *json) {
   putchar('\n');
 }
 
-/* Results: to stdout as text, or as JSON where no other product's holds it; with -o into files as
- * well. */
-static enum status deliver(const struct options *options, struct product *product, bool held) {
+/* Outputs a product: on stdout as text, or as JSON unless it is part of another product's JSON
+ * (`held`); with -o also as files. */
+static enum status output_product(const struct options *options, struct product *product,
+                                  bool in_other_json) {
   enum status status = STATUS_OK;
   const char *folder = options_text(options, "output");
   TRY(product_finish(product));
   if (folder != NULL) TRY(product_save(product, folder));
   if (options_json(options)) {
-    if (!held) print_json(product->json);
+    if (!in_other_json) print_json(product->json);
   } else if (log_level() > LOG_QUIET) {
     fputs(product->summary.data, stdout);
     if (folder != NULL)
@@ -156,7 +158,7 @@ cleanup:
   return status;
 }
 
-/* The operands that hold what a solute did; free with memory_free. */
+/* The operands that are files of a solute; free with memory_free. */
 static enum status find_solutes(const struct options *options, const char ***paths, size_t *n) {
   enum status status = STATUS_OK;
   const size_t count = options_operand_count(options);
@@ -167,8 +169,8 @@ cleanup:
   return status;
 }
 
-/* The runs with the finest of the first one's body before the others: its pictures are shown. The
- * runs stay those of `runs`. */
+/* Moves the run with the finest lattice of the first run's body to the front, because its pictures
+ * are shown. The copies in *ordered own nothing. */
 static enum status put_finest_first(const struct run *runs, size_t n, struct run **ordered) {
   enum status status = STATUS_OK;
   size_t finest = 0;
@@ -214,10 +216,10 @@ cleanup:
   return status;
 }
 
-/* An analysis, and those that its command delivers besides: products of their own, in one JSON
+/* Runs an analysis and those that its command also outputs: products of their own, in one JSON
  * object. */
-static enum status deliver_analysis(const struct options *options, const struct analysis *analysis,
-                                    const struct subject *subject) {
+static enum status output_analysis(const struct options *options, const struct analysis *analysis,
+                                   const struct subject *subject) {
   enum status status = STATUS_OK;
   struct product product = {0}, second[ANALYSES] = {{0}};
   TRY(product_start(analysis->name, &product));
@@ -233,9 +235,9 @@ static enum status deliver_analysis(const struct options *options, const struct 
     TRY(analyses[i]->analyze(subject, options, &second[i]));
     json_object_set(product.json, analyses[i]->name, second[i].json);
   }
-  TRY(deliver(options, &product, false));
+  TRY(output_product(options, &product, false));
   for (size_t i = 0; i < ANALYSES; i++)
-    if (second[i].name != NULL) TRY(deliver(options, &second[i], true));
+    if (second[i].name != NULL) TRY(output_product(options, &second[i], true));
   if (analysis == &darcy_analysis && !options_json(options) && log_level() > LOG_QUIET)
     print_verdict(subject->runs, subject->n, product.json);
 cleanup:
@@ -246,7 +248,7 @@ cleanup:
 
 static enum status run_command(const struct options *options) {
   enum status status = STATUS_OK;
-  const struct analysis *analysis = NULL; /* none: the report */
+  const struct analysis *analysis = NULL; /* NULL: the report */
   struct run *runs = NULL;
   const char **solutes = NULL;
   size_t n = 0;
@@ -256,8 +258,8 @@ static enum status run_command(const struct options *options) {
     n = options_operand_count(options);
     TRY(memory_allocate(&solutes, n, sizeof *solutes, "names of files"));
     for (size_t i = 0; i < n; i++) solutes[i] = options_operand(options, i);
-    TRY(deliver_analysis(options, analysis,
-                         &(struct subject){.solutes = solutes, .solute_count = n}));
+    TRY(output_analysis(options, analysis,
+                        &(struct subject){.solutes = solutes, .solute_count = n}));
     goto cleanup;
   }
   TRY(read_runs(options, analysis == NULL, &runs, &n));
@@ -266,7 +268,7 @@ static enum status run_command(const struct options *options) {
   if (analysis == NULL)
     TRY(report_command(options, runs, n));
   else
-    TRY(deliver_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
+    TRY(output_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
 cleanup:
   for (size_t i = 0; runs != NULL && i < n; i++) run_free(&runs[i]);
   memory_free(&runs);

@@ -8,7 +8,7 @@
 
 static const double drift_allowed = 0.05;
 
-/* Linear interpolation onto n even instants. Times must not fall. */
+/* Linear interpolation at n evenly spaced times. Times must not decrease. */
 static void resample(const double *times, const double *values, size_t n, double *even) {
   double span = times[n - 1] - times[0];
   size_t j = 0;
@@ -25,7 +25,7 @@ static void resample(const double *times, const double *values, size_t n, double
 static size_t truncation_point(const double *values, size_t n) {
   size_t keep = n / 10 > 5 ? n / 10 : 5;
   double sum = 0.0, square = 0.0, least = INFINITY;
-  double shift = values[n - 1]; /* against cancellation in the running variance */
+  double shift = values[n - 1]; /* subtracted against cancellation in the running variance */
   size_t best = 0;
   for (size_t d = n; d-- > 0;) {
     double v = values[d] - shift;
@@ -83,14 +83,14 @@ enum status average_darcy(const struct run *run, struct average *average) {
   enum status status = STATUS_OK;
   size_t rows = 0;
   double *times = NULL, *values = NULL;
-  /* Where no pore leads through, the water is known to rest. */
+  /* If no pore leads through the water is at rest. */
   if (strcmp(run->status, "blocked") == 0) {
     *average = (struct average){.rows = 1, .standard_error = NAN, .without_drift = true};
     return STATUS_OK;
   }
-  /* What isph found of the second half of its record is its k. */
-  const bool isph = strcmp(run->method, "isph") == 0 && isfinite(run->k) &&
-                    isfinite(run->error.steadiness);
+  /* isph determines k from the second half of its record. */
+  const bool isph =
+      strcmp(run->method, "isph") == 0 && isfinite(run->k) && isfinite(run->error.steadiness);
   if ((isph || strcmp(run->method, "stokes") == 0) && isfinite(run->darcy_velocity[0])) {
     memset(average, 0, sizeof *average);
     average->rows = 1;
@@ -101,7 +101,7 @@ enum status average_darcy(const struct run *run, struct average *average) {
     if (!isph) return STATUS_OK;
     average->drift = run->error.steadiness * fabs(average->mean);
     average->without_drift = !(run->error.steadiness > drift_allowed);
-    if (isnan(run->error.averaging)) return STATUS_OK; /* round a box: the last one */
+    if (isnan(run->error.averaging)) return STATUS_OK; /* k is no mean but the last value */
     TRY(run_darcy_series(run, &rows, &times, &values));
     average->from_time = 0.5 * times[rows - 1];
     while (average->first + 1 < rows && times[average->first] < average->from_time)

@@ -1,4 +1,4 @@
-/* Breakthrough curves from the walks of a run: read, fitted, told and drawn. */
+/* Breakthrough curves from the walks of a run: reading, fit, output and plot. */
 #include "analyze/breakthrough.h"
 
 #include <math.h>
@@ -9,22 +9,24 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-#define CURVES 4 /* drawn at most */
-/* What the equation may miss by before it is said to fail: of the share, and of times, relative. */
-#define MISFIT_MOST 0.02
-#define TAIL_MOST 0.1
+#define CURVES_MAX 4 /* drawn at most */
+/* Largest deviations with which the equation is considered to hold: of the share, absolute; of the
+ * times of the first and last walkers, relative. */
+#define MISFIT_MAX 0.02
+#define TAIL_ERROR_MAX 0.1
 
-/* One plane of one walk. Times in units of distance / U, D in units of distance U. */
+/* One plane of one walk. Times in units of distance / U, D in units of distance times U. */
 struct plane {
   double distance; /* m */
-  double *time;    /* [quantiles], NAN: not by the end of the walk */
+  double *time;    /* [quantiles], NAN: not reached by the end of the walk */
   bool fitted, reached;
-  double v, d, misfit, first, last; /* times of the first and last walkers over those of the fit */
+  /* First and last: times of the first and last walkers over those of the fit. */
+  double v, d, misfit, first, last;
 };
 
 struct curves {
   const char *path;
-  size_t walk; /* its place in the list of Peclet numbers */
+  size_t walk; /* index in the list of Peclet numbers */
   double peclet, speed, length, longitudinal;
   size_t planes, quantiles;
   double *share;
@@ -37,7 +39,7 @@ static bool has_walk(struct h5_file *file, size_t walk) {
   return h5_exists(file, path);
 }
 
-/* Whether a file holds walks of method solute. */
+/* Whether a file contains walks of method solute. */
 static bool is_walk(const char *path) {
   struct h5_file *file = NULL;
   const bool is = h5_open(path, &file) == STATUS_OK && has_walk(file, 0);
@@ -86,7 +88,7 @@ cleanup:
   return status;
 }
 
-/* All walks with a flow in one file, appended to `list`. */
+/* Appends all walks with a flow in one file to `list`. */
 static enum status read_file(const char *path, struct curves **list, size_t *count) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -120,14 +122,14 @@ static void free_curves(struct curves *c) {
   memory_free(&c->share);
 }
 
-/* The fitted D over the molecular one. */
-static double over_diffusion(const struct curves *c, const struct plane *p) {
+/* The fitted D over the molecular diffusion coefficient. */
+static double relative_dispersion(const struct curves *c, const struct plane *p) {
   return p->d * p->distance * c->peclet / c->length;
 }
 
-static bool holds(const struct plane *p) {
-  return p->misfit <= MISFIT_MOST && fabs(p->first - 1) <= TAIL_MOST &&
-         fabs(p->last - 1) <= TAIL_MOST;
+static bool equation_holds(const struct plane *p) {
+  return p->misfit <= MISFIT_MAX && fabs(p->first - 1) <= TAIL_ERROR_MAX &&
+         fabs(p->last - 1) <= TAIL_ERROR_MAX;
 }
 
 static void write_json(const struct curves *list, size_t n, json_t *json) {
@@ -144,11 +146,11 @@ static void write_json(const struct curves *list, size_t n, json_t *json) {
       json_object_set_new(object, "time_s", time);
       if (plane->fitted) {
         json_put_number(object, "velocity_over_mean", plane->v);
-        json_put_number(object, "longitudinal", over_diffusion(c, plane));
+        json_put_number(object, "longitudinal", relative_dispersion(c, plane));
         json_put_number(object, "misfit", plane->misfit);
         json_put_number(object, "first_over_fit", plane->first);
         json_put_number(object, "last_over_fit", plane->last);
-        json_object_set_new(object, "holds", json_boolean(holds(plane)));
+        json_object_set_new(object, "holds", json_boolean(equation_holds(plane)));
       }
       json_array_append_new(planes, object);
     }
@@ -186,9 +188,9 @@ static void write_summary(const struct curves *list, size_t n, FILE *stream) {
       const struct plane *plane = &c->plane[p];
       if (!plane->fitted) continue;
       fprintf(stream, "  %10.4g  %8.4g  %10.4g  %5.1f %%  %9.3g", 1e3 * plane->distance, plane->v,
-              over_diffusion(c, plane), 100 * plane->misfit, plane->first);
+              relative_dispersion(c, plane), 100 * plane->misfit, plane->first);
       if (plane->reached)
-        fprintf(stream, "  %9.3g  %s\n", plane->last, holds(plane) ? "holds" : "fails");
+        fprintf(stream, "  %9.3g  %s\n", plane->last, equation_holds(plane) ? "holds" : "fails");
       else
         fprintf(stream, "  %9s  not all have passed\n", "");
     }
@@ -197,14 +199,15 @@ static void write_summary(const struct curves *list, size_t n, FILE *stream) {
         stream);
 }
 
-/* The first plane, where the equation holds least; NULL: none was fitted. */
-static const struct plane *drawn(const struct curves *c) {
+/* The plane that is drawn: the first one, where the equation is least accurate; NULL if none was
+ * fitted. */
+static const struct plane *plane_to_draw(const struct curves *c) {
   for (size_t p = 0; p < c->planes; p++)
     if (c->plane[p].fitted) return &c->plane[p];
   return NULL;
 }
 
-/* Share by time; and the density of the travel times between shares, with that of the fit. */
+/* Share against time, and the density of travel times between the shares, each with the fit. */
 static void write_blocks(const struct curves *c, const struct plane *p, size_t i, FILE *stream) {
   fprintf(stream, "$share%zu << EOD\n", i);
   for (size_t q = 0; q < c->quantiles; q += 4)
@@ -227,8 +230,8 @@ static void write_blocks(const struct curves *c, const struct plane *p, size_t i
 
 static void write_curves(const struct curves *list, size_t n, bool rates, FILE *stream) {
   size_t drawn_so_far = 0;
-  for (size_t i = 0; i < n && drawn_so_far < CURVES; i++) {
-    const struct plane *p = drawn(&list[i]);
+  for (size_t i = 0; i < n && drawn_so_far < CURVES_MAX; i++) {
+    const struct plane *p = plane_to_draw(&list[i]);
     char title[120];
     if (p == NULL) continue;
     snprintf(title, sizeof title, "Pe %.4g, %.3g mm", list[i].peclet, 1e3 * p->distance);
@@ -248,11 +251,11 @@ static void write_curves(const struct curves *list, size_t n, bool rates, FILE *
 }
 
 static void write_plot(const struct curves *list, size_t n, FILE *stream) {
-  size_t rows = 0; /* of the key, one for each curve */
+  size_t rows = 0; /* of the legend, one for each curve */
   for (size_t i = 0; i < n; i++)
-    if (drawn(&list[i]) != NULL) {
-      write_blocks(&list[i], drawn(&list[i]), i, stream);
-      rows += rows < CURVES;
+    if (plane_to_draw(&list[i]) != NULL) {
+      write_blocks(&list[i], plane_to_draw(&list[i]), i, stream);
+      rows += rows < CURVES_MAX;
     }
   fprintf(stream,
           "set multiplot layout 2,1 margins 0.16,0.97,%.3f,0.985 spacing 0,0.11\n"
@@ -279,13 +282,14 @@ static enum status analyze(const struct subject *subject, const struct options *
   bool any = false;
   for (size_t i = 0; i < n; i++)
     if (is_walk(paths[i])) TRY(read_file(paths[i], &list, &count));
-  for (size_t i = 0; i < count; i++) any = any || drawn(&list[i]) != NULL;
+  for (size_t i = 0; i < count; i++) any = any || plane_to_draw(&list[i]) != NULL;
   write_json(list, count, product->json);
   write_csv(list, count, product->csv.stream);
   write_summary(list, count, product->summary.stream);
   if (any) {
     write_plot(list, count, product->plot.stream);
-    product->width = 480, product->height = 720; /* letters for a telephone */
+    /* Sized so that the text is readable on a telephone. */
+    product->width = 480, product->height = 720;
   }
 cleanup:
   for (size_t i = 0; i < count; i++) free_curves(&list[i]);

@@ -1,4 +1,4 @@
-/* First passages by the advection-dispersion equation. */
+/* First passage times of the advection-dispersion equation. */
 #include <math.h>
 
 #include "analyze/breakthrough.h"
@@ -6,7 +6,7 @@
 #define ROUNDS 60
 #define LEAST_TIMES 10
 
-/* exp(x^2) erfc(x), also where neither can be had; beyond 20 by the first terms of its series. */
+/* exp(x^2) erfc(x) without overflow; beyond 20 by the first terms of its asymptotic series. */
 static double scaled_erfc(double x) {
   if (x < 20) return exp(x * x) * erfc(x);
   const double y = 1 / (x * x);
@@ -29,16 +29,16 @@ double breakthrough_time(double v, double d, double share) {
   return 0.5 * (low + high);
 }
 
-static double squares(const double *t, const double *share, size_t n, double v, double d) {
+static double residual_sum(const double *t, const double *share, size_t n, double v, double d) {
   double sum = 0;
   for (size_t i = 0; i < n; i++)
     if (isfinite(t[i])) sum += pow(breakthrough_share(v, d, t[i]) - share[i], 2);
   return sum;
 }
 
-/* One step of Levenberg and Marquardt in ln v and ln D. */
-static void step_of(const double *t, const double *share, size_t n, double v, double d,
-                    double damping, double step[2]) {
+/* One step of the Levenberg-Marquardt method in ln v and ln D. */
+static void levenberg_step(const double *t, const double *share, size_t n, double v, double d,
+                           double damping, double step[2]) {
   const double h = 1e-5;
   double a[3] = {0}, r[2] = {0};
   for (size_t i = 0; i < n; i++) {
@@ -68,14 +68,14 @@ bool breakthrough_fit(const double *t, const double *share, size_t n, double *v,
   for (size_t i = 0; i < n; i++)
     if (isfinite(t[i])) count++, sum += t[i], square += t[i] * t[i];
   if (count < LEAST_TIMES) return false;
-  /* Mean 1 / v and variance 2 D / v^3. */
+  /* Moments of the first passage times: mean 1 / v, variance 2 D / v^3. */
   const double mean = sum / (double)count, variance = square / (double)count - mean * mean;
   *v = 1 / mean, *d = fmax(0.5 * variance / (mean * mean * mean), 1e-6 / mean);
-  double now = squares(t, share, n, *v, *d);
+  double now = residual_sum(t, share, n, *v, *d);
   for (int round = 0; round < ROUNDS && damping < 1e8; round++) {
     double step[2];
-    step_of(t, share, n, *v, *d, damping, step);
-    const double next = squares(t, share, n, *v * exp(step[0]), *d * exp(step[1]));
+    levenberg_step(t, share, n, *v, *d, damping, step);
+    const double next = residual_sum(t, share, n, *v * exp(step[0]), *d * exp(step[1]));
     if (!(next < now)) {
       damping *= 10;
       continue;

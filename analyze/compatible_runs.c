@@ -24,14 +24,16 @@ bool compatible_runs_same_model(const struct run *a, const struct run *b, bool l
          compatible_runs_same_body(a, b, &axis);
 }
 
-/* The model's number of each run: equal where a run fits all of that model before it. */
+/* Numbers the models: runs have the same number if each fits all others of it. Returns the number
+ * of models. */
 static size_t number_models(const struct run *runs, size_t n, bool levels, size_t *model) {
   size_t models = 0;
   for (size_t i = 0; i < n; i++) {
     for (model[i] = 0; model[i] < models; model[i]++) {
       bool fits = true;
       for (size_t j = 0; j < i; j++)
-        fits = fits && (model[j] != model[i] || compatible_runs_same_model(&runs[j], &runs[i], levels));
+        fits = fits &&
+               (model[j] != model[i] || compatible_runs_same_model(&runs[j], &runs[i], levels));
       if (fits) break;
     }
     if (model[i] == models) models++;
@@ -39,7 +41,7 @@ static size_t number_models(const struct run *runs, size_t n, bool levels, size_
   return models;
 }
 
-enum status compatible_runs_check(const struct run *runs, size_t n, bool levels, bool told) {
+enum status compatible_runs_check(const struct run *runs, size_t n, bool levels, bool allowed) {
   enum status status = STATUS_OK;
   size_t *model = NULL;
   char list[800] = "";
@@ -62,7 +64,7 @@ enum status compatible_runs_check(const struct run *runs, size_t n, bool levels,
     if (used + (size_t)wrote >= sizeof list) break;
     used += (size_t)wrote;
   }
-  if (told)
+  if (allowed)
     log_info("runs of %zu models together: %s", models, list);
   else
     status = FAIL(STATUS_INPUT,

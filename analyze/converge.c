@@ -1,5 +1,4 @@
-/* k against the spacing of the lattice: extrapolated to spacing 0 where several spacings allow it.
- */
+/* k against the spacing of the lattice, extrapolated to spacing 0 if several spacings allow it. */
 #include <math.h>
 #include <string.h>
 
@@ -18,18 +17,20 @@ struct level {
   size_t group;
   double spacing;      /* m */
   double permeability; /* intrinsic, m^2 */
-  bool of_finest;      /* k of the finest lattice of a run that solved several */
-  double error;        /* relative, of averaging or residual; NAN unknown */
+  bool of_finest;      /* k of the finest lattice of a run that solved several lattices */
+  double error;        /* relative, of averaging or residual; NAN: unknown */
 };
 
-/* Levels of one method, wall and direction, finest first, at [first, first + count). */
+/* Levels of the same method, wall and direction, finest first, at [first, first + count). */
 struct series {
   size_t first, count;
   double formal_order;
   struct convergence result;
-  struct uncertainty uncertainty; /* of the finest run, its resolution by the index */
-  const struct run *better;       /* knows k better by its own lattices alone; NULL: none */
-  double better_error;            /* relative, of `better` */
+  /* Of the finest run, with the convergence index as its resolution. */
+  struct uncertainty uncertainty;
+  /* Run whose own lattices give k with a smaller error; NULL if none. */
+  const struct run *better;
+  double better_error; /* relative, of `better`, or of the extrapolation */
 };
 
 static enum status measure(const struct run *run, struct level *level) {
@@ -49,7 +50,8 @@ static enum status measure(const struct run *run, struct level *level) {
   level->spacing = cbrt(run->spacing[0] * run->spacing[1] * run->spacing[2]);
   if (run->dimensions == 2) level->spacing = sqrt(run->spacing[0] * run->spacing[2]);
   level->permeability = average.mean * run->viscosity / (run->density * run_driving(run));
-  /* What several lattices say of the limit is no value of a lattice: the finest's own is. */
+  /* A k extrapolated over several lattices does not belong to one spacing: k of the finest lattice
+   * is used. */
   level->of_finest = run->levels.count > 0 && run->k_finest > 0.0;
   if (level->of_finest) {
     level->permeability = run->k_finest * run->viscosity / (run->density * GRAVITY_STANDARD);
@@ -135,7 +137,8 @@ static void level_uncertainty(const struct level *level, struct uncertainty *u) 
   if (isnan(u->averaging)) u->averaging = level->error;
 }
 
-/* The run whose own lattices tell k better than the extrapolation over the runs' spacings. */
+/* Finds the run whose own lattices give k with a smaller error than the extrapolation over the
+ * runs' spacings. */
 static void find_better(const struct level *levels, struct series *s) {
   s->better_error = uncertainty_total(&s->uncertainty);
   for (size_t i = s->first; i < s->first + s->count; i++) {
@@ -156,7 +159,8 @@ static enum status extrapolate(const struct level *levels, struct series *s) {
   double *h = NULL;
   const struct run *run = levels[s->first].run;
   level_uncertainty(&levels[s->first], &s->uncertainty);
-  /* Frozen walls widen every gap by a constant number of spacings: first order. */
+  /* Frozen walls widen every gap by a constant number of spacings, which is an error of first
+   * order. */
   s->formal_order = strcmp(run->wall, "frozen") == 0 ? 1.0 : 2.0;
   if (s->count < 2) return STATUS_OK;
   TRY(memory_allocate(&h, 2 * s->count, sizeof *h, "runs"));
@@ -193,15 +197,15 @@ cleanup:
   return status;
 }
 
-/* m/s for the fluid of the finest run. */
-static double conductivity(const struct level *level) {
+/* Hydraulic conductivity over intrinsic permeability, 1/(m s), for the fluid of the run. */
+static double conductivity_per_permeability(const struct level *level) {
   return level->run->density * GRAVITY_STANDARD / level->run->viscosity;
 }
 
 static void series_json(const struct level *levels, const struct series *s, json_t *object) {
   const struct level *fine = &levels[s->first];
   bool ok = s->count > 1;
-  double value = ok ? s->result.value : NAN, k = value * conductivity(fine);
+  double value = ok ? s->result.value : NAN, k = value * conductivity_per_permeability(fine);
   json_t *rows = json_array();
   json_object_set_new(object, "method", json_text(fine->run->method));
   json_object_set_new(object, "wall", json_text(fine->run->wall));
@@ -235,7 +239,7 @@ static void series_json(const struct level *levels, const struct series *s, json
         json_pack("{s:o,s:o,s:o,s:o,s:o,s:o,s:o}", "path", json_text(level->run->path), "name",
                   json_text(level->run->name), "spacing_m", json_number(level->spacing),
                   "intrinsic_permeability_m2", json_number(level->permeability), "k_m_per_s",
-                  json_number(level->permeability * conductivity(level)),
+                  json_number(level->permeability * conductivity_per_permeability(level)),
                   "deviation_from_extrapolated", json_number(level->permeability / value - 1.0),
                   "wall_time_s", json_number(level->run->wall_time)));
   }
@@ -256,7 +260,8 @@ static void write_summary(const struct level *levels, const struct series *serie
     for (size_t i = s->first; i < s->first + s->count; i++) {
       const struct level *level = &levels[i];
       fprintf(stream, "  %-26.60s %12.4g %12.5g %14.5g ", level->run->name, level->spacing,
-              100.0 * level->permeability * conductivity(level), level->permeability);
+              100.0 * level->permeability * conductivity_per_permeability(level),
+              level->permeability);
       if (s->count > 1)
         fprintf(stream, "%+9.2f %% ", 100.0 * (level->permeability / s->result.value - 1.0));
       else
@@ -267,7 +272,7 @@ static void write_summary(const struct level *levels, const struct series *serie
       fputs("  one spacing: nothing to extrapolate from\n\n", stream);
       continue;
     }
-    double k = s->result.value * conductivity(fine);
+    double k = s->result.value * conductivity_per_permeability(fine);
     fputs(s->result.far || !s->result.monotone ? "  not extrapolated, the finest: k = "
                                                : "  extrapolated to spacing 0: k = ",
           stream);
@@ -311,14 +316,16 @@ static void write_plot(const struct level *levels, const struct series *series, 
     fprintf(stream, "$k%zu << EOD\n", g);
     for (size_t i = s->first; i < s->first + s->count; i++)
       fprintf(stream, "%.8g %.8g %.6g\n", 1e6 * levels[i].spacing,
-              100.0 * levels[i].permeability * conductivity(&levels[i]), levels[i].run->wall_time);
+              100.0 * levels[i].permeability * conductivity_per_permeability(&levels[i]),
+              levels[i].run->wall_time);
     fputs("EOD\n", stream);
     if (s->count < 2) continue;
-    double k = 100.0 * s->result.value * conductivity(&levels[s->first]);
+    double k = 100.0 * s->result.value * conductivity_per_permeability(&levels[s->first]);
     fprintf(stream, "k0_%zu = %.8g; e_%zu = %.6g\n", g, k, g,
             k * uncertainty_total(&s->uncertainty));
     fprintf(stream, "fit%zu(h) = %.8g + %.8g*(h*1e-6)**%.6g\n", g, k,
-            100.0 * s->result.slope * conductivity(&levels[s->first]), s->result.order_used);
+            100.0 * s->result.slope * conductivity_per_permeability(&levels[s->first]),
+            s->result.order_used);
   }
   const size_t lines = (count + 1) / 2;
   fprintf(stream,
@@ -402,7 +409,7 @@ static enum status analyze(const struct subject *subject, const struct options *
       fputc(',', product->csv.stream);
       csv_text(product->csv.stream, level->run->name);
       fprintf(product->csv.stream, ",%.8g,%.8g,%.8g,%.8g,%.6g\n", level->spacing,
-              level->permeability, level->permeability * conductivity(level),
+              level->permeability, level->permeability * conductivity_per_permeability(level),
               s->count > 1 ? s->result.value : NAN, level->run->wall_time);
     }
   }
@@ -438,6 +445,6 @@ const struct analysis converge_analysis = {
         "k against spacing with the extrapolation, and its deviation from the extrapolated k "
         "against wall-clock time.",
     .charts = true,
-    .may_fail = true, /* runs of different bodies: nothing to extrapolate */
+    .may_fail = true, /* runs of different bodies cannot be extrapolated */
     .applies = applies,
     .analyze = analyze};

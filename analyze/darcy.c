@@ -6,8 +6,8 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-/* Errors, 95 %, of the line through points whose own errors, 95 %, are known: each is propagated
- * through the least squares. */
+/* Errors (95 %) of a fitted line from the errors of its points (95 %), propagated through the least
+ * squares. */
 static void propagate(const double *x, const double *y_error, size_t n, double *intercept_error,
                       double *slope_error) {
   double mean = 0.0, spread = 0.0, intercept = 0.0, slope = 0.0;
@@ -22,12 +22,12 @@ static void propagate(const double *x, const double *y_error, size_t n, double *
   *slope_error = sqrt(slope);
 }
 
-/* i = v / k + b v^2 (Forchheimer 1901, VDI-Z. 45), fitted as i/v = 1/k + b v: the relative
- * residuals weigh alike, so that the low gradients count. Student's t is wide for few runs (12.7
- * standard errors for three); so the runs' own errors count where they explain the residuals,
- * multiplied by the ratio of the residuals to them where that is above 1 (Birge 1932, Phys. Rev.
- * 40, 207, eq. 4). A ratio above 2, which honest errors exceed in one of twenty fits through three
- * runs, does not explain them. */
+/* Fits i = v / k + b v^2 (Forchheimer 1901, VDI-Z. 45) in the form i/v = 1/k + b v, in which
+ * relative residuals have equal weights, so that low gradients count as much as high ones.
+ * Student's t is large for few runs (12.7 standard errors for three). Therefore the errors of the
+ * runs are used if they explain the residuals, multiplied by the Birge ratio where that is above 1
+ * (Birge 1932, Phys. Rev. 40, 207, eq. 4). They do not explain them if the ratio is above 2, which
+ * correct errors exceed in one of twenty fits through three runs. */
 static enum status fit_forchheimer(const double *gradient, const double *velocity,
                                    const double *error95, size_t n, struct darcy_fit *fit,
                                    double *k, double *k_error) {
@@ -51,7 +51,7 @@ static enum status fit_forchheimer(const double *gradient, const double *velocit
   double intercept_error = student_t95(dof) * line.intercept_error;
   double slope_error = student_t95(dof) * line.slope_error;
   const double birge = sqrt(residuals / dof);
-  if (birge <= 2.0) { /* not so where a run has no error of its own */
+  if (birge <= 2.0) { /* false if a run has no error */
     double intercept_own, slope_own;
     propagate(velocity, resistance_error, n, &intercept_own, &slope_own);
     intercept_error = fmin(intercept_error, intercept_own * fmax(1.0, birge));

@@ -1,4 +1,4 @@
-/* Darcy's law for people, files and plots; the fits are in darcy.c. */
+/* Output of Darcy's law as text, JSON and plot; the fits are in darcy.c. */
 #include "analyze/darcy.h"
 
 #include <math.h>
@@ -12,7 +12,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-/* What one run contributes. */
+/* Data of one run. */
 struct point {
   struct average average;
   size_t group;
@@ -23,9 +23,9 @@ struct darcy_table {
   const struct run *runs;
   size_t n, groups;
   struct point *points;
-  struct darcy_fit *fits;   /* [groups]; count 0 where all runs of the group drift */
+  struct darcy_fit *fits;   /* [groups]; count 0 if all runs of the group drift */
   const struct run **first; /* [groups] */
-  struct tensor *tensors;   /* per group, of its first run that holds one */
+  struct tensor *tensors;   /* [groups], of the first run of the group that has one */
   bool *has_tensor;
 };
 
@@ -69,8 +69,9 @@ cleanup:
   return status;
 }
 
-/* Where inertia is weak, k falls with the square of the velocity (Mei, Auriault 1991, J. Fluid
- * Mech. 222, 647), and Forchheimer's line fits badly: the line's k is then that of no gradient. */
+/* Warns if k falls with the velocity without a Forchheimer term. With weak inertia k falls with the
+ * square of the velocity (Mei, Auriault 1991, J. Fluid Mech. 222, 647), which Forchheimer's law
+ * does not fit; k of the line is then not the limit at low gradients. */
 static void warn_of_inertia(const double *gradient, const double *velocity, const double *error,
                             size_t n, const struct darcy_fit *fit, const char *run) {
   char text[32];
@@ -117,7 +118,8 @@ cleanup:
   return status;
 }
 
-/* The parts of the error of the group's first run; the averaging of several runs is the fit's. */
+/* Parts of the error of the group's first run; for several runs the averaging part is the error of
+ * the fit. */
 static struct uncertainty uncertainty_of(const struct run *run, const struct darcy_fit *fit) {
   struct uncertainty uncertainty;
   uncertainty_read(run, &uncertainty);
@@ -126,15 +128,15 @@ static struct uncertainty uncertainty_of(const struct run *run, const struct dar
   return uncertainty;
 }
 
-/* The whole error of the group's k, relative: what its headline carries. */
-static double whole_error(const struct run *run, const struct darcy_fit *fit) {
+/* Relative error of the group's k from all parts. */
+static double total_error(const struct run *run, const struct darcy_fit *fit) {
   const struct uncertainty uncertainty = uncertainty_of(run, fit);
-  return fit->k != 0 ? uncertainty_total(&uncertainty) : NAN; /* of nothing, no share */
+  return fit->k != 0 ? uncertainty_total(&uncertainty) : NAN; /* no relative error of 0 */
 }
 
 static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t *object) {
   bool ok = fit->count > 0;
-  const double error = ok ? whole_error(run, fit) : NAN;
+  const double error = ok ? total_error(run, fit) : NAN;
   json_put_number(object, "k_m_per_s", ok ? fit->k : NAN);
   json_put_number(object, "k_cm_per_s", ok ? 100.0 * fit->k : NAN);
   json_put_number(object, "k_error_m_per_s", ok ? error * fit->k : NAN);
@@ -217,7 +219,7 @@ static void write_csv(const struct darcy_table *table, FILE *stream) {
   }
 }
 
-/* k of a group, with its error. */
+/* Writes k of a group with its error. */
 static void write_fit(const struct run *first, const struct darcy_fit *fit, FILE *stream) {
   if (fit->count == 0) {
     fputs("  k: none, since every run still drifts; run longer\n\n", stream);
@@ -228,7 +230,7 @@ static void write_fit(const struct run *first, const struct darcy_fit *fit, FILE
     return;
   }
   const double scale = fit->intrinsic_permeability / fit->k;
-  const double error = whole_error(first, fit) * fit->k;
+  const double error = total_error(first, fit) * fit->k;
   fputs("  k = ", stream);
   write_value_with_error(stream, 100.0 * fit->k, 100.0 * error, "+-", " cm/s");
   fputs("\n    = ", stream);
@@ -380,7 +382,7 @@ static enum status applies(const struct subject *subject, bool *applies) {
   return STATUS_OK;
 }
 
-/* A line through one point waits behind a fold. */
+/* A section with a line through a single point is collapsed. */
 static enum showing showing(const struct subject *subject, const json_t *json) {
   size_t i;
   const json_t *group;

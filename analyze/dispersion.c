@@ -15,8 +15,9 @@ static const char *const column_names[COLUMNS] = {"longitudinal", "transverse",
 static const char *const way_names[] = {"closure", "walk"};
 enum { WAYS = 2 };
 
-/* What their errors are made of, relative: the root of the sum of squares of the first four is the
- * error; that of the sample's size stands beside it, and what of that repeating it adds. */
+/* Parts of the errors, relative. The error is the root of the sum of squares of the first four. The
+ * error due to the sample's size is reported separately, and the last part is its share from
+ * repeating the sample. */
 enum { PARTS = 6, DIRECTIONS = 2 };
 static const char *const part_names[PARTS] = {"resolution",  "projection", "statistics",
                                               "asymptotics", "sample",     "repeats"};
@@ -24,10 +25,11 @@ static const char *const part_words[PARTS] = {
     "resolution",  "projection",  "statistics",
     "asymptotics", "sample size", "of the sample's size, from repeating it"};
 
-/* D* over D of one way, or of what is reported; arrays of `count`. */
+/* D* over D by one method, or the reported values; arrays of `count`. */
 struct curve {
   bool there;
-  double *column[COLUMNS], *part[DIRECTIONS][PARTS]; /* parts NULL where the way has none */
+  /* A part is NULL if the method does not have it. */
+  double *column[COLUMNS], *part[DIRECTIONS][PARTS];
 };
 
 struct solute_run {
@@ -37,8 +39,8 @@ struct solute_run {
   double *peclet;
   struct curve best, way[WAYS];
   double length, diffusion, porosity, speed, formation, formation_error, tortuosity, grain_size;
-  double formation_sample, correlation[2]; /* NAN in files from before they were */
-  bool mirrored; /* along the flow */
+  double formation_sample, correlation[2]; /* NAN in files of older versions */
+  bool mirrored;                           /* along the flow */
 };
 
 bool dispersion_is(const char *path) {
@@ -137,25 +139,26 @@ static const char *name_of(const struct solute_run *run) {
   return run->name != NULL && *run->name ? run->name : run->path;
 }
 
-/* D* / U, m; NAN without flow. */
+/* Dispersivity D* / U, m; NAN without flow. */
 static double dispersivity(const struct solute_run *run, size_t i, double over_diffusion) {
   return run->peclet[i] > 0 ? over_diffusion * run->length / run->peclet[i] : NAN;
 }
 
-/* Of packed beds of beads and sand, with the grain's diameter: what experiments were found to lie
- * between, among them those gathered by Pfannkuch (1963), by Fried and Combarnous (1971, Adv.
- * Hydrosci. 7, 169; as in Sahimi 1995, "Flow and Transport in Porous Media and Fractured Rock"):
- *   along:  1 / (F porosity) + Pe^m / 2, m = 1 to 1.2, for 5 < Pe < 300; 1.8 +- 0.4 Pe beyond
- *   across: 1 / (F porosity) + 0.025 Pe^1.1 for 5 < Pe < 300.
- * Bijeljic, Muggeridge, Blunt (2004) find the power 1.19 along for 10 < Pe < 400. */
-#define BED_FIRST 5.0
-#define BED_MIDDLE 300.0
-#define BED_LAST 1000.0
+/* Range of experiments on packed beds of beads and sand, with Pe by the grain diameter, among them
+ * those collected by Pfannkuch (1963) and by Fried and Combarnous (1971, Adv. Hydrosci. 7, 169; as
+ * in Sahimi 1995, "Flow and Transport in Porous Media and Fractured Rock"):
+ *   longitudinal: 1 / (F porosity) + Pe^m / 2, m = 1 to 1.2, for 5 < Pe < 300; 1.8 +- 0.4 Pe beyond
+ *   transverse: 1 / (F porosity) + 0.025 Pe^1.1 for 5 < Pe < 300.
+ * Bijeljic, Muggeridge, Blunt (2004) find the longitudinal power 1.19 for 10 < Pe < 400. */
+#define BED_PECLET_MIN 5.0
+#define BED_PECLET_MIDDLE 300.0
+#define BED_PECLET_MAX 1000.0
 static double bed(const struct solute_run *run, double peclet) {
   return 1 / run->tortuosity + 0.5 * pow(peclet * run->grain_size / run->length, 1.2);
 }
 
-/* A range of grain Peclet numbers: rows of Pe, the least and the most along, and across. */
+/* For a range of grain Peclet numbers: rows of Pe, lowest and highest longitudinal value,
+ * transverse value. */
 static void write_range(const struct solute_run *run, bool power, double first, double last,
                         FILE *stream) {
   enum { ROWS = 30 };
@@ -173,9 +176,9 @@ static void write_range(const struct solute_run *run, bool power, double first, 
 
 static void write_beds(const struct solute_run *run, FILE *stream) {
   fputs("$beds << EOD\n", stream);
-  write_range(run, true, BED_FIRST, BED_MIDDLE, stream);
+  write_range(run, true, BED_PECLET_MIN, BED_PECLET_MIDDLE, stream);
   fputs("\n", stream);
-  write_range(run, false, BED_MIDDLE, BED_LAST, stream);
+  write_range(run, false, BED_PECLET_MIDDLE, BED_PECLET_MAX, stream);
   fputs("EOD\n", stream);
 }
 
@@ -256,7 +259,7 @@ static void write_value(FILE *stream, double value, double error) {
     fprintf(stream, " %-11s", "");
 }
 
-/* Of D_L and D_T, so of the dispersivities too, in the order of the Peclet numbers. */
+/* Parts of the relative error of D_L, for each Peclet number. */
 static void write_parts(const struct solute_run *run, FILE *stream) {
   for (int w = 0; w < WAYS; w++)
     for (int p = 0; p < PARTS; p++) {
@@ -309,7 +312,8 @@ static void write_summary(const struct solute_run *runs, size_t n, FILE *stream)
   }
 }
 
-/* Rows of Pe, D_L, its error, D_T, its error; without flow there is no place on the axis. */
+/* Rows of Pe, D_L, its error, D_T, its error. Values without flow (Pe 0) are omitted on the
+ * logarithmic axis. */
 static void write_block(FILE *stream, const char *name, size_t r, const struct solute_run *run,
                         const struct curve *curve) {
   fprintf(stream, "$%s%zu << EOD\n", name, r);
@@ -337,13 +341,14 @@ static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
     for (int w = 0; w < WAYS && both; w++)
       write_block(stream, way_names[w], r, &runs[r], &runs[r].way[w]);
   }
-  /* The curve of beds takes the formation factor of the first run that has one. */
+  /* The range of packed beds uses the formation factor of the first run that has one. */
   const struct solute_run *still = NULL;
   for (size_t r = n; r-- > 0;)
     if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
   fprintf(stream, "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
                   "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
-                  "set samples 300\nset key outside below center vertical maxcols 1 samplen 3 reverse Left height 1\n");
+                  "set samples 300\nset key outside below center vertical maxcols 1 samplen 3 "
+                  "reverse Left height 1\n");
   if (still != NULL) write_beds(still, stream);
   fputs("plot ", stream);
   if (still != NULL)
@@ -387,7 +392,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_csv(runs, n, product->csv.stream);
   write_summary(runs, n, product->summary.stream);
   write_plot(runs, n, product->plot.stream);
-  product->width = 560; /* letters for a telephone's width */
+  product->width = 560; /* sized so that the text is readable on a telephone */
   product->height = 480;
 cleanup:
   for (size_t r = 0; r < n && runs != NULL; r++) free_run(&runs[r]);

@@ -7,7 +7,7 @@
 
 #include "analyze/product.h"
 
-/* Whether `path` holds what a solute did (/solute); false also where it cannot be read. */
+/* Whether `path` is a file of a solute (/solute); false also if it cannot be read. */
 bool dispersion_is(const char *path);
 
 #endif

@@ -1,11 +1,11 @@
-/* Film strip of a plume: where walkers are from where they began, at times that double. */
+/* Film strip of a plume: displacements of the walkers at times that double. */
 #include <math.h>
 
 #include "analyze/analysis.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-#define FRAMES 6 /* shown at most, the last ones */
+#define FRAMES_MAX 6 /* the last ones, at most */
 
 struct film {
   size_t frames, rows, columns; /* bins across and along the flow */
@@ -19,7 +19,7 @@ static void name_of(char path[64], size_t walk, const char *what) {
   snprintf(path, 64, "/solute/walk/%zu/plume%s", walk, what);
 }
 
-/* Whether a file holds such pictures. */
+/* Whether a file contains such distributions. */
 static bool is_filmed(const char *path) {
   struct h5_file *file = NULL;
   bool is = false;
@@ -61,7 +61,7 @@ cleanup:
   return status;
 }
 
-/* Shares by bin, with the bin's centre in mm; a blank line between rows. */
+/* Shares by bin, with the bin's centre in mm; an empty line between rows. */
 static void write_frame(const struct film *f, size_t frame, FILE *stream) {
   const double *low = f->low + 2 * frame, *width = f->width + 2 * frame;
   const double *share = f->share + frame * f->rows * f->columns;
@@ -76,15 +76,15 @@ static void write_frame(const struct film *f, size_t frame, FILE *stream) {
   fputs("EOD\n", stream);
 }
 
-/* Between tics, 1, 2 or 5 times a power of ten: 4 to 2 of them over a range, for panels are small.
- */
-static double step_of(double range) {
+/* Distance of tics, 1, 2 or 5 times a power of ten, for two to four of them, as panels are
+ * small. */
+static double tic_distance(double range) {
   const double least = range / 4.5, power = pow(10, floor(log10(least)));
   return power * (least <= 2 * power ? 2 : least <= 5 * power ? 5 : 10);
 }
 
 static void write_plot(const struct film *f, FILE *stream) {
-  const size_t first = f->frames > FRAMES ? f->frames - FRAMES : 0;
+  const size_t first = f->frames > FRAMES_MAX ? f->frames - FRAMES_MAX : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
   fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.12\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
@@ -97,8 +97,9 @@ static void write_plot(const struct film *f, FILE *stream) {
             "[%.5g:%.5g]\nset xtics %g\nset ytics %g\n%s%splot $frame%zu using 1:2:3 with image\n",
             f->time[k], 1e3 * low[0], 1e3 * (low[0] + (double)f->columns * width[0]), 1e3 * low[1],
             1e3 * (low[1] + (double)f->rows * width[1]),
-            step_of(1e3 * (double)f->columns * width[0]), step_of(1e3 * (double)f->rows * width[1]),
-            k - first >= FRAMES - 2 ? "set xlabel 'along the flow (mm)'\n" : "unset xlabel\n",
+            tic_distance(1e3 * (double)f->columns * width[0]),
+            tic_distance(1e3 * (double)f->rows * width[1]),
+            k - first >= FRAMES_MAX - 2 ? "set xlabel 'along the flow (mm)'\n" : "unset xlabel\n",
             (k - first) % 2 == 0 ? "set ylabel 'across (mm)'\n" : "unset ylabel\n", k);
   }
   fputs("unset multiplot\n", stream);
@@ -111,7 +112,7 @@ static void free_film(struct film *f) {
   memory_free(&f->width);
 }
 
-/* Mean place along the flow and standard deviations along and across, m. */
+/* Mean displacement along the flow and standard deviations along and across it, m. */
 static void measure(const struct film *f, size_t frame, double *mean, double deviation[2]) {
   const double *low = f->low + 2 * frame, *width = f->width + 2 * frame;
   double sum[2] = {0}, square[2] = {0}, all = 0;
@@ -158,7 +159,8 @@ static enum status analyze(const struct subject *subject, const struct options *
   json_object_set_new(product->json, "frames", list);
   if (film.frames > 0) {
     write_plot(&film, product->plot.stream);
-    product->width = 560, product->height = 600; /* letters for a telephone's width */
+    /* Sized so that the text is readable on a telephone. */
+    product->width = 560, product->height = 600;
   }
 cleanup:
   free_film(&film);

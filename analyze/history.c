@@ -9,7 +9,7 @@
 #include "common/statistics.h"
 #include "common/units.h"
 
-/* Columns every run has; all others were added by the scene (gauges, planes, volumes). */
+/* Columns of every run; all others were added by the scene (gauges, planes, volumes). */
 bool history_is_standard(const char *column) {
   static const char *const names[] = {
       "time",         "step",     "dt",   "darcy_velocity", "density_max",
@@ -60,7 +60,8 @@ cleanup:
 
 #define SERIES_ROWS 600
 
-/* At most SERIES_ROWS + 1 of `rows` values `stride` apart: evenly spaced, and the last. */
+/* At most SERIES_ROWS + 1 of `rows` values with the given stride, evenly spaced and including the
+ * last. */
 static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
   json_t *array = json_array();
   size_t step = (rows + SERIES_ROWS - 1) / SERIES_ROWS;
@@ -89,7 +90,7 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_put_number(object, "drift_m_per_s", s->drift);
   json_put_number(object, "density_max_rise_percent", 100.0 * (h->density_peak - 1.0));
   json_put_number(object, "density_mean_rise_percent", 100.0 * (h->density_mean - 1.0));
-  /* The series are thinned to what a plot can show; history.csv has every row. */
+  /* Series are thinned to the resolution of a plot; history.csv has all rows. */
   json_object_set_new(object, h->stationary ? "iteration" : "time_s",
                       json_thinned(h->times, 1, h->rows));
   json_object_set_new(object, "darcy_velocity_series_m_per_s",
@@ -121,7 +122,7 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_object_set_new(object, "columns", extra);
 }
 
-/* One row per instant with every column, vectors as NAME_x, NAME_y, NAME_z. */
+/* One row per time with every column, vectors as NAME_x, NAME_y, NAME_z. */
 static void write_csv(const struct run *runs, size_t n, FILE *stream) {
   for (size_t r = 0; r < n; r++) {
     const struct run *run = &runs[r];
@@ -166,7 +167,7 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
       snprintf(density, sizeof density, "%+.2f %%", 100.0 * (h->density_peak - 1.0));
     if (h->average.mean == 0)
       snprintf(error, sizeof error, "-");
-    else if (h->average.error95 > fabs(h->average.mean)) /* it sloshes about nothing */
+    else if (h->average.error95 > fabs(h->average.mean)) /* it oscillates about zero */
       snprintf(error, sizeof error, "over 100 %%");
     else if (isfinite(h->average.error95))
       snprintf(error, sizeof error, "%s %%",
@@ -203,7 +204,7 @@ cleanup:
   return status;
 }
 
-/* A record of a few rows, and that of an iteration, wait behind a fold. */
+/* The section is collapsed for a record of a few rows and for iterations. */
 static enum showing showing(const struct subject *subject, const json_t *json) {
   (void)json;
   for (size_t i = 0; i < subject->n; i++) {

@@ -1,4 +1,4 @@
-/* How a run went in time: maximum density, Darcy velocity and whatever columns its scene added. */
+/* History of a run: maximum density, Darcy velocity and further columns that its scene records. */
 #ifndef TOSUI_ANALYZE_HISTORY_H
 #define TOSUI_ANALYZE_HISTORY_H
 
@@ -14,16 +14,18 @@ struct run_history {
   const struct run *run;
   size_t rows;
   double *times, *velocity; /* velocity along the driving force */
-  bool stationary;          /* a stationary solution: rows are iterations, `times` their numbers */
+  bool stationary;          /* stationary solution: rows are iterations, `times` their numbers */
   struct average average;
-  double density_peak; /* highest density_max over the reference, 1.08: 8 %; NAN if unknown */
-  double density_mean; /* of the last snapshot over the reference; NAN if unknown */
-  struct pdf density;  /* of the last snapshot's density / reference; no bins if all are equal */
+  /* Highest density_max over the reference density, 1.08 for 8 %; NAN: unknown. */
+  double density_peak;
+  double density_mean; /* mean of the last snapshot over the reference density; NAN: unknown */
+  /* Distribution of density / reference in the last snapshot; no bins if all are equal. */
+  struct pdf density;
 };
 
-/* Whether every run has that column, so that it was not added by the scene or method. */
+/* Whether the column is recorded by every run, independent of scene and method. */
 bool history_is_standard(const char *column);
-/* Writes the plot of n runs and its size. */
+/* Writes the plot of n runs and sets its size. */
 void history_plot(const struct run_history *table, size_t n, struct product *product);
 
 #endif

@@ -1,4 +1,4 @@
-/* The plot of histories: Darcy velocity, density and what scenes or methods add. */
+/* Plot of histories: Darcy velocity, density and further columns of scenes and methods. */
 #include <math.h>
 #include <string.h>
 
@@ -13,12 +13,12 @@ static void start_panel(FILE *stream, const char *xlabel, const char *ylabel) {
   fputs(" noenhanced\nplot ", stream);
 }
 
-/* `scale` * column, against ms when the runs are short. */
+/* Writes `scale` times a column, against ms if the runs are short. */
 static void write_series(FILE *stream, const char *name, size_t i, size_t rows, const double *times,
                          double time_scale, const double *values, size_t stride, double scale,
                          double offset) {
   fprintf(stream, "$%s%zu << EOD\n", name, i);
-  size_t step = rows / 1000 + 1; /* more points than pixels only swell the file */
+  size_t step = rows / 1000 + 1; /* more points than pixels only enlarge the file */
   for (size_t r = 0; r < rows; r += step)
     if (isfinite(values[r * stride]))
       fprintf(stream, "%.8g %.8g\n", times[r] * time_scale, values[r * stride] * scale - offset);
@@ -36,7 +36,7 @@ static void plot_lines(FILE *stream, const char *block, size_t n, const char *st
   fputs("\nunset key\n", stream);
 }
 
-/* Positive throughout and over more than three decades, as residuals are. */
+/* Whether all values are positive and span more than three decades, as with residuals. */
 static bool spans_decades(const struct history_column *column) {
   double low = INFINITY, high = 0.0;
   for (size_t i = 0; i < column->rows * (size_t)column->components; i++) {
@@ -47,23 +47,23 @@ static bool spans_decades(const struct history_column *column) {
   return low > 0.0 && high > 1e3 * low;
 }
 
-/* Whether a component says something: y is none of a 2-D scene, and a level where there is none is
- * no number. */
-static bool says(const struct run *run, const struct history_column *column, size_t d) {
+/* Whether a component has values to plot: not y in two dimensions, and not only NAN, as a level
+ * without water. */
+static bool has_values(const struct run *run, const struct history_column *column, size_t d) {
   if (column == NULL || (column->components > 1 && d == 1 && run->dimensions == 2)) return false;
   for (size_t r = 0; r < column->rows; r++)
     if (isfinite(column->values[r * (size_t)column->components + d])) return true;
   return false;
 }
 
-/* A panel of its own: what scenes and methods add. The works of the energy budget are a table
- * (/run/ledger), twenty panels of which would hide the gauges. */
+/* Whether a column has its own panel: those added by scenes and methods. The works of the energy
+ * budget are shown as a table (/run/ledger), as twenty panels would hide the gauges. */
 static bool has_panel(const struct run_history *table, size_t n, size_t column_of_first) {
   const struct history_column *model = &table[0].run->columns[column_of_first];
   if (history_is_standard(model->name) || strncmp(model->name, "work_", 5) == 0) return false;
   for (size_t i = 0; i < n; i++)
     for (size_t d = 0; d < (size_t)model->components; d++)
-      if (says(table[i].run, run_column(table[i].run, model->name, model->components), d))
+      if (has_values(table[i].run, run_column(table[i].run, model->name, model->components), d))
         return true;
   return false;
 }
@@ -93,7 +93,7 @@ static void plot_extra(FILE *stream, const struct run_history *table, size_t n, 
   for (size_t i = 0; i < n; i++) {
     const struct history_column *column = run_column(table[i].run, model->name, model->components);
     for (size_t d = 0; d < components; d++) {
-      if (!says(table[i].run, column, d)) continue;
+      if (!has_values(table[i].run, column, d)) continue;
       fprintf(stream, "%s$c%zu_%zu_%zu with lines linewidth 1.8 dashtype %zu ", first ? "" : ", ",
               column_of_first, d, i, d + 1);
       fprintf(stream, "linecolor rgb '%s'", plot_colours[i % PLOT_COLOURS]);

@@ -1,5 +1,6 @@
-/* Which lattice's flow velocities are. Of a run that solved several, k is extrapolated from all of
- * them, but there is no flow of the limit: snapshots, distributions and pictures are the finest's. */
+/* Note on the lattice to which velocities belong. If a run solved several lattices k is
+ * extrapolated from all of them, but snapshots, distributions and pictures are of the finest
+ * lattice. */
 #ifndef TOSUI_ANALYZE_LATTICE_NOTE_H
 #define TOSUI_ANALYZE_LATTICE_NOTE_H
 
@@ -7,11 +8,10 @@
 
 #include "analyze/run_file.h"
 
-/* k (m/s) of the lattice whose velocities a run left: its own where it solved but one. */
+/* k (m/s) of the finest lattice, to which the velocities belong, or of the only one. */
 double lattice_note_k(const struct run *run);
-/* "Velocities are of the finest lattice (8.7 um), k = 0.0311 cm/s; k from all lattices is 0.0299
- * cm/s", an end of a sentence without its full stop, between `before` and `after`; nothing where the
- * two are the same. */
+/* Writes "Velocities are of the finest lattice (8.7 um), k = 0.0311 cm/s; k from all lattices is
+ * 0.0299 cm/s", without a full stop, between `before` and `after`; nothing if the two are equal. */
 void lattice_note_write(const struct run *run, const char *before, const char *after, FILE *stream);
 
 #endif

@@ -1,5 +1,5 @@
-/* Water in soil that is not full, from the snapshots of a run of method richards: a map of the
- * water content at the end with the water table, profiles at all snapshots, and the balance. */
+/* Water content of unsaturated soil from the snapshots of a run of method richards: a map at the
+ * end with the water table, profiles at all snapshots, and the balance. */
 #include <math.h>
 #include <string.h>
 
@@ -8,16 +8,16 @@
 #include "common/memory.h"
 #include "common/snapshot_file.h"
 
-#define WIDTH 760         /* pixels of the picture */
-#define PROFILES_MOST 7   /* drawn, evenly over the snapshots */
-#define COLUMNS_FOR_MAP 3 /* a narrower run is a column, and has no map */
+#define WIDTH 760         /* of the plot, pixels */
+#define PROFILES_MAX 7    /* drawn, evenly distributed over the snapshots */
+#define MAP_COLUMNS_MIN 3 /* a narrower run is a column without a map */
 
-/* The sites of the plane in the middle along y, [nz][nx]; NAN where there is no soil. */
+/* Values at the sites of the middle plane along y, [nz][nx]; NAN outside of soil. */
 struct moisture {
   const struct run *run;
   size_t nx, nz, row, shots;
-  double *theta, *pressure; /* [shots][nz][nx]; 1, m */
-  size_t column;            /* of the profiles: where most water is at the end */
+  double *theta, *pressure; /* [snapshots][nz][nx]: water content (-) and pressure head (m) */
+  size_t column;            /* of the profiles: the column with most water at the end */
 };
 
 static double x_of(const struct moisture *m, size_t i) {
@@ -91,8 +91,9 @@ static void moisture_free(struct moisture *m) {
   memory_free(&m->pressure);
 }
 
-/* The highest place of a column up to which all soil above its foot is under pressure; NAN. */
-static double table_of(const struct moisture *m, size_t shot, size_t i) {
+/* Water table of a column: the highest elevation up to which the pressure is positive from its foot
+ * on; NAN if there is none. */
+static double water_table(const struct moisture *m, size_t shot, size_t i) {
   double below = NAN;
   for (size_t k = 0; k < m->nz; k++) {
     const double h = m->pressure[(shot * m->nz + k) * m->nx + i];
@@ -107,8 +108,8 @@ static double table_of(const struct moisture *m, size_t shot, size_t i) {
   return NAN;
 }
 
-/* The last value of a column of the history; NAN without it. */
-static double last_of(const struct run *run, const char *name) {
+/* The last value of a column of the history; NAN if the column is missing. */
+static double last_value(const struct run *run, const char *name) {
   const struct history_column *c = run_column(run, name, 1);
   return c != NULL && c->rows > 0 ? c->values[c->rows - 1] : NAN;
 }
@@ -136,7 +137,7 @@ static void write_data(const struct moisture *m, FILE *stream) {
     }
   fputs("EOD\n$table << EOD\n", stream);
   for (size_t i = 0; i < m->nx; i++) {
-    const double level = table_of(m, last, i);
+    const double level = water_table(m, last, i);
     if (isnan(level))
       fputc('\n', stream);
     else
@@ -156,7 +157,7 @@ static void write_data(const struct moisture *m, FILE *stream) {
   }
 }
 
-/* Of long runs in hours. */
+/* Time of a snapshot, in hours for long runs. */
 static void write_time(const struct moisture *m, size_t shot, char *text, size_t size) {
   const double time = m->run->snapshot_times[shot];
   const bool hours = m->run->snapshot_times[m->shots - 1] >= 7200;
@@ -164,7 +165,7 @@ static void write_time(const struct moisture *m, size_t shot, char *text, size_t
 }
 
 static void plot_profiles(const struct moisture *m, FILE *stream) {
-  const size_t step = (m->shots + PROFILES_MOST - 1) / PROFILES_MOST;
+  const size_t step = (m->shots + PROFILES_MAX - 1) / PROFILES_MAX;
   fprintf(stream,
           "set title 'profiles at x = %.4g m'\nset size noratio\nset autoscale x\nset xtics "
           "autofreq\nset "
@@ -181,10 +182,11 @@ static void plot_profiles(const struct moisture *m, FILE *stream) {
   fputc('\n', stream);
 }
 
-#define PANEL_WIDTH 250 /* pixels of the map, at most, and of its height */
-#define TIC 40          /* of a number below it */
+#define PANEL_WIDTH 250 /* of the map, pixels: largest width and height */
+#define TIC 40          /* width of a number below it, pixels */
 
-/* The numbers below a map of `width` x `height`: where few fit, those of its ends or its middle. */
+/* Tic labels below a map of `width` x `height`: if there is little space, only at its ends or its
+ * middle. */
 static void plot_x_tics(const struct moisture *m, double width, double height, FILE *stream) {
   const double left = x_of(m, 0) - 0.5 * m->run->spacing[0];
   const double pixels = PANEL_WIDTH * fmin(width / height, 1);
@@ -199,7 +201,7 @@ static void plot_x_tics(const struct moisture *m, double width, double height, F
 static void plot(const struct moisture *m, struct product *product) {
   FILE *stream = product->plot.stream;
   const double *d = m->run->spacing, width = (double)m->nx * d[0], height = (double)m->nz * d[2];
-  const bool map = m->nx >= COLUMNS_FOR_MAP;
+  const bool map = m->nx >= MAP_COLUMNS_MIN;
   write_data(m, stream);
   fprintf(stream, "set yrange [%.6g:%.6g]\nset ylabel 'z (m)'\n", z_of(m, 0) - 0.5 * d[2],
           z_of(m, 0) - 0.5 * d[2] + height);
@@ -223,17 +225,17 @@ static void plot(const struct moisture *m, struct product *product) {
   product->height = 420;
 }
 
-static void tell(const struct moisture *m, struct product *product) {
+static void write_summary(const struct moisture *m, struct product *product) {
   FILE *summary = product->summary.stream;
   const struct run *run = m->run;
-  const double water = last_of(run, "water"), open = last_of(run, "water_open"),
-               level = table_of(m, m->shots - 1, m->column);
+  const double water = last_value(run, "water"), open = last_value(run, "water_open"),
+               level = water_table(m, m->shots - 1, m->column);
   const struct history_column *column = run_column(run, "water", 1);
   const double first = column != NULL && column->rows > 0 ? column->values[0] : NAN;
   double dry = INFINITY, wet = -INFINITY;
   char time[40];
   for (size_t c = (m->shots - 1) * m->nz * m->nx; c < m->shots * m->nz * m->nx; c++)
-    dry = fmin(dry, m->theta[c]), wet = fmax(wet, m->theta[c]); /* NAN is no number to either */
+    dry = fmin(dry, m->theta[c]), wet = fmax(wet, m->theta[c]); /* NAN is ignored by both */
   write_time(m, m->shots - 1, time, sizeof time);
   fprintf(summary, "%s: after %s\n", run->name, time);
   fprintf(summary, "water      %.6g m^3 at the start, %.6g m^3 at the end, open by %.2g of it",
@@ -255,7 +257,7 @@ static void tell(const struct moisture *m, struct product *product) {
   json_put_number(json, "water_content_least", dry);
   json_put_number(json, "water_content_most", wet);
   for (size_t i = 0; i < m->nx; i++) {
-    const double at = table_of(m, m->shots - 1, i);
+    const double at = water_table(m, m->shots - 1, i);
     if (isnan(at)) continue;
     json_array_append_new(x, json_number(x_of(m, i)));
     json_array_append_new(levels, json_number(at));
@@ -274,7 +276,7 @@ static enum status analyze(const struct subject *subject, const struct options *
              "%s: moisture is of runs of method richards with snapshots; this one is of %s",
              run->path, run->method);
   TRY(moisture_read(run, &moisture));
-  tell(&moisture, product);
+  write_summary(&moisture, product);
   write_cells(&moisture, product->csv.stream);
   plot(&moisture, product);
 cleanup:

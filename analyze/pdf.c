@@ -15,7 +15,8 @@ enum status pdf_estimate(const double *values, size_t n, struct pdf *pdf) {
   }
   if (n == 0 || !isfinite(low) || !isfinite(high))
     TRY_FAIL(STATUS_INPUT, "no finite velocity to make a density of");
-  if (!(high - low > 1e-12 * fmax(fabs(low), fabs(high)))) { /* one value: a bin around it */
+  /* a single value gets a bin around it. */
+  if (!(high - low > 1e-12 * fmax(fabs(low), fabs(high)))) {
     double half = fmax(fabs(low), 1e-30) * 1e-3;
     low -= half;
     high += half;
@@ -67,8 +68,8 @@ double pdf_exponential(double s) {
   return s >= 0.0 ? exp(-s) : 0.0;
 }
 
-/* Log-likelihood per value at the best sigma of a given gamma, sigma^gamma = gamma <s^gamma>:
- * p(s) = gamma / (sigma Gamma(1/gamma)) exp(-(s/sigma)^gamma) on s > 0. */
+/* Log-likelihood per value of p(s) = gamma / (sigma Gamma(1/gamma)) exp(-(s/sigma)^gamma), s > 0,
+ * at the best sigma for a given gamma: sigma^gamma = gamma <s^gamma>. */
 static double profile_likelihood(const double *values, size_t n, double gamma, double *sigma) {
   double sum = 0.0;
   size_t count = 0;

@@ -1,4 +1,4 @@
-/* Velocity densities for people, files and plots; the estimates are in pdf.c. */
+/* Output of velocity densities as text, JSON and plot; the estimates are in pdf.c. */
 #include "analyze/pdf.h"
 
 #include <math.h>
@@ -9,15 +9,15 @@
 #include "analyze/plot.h"
 #include "common/memory.h"
 
-/* What one run's last snapshot shows. */
+/* Statistics of a run's last snapshot. */
 struct velocity_statistics {
   const struct run *run;
   size_t particles;
   double time;
-  double mean; /* pore mean along the force, m/s */
+  double mean; /* mean pore velocity along the force, m/s */
   struct pdf raw, normalised;
   double low, high;            /* of v / mean */
-  double backward;             /* share of particles against the force */
+  double backward;             /* share of particles moving against the force */
   double transverse;           /* |mean transverse velocity| / mean */
   double transverse_deviation; /* rms transverse velocity / mean */
   double tortuosity;           /* mean speed / mean along the force */
@@ -54,7 +54,7 @@ static enum status measure(const struct run *run, struct velocity_statistics *ou
   out->time = particles.time;
   out->mean = total / (double)n;
   out->backward /= (double)n;
-  /* Water at rest, or driven round no closed way, has a mean of rounding alone. */
+  /* If the water is at rest or is not driven along a closed path, the mean is rounding only. */
   if (!(fabs(out->mean) > 1e-6 * speed / (double)n))
     TRY_FAIL(
         STATUS_INPUT,
@@ -152,11 +152,11 @@ static void write_summary(const struct velocity_statistics *table, size_t n, FIL
   }
 }
 
-/* ---- curves to compare with: once, for the plot, the JSON and the page ---- */
+/* ---- reference curves: computed once, for plot, JSON and page ---- */
 
 #define REFERENCE_POINTS 300
 
-/* A curve over [0, end]: `density` of normalised velocity, or the fitted power-exponential. */
+/* A curve over [0, end]: `density` of the normalised velocity, or the fitted power-exponential. */
 struct reference {
   const char *name;
   double (*density)(double);
@@ -193,7 +193,7 @@ static void reference_json(const struct velocity_statistics *table, size_t n, js
   json_object_set_new(json, "references", list);
 }
 
-/* `$name << EOD` with each curve that reference_json made. */
+/* Writes `$name << EOD` with each curve of reference_json. */
 static void write_references(const json_t *json, FILE *stream) {
   const json_t *reference, *x;
   size_t r, i;
@@ -208,7 +208,8 @@ static void write_references(const json_t *json, FILE *stream) {
   }
 }
 
-/* Left: raw, in mm/s; right: normalised with the reference curves, both logarithmic in density. */
+/* Left: velocity in mm/s; right: normalised, with the reference curves. Densities on logarithmic
+ * axes. */
 static void write_plot(const struct velocity_statistics *table, size_t n, struct product *product) {
   FILE *stream = product->plot.stream;
   double peak = 0.0, least = 1.0, low = 0.0, high = 2.5;

@@ -55,10 +55,10 @@ void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges
   fputs("EOD\n", stream);
 }
 
-/* Runs gnuplot in `folder` on NAME.gp; `exit_code` is -1 when there is no gnuplot. Its remarks are
- * shown only where asked for. */
+/* Runs gnuplot in `folder` on NAME.gp; `exit_code` is -1 without gnuplot. Its messages are shown
+ * only with `remarks`. */
 static enum status spawn_gnuplot(const char *folder, const char *name, const char *format,
-                                 bool remarks, int *exit_code) {
+                                 bool messages, int *exit_code) {
   char script[300], set_format[40];
   snprintf(script, sizeof script, "%s.gp", name);
   snprintf(set_format, sizeof set_format, "format='%s'", format);
@@ -71,7 +71,8 @@ static enum status spawn_gnuplot(const char *folder, const char *name, const cha
   posix_spawn_file_actions_addchdir_np(&actions, folder);
   posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, STDERR_FILENO, STDOUT_FILENO);
-  if (!remarks) posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
+  if (!messages)
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
   int failure = posix_spawnp(&child, "gnuplot", &actions, NULL, argv, environ);
   posix_spawn_file_actions_destroy(&actions);
   if (failure != 0) return STATUS_OK;
@@ -82,13 +83,13 @@ static enum status spawn_gnuplot(const char *folder, const char *name, const cha
   return STATUS_OK;
 }
 
-/* *ran is false when there is no gnuplot. A script that fails runs again with its remarks. */
+/* *ran is false without gnuplot. A script that fails is run again to show its messages. */
 static enum status run_gnuplot(const char *folder, const char *name, const char *format,
                                bool *ran) {
   enum status status = STATUS_OK;
   char picture[4200], target[OUTPUT_NAME_MAX];
   int code;
-  /* Drawn anew: gnuplot would write into whatever else the file is linked with. */
+  /* Removed first: gnuplot would write into other hard links of the file. */
   snprintf(picture, sizeof picture, "%s/%s.%s", folder, name, format);
   TRY(output_check_inputs(picture));
   TRY(output_follow(picture, target));
@@ -97,7 +98,7 @@ static enum status run_gnuplot(const char *folder, const char *name, const char 
   *ran = code >= 0;
   if (code > 0) {
     TRY(spawn_gnuplot(folder, name, format, true, &code));
-    unlink(picture); /* what was drawn so far */
+    unlink(picture); /* an incomplete picture */
     TRY_FAIL(STATUS_RUN, "%s/%s.gp: gnuplot could not draw it; its message stands above", folder,
              name);
   }
@@ -187,7 +188,7 @@ enum status plot_svg(const char *name, const char *body, int width, int height, 
   *svg = NULL;
   snprintf(folder, sizeof folder, "%s/tosui-plot-XXXXXX", own ? temporary : "/tmp");
   bool made = mkdtemp(folder) != NULL;
-  if (!made && own) { /* a TMPDIR of another machine, or one that is gone */
+  if (!made && own) { /* TMPDIR of another machine, or missing */
     snprintf(folder, sizeof folder, "/tmp/tosui-plot-XXXXXX");
     made = mkdtemp(folder) != NULL;
   }

@@ -89,7 +89,7 @@ static enum status save_as(const struct product *product, const char *folder, co
   return output_write(path, data, size);
 }
 
-/* The files of a product stand together, and the JSON file bears the mark for all. */
+/* Checks all files of a product together; the JSON file has the mark of Tosui for all. */
 static enum status allow_all(const struct product *product, const char *folder) {
   enum status status = STATUS_OK;
   static const char *const endings[] = {"json", "csv", "gp", "svg", "png"};
@@ -154,7 +154,7 @@ void write_percent(FILE *stream, double share) {
     fprintf(stream, "%.*f %%", digits, percent);
 }
 
-/* To so many digits before the point. */
+/* Rounds to a multiple of 10^zeros. */
 static double rounded(double value, int zeros) {
   const double unit = pow(10.0, zeros);
   return unit * round(value / unit);
@@ -175,9 +175,9 @@ void value_with_error(char *text, size_t size, double value, double error, const
     snprintf(text, size, "%.4g", value);
     return;
   }
-  /* Not less than half of the last of six digits, to which the value is rounded here. */
+  /* The error is at least the rounding error of the value, which has six digits. */
   if (error > 0) error = fmax(error, 0.5 * pow(10.0, order - 5));
-  /* As many digits as bring two of the error. */
+  /* As many digits as to show two of the error. */
   int digits = error > 0 ? order - (int)floor(log10(error)) + 2 : 6;
   digits = digits < 2 ? 2 : digits > 6 ? 6 : digits;
   if (order >= -3 && order < 6) {

@@ -1,5 +1,5 @@
-/* What an analysis leaves: JSON, CSV, a gnuplot script and a summary for people. Where they go is
- * decided by `analyze` (stdout, a folder) or by the report. */
+/* The output of an analysis: JSON, CSV, a gnuplot script and a summary. `analyze` (stdout, a
+ * folder) or the report decides where it goes. */
 #ifndef TOSUI_ANALYZE_PRODUCT_H
 #define TOSUI_ANALYZE_PRODUCT_H
 
@@ -14,7 +14,7 @@
 struct text {
   char *data;
   size_t size;
-  FILE *stream; /* fprintf here; product_finish makes `data` valid */
+  FILE *stream; /* for fprintf; product_finish makes `data` valid */
 };
 
 struct product {
@@ -24,29 +24,29 @@ struct product {
   int width, height; /* of the plot, pixels; no plot while width is 0 */
 };
 
-/* An empty JSON object and open texts. Free with product_free; `name` is not copied. */
+/* Starts with an empty JSON object and open texts. Free with product_free; `name` is not copied. */
 enum status product_start(const char *name, struct product *product);
-/* Ends writing: the texts' data are valid from here on. */
+/* Ends writing: from here on the data of the texts are valid. */
 enum status product_finish(struct product *product);
 void product_free(struct product *product);
 
-/* Writes FOLDER/NAME.{json,csv,gp} and, by gnuplot, NAME.svg and NAME.png. The folder is made.
- * Without gnuplot one warning says so and the rest is there. */
+/* Writes FOLDER/NAME.{json,csv,gp} and, by gnuplot, NAME.svg and NAME.png. The folder is created.
+ * Without gnuplot there is a warning and the other files are written. */
 enum status product_save(const struct product *product, const char *folder);
 
-/* Appends what is told of one of n runs to "runs" in the JSON; of a single run its members stand
- * beside "runs" too. Takes `object` over. */
+/* Appends the JSON of one of n runs to "runs"; for a single run its members are also added at the
+ * top level. Takes ownership of `object`. */
 void product_add_run(struct product *product, json_t *object, size_t n);
 
 /* A CSV field, quoted where it must be (RFC 4180). */
 void csv_text(FILE *stream, const char *text);
-/* To so many digits, and below a million without an exponent: 1930, 300, 0.048. */
+/* A number with so many digits, below a million without an exponent: 1930, 300, 0.048. */
 const char *short_number(double value, int digits, char text[32]);
-/* "0.1540 +- 0.0021", "(1.004 +- 0.079)e-04": both to the digits that the error leaves sense to;
- * "0.154" where it is not known. */
+/* "0.1540 +- 0.0021", "(1.004 +- 0.079)e-04": both with the digits that are significant by the
+ * error; "0.154" if it is unknown. */
 void value_with_error(char *text, size_t size, double value, double error, const char *sign);
-/* "0.1540 +- 0.0021 cm/s (1.4 %)", as many digits as the error leaves sense to; `sign` is "+-",
- * `unit` " cm/s". */
+/* "0.1540 +- 0.0021 cm/s (1.4 %)" with the digits that are significant by the error; `sign` is
+ * "+-", `unit` " cm/s". */
 void write_value_with_error(FILE *stream, double value, double error, const char *sign,
                             const char *unit);
 

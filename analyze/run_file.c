@@ -56,14 +56,15 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "origin", 3, run->origin));
   TRY(read_numbers(file, "size", 3, size));
   TRY(read_numbers(file, "mirrored", 3, mirrored));
-  for (int d = 0; d < 3; d++) run->mirrored[d] = mirrored[d] > 0.0; /* NAN before 0.2 */
+  for (int d = 0; d < 3; d++) run->mirrored[d] = mirrored[d] > 0.0; /* NAN before version 0.2 */
   TRY(read_numbers(file, "dimensions", 1, &dimensions));
   TRY(read_numbers(file, "bulk_count", 1, &run->bulk_count));
   TRY(read_numbers(file, "fluid_count", 1, &run->fluid_count));
   TRY(read_numbers(file, "darcy_velocity", 3, run->darcy_velocity));
   TRY(read_numbers(file, "k", 1, &run->k));
   TRY(read_numbers(file, "k_solver_error", 1, &run->k_error));
-  if (isnan(run->k_error)) TRY(read_numbers(file, "k_error", 1, &run->k_error)); /* before 0.2 */
+  /* Before version 0.2. */
+  if (isnan(run->k_error)) TRY(read_numbers(file, "k_error", 1, &run->k_error));
   TRY(read_numbers(file, "k_low", 1, &run->k_low));
   TRY(read_numbers(file, "k_high", 1, &run->k_high));
   TRY(read_numbers(file, "k_finest", 1, &run->k_finest));
@@ -135,7 +136,7 @@ cleanup:
   return status;
 }
 
-/* /run/levels, of one length; estimates are not in files before 0.2. */
+/* Reads /run/levels, arrays of equal length; files of versions before 0.2 have no estimates. */
 static enum status read_levels(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
   struct run_levels *levels = &run->levels;
@@ -187,7 +188,7 @@ cleanup:
   return status;
 }
 
-/* The model's hash as sphsolve stored it (text or number), else a hash of the sites. */
+/* Hash of the model as stored by sphsolve (text or number), else a hash of the sites. */
 static enum status read_identity(struct h5_file *file, struct run *run) {
   enum status status = STATUS_OK;
   char *text = NULL;

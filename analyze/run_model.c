@@ -8,8 +8,8 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 
-/* Whether the file is the one that was run; a run whose hash of it is no XXH3 of 16 digits cannot
- * say, nor can a file that cannot be read: its reader will. */
+/* Whether the file is the model of the run. If the run has no hash of 16 digits, or the file cannot
+ * be read, it is accepted, and errors are left to its reader. */
 static bool is_model_of(const char *path, const char *hash) {
   uint64_t found = 0;
   char text[17];
@@ -34,7 +34,7 @@ enum status run_model_find(struct h5_file *file, const char *folder, const char 
   *other = false;
   if (h5_attribute_exists(file, "/run", "model_hash"))
     status = h5_read_attribute_text(file, "/run", "model_hash", &hash);
-  if (status == STATUS_INPUT) { /* a number, of another program */
+  if (status == STATUS_INPUT) { /* a number, written by another program */
     error_clear();
     status = STATUS_OK;
   }

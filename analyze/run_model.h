@@ -1,4 +1,4 @@
-/* The file of the model that a run solved. */
+/* The file of the model of a run. */
 #ifndef TOSUI_ANALYZE_RUN_MODEL_H
 #define TOSUI_ANALYZE_RUN_MODEL_H
 
@@ -7,9 +7,9 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
-/* *model, in new memory: the path of the model that the run `file` names, as `named`, in `folder`
- * or by its last part there; "" if it is not found. Of a file that was changed or replaced since
- * (the run holds the hash) nothing is taken: *other, and a warning. */
+/* Finds the model that the run `file` names `named`: under that path, in `folder`, or by its last
+ * component in `folder`. *model, in new memory, is its path, or "" if it is not found. A file that
+ * has changed since the run (by its hash) is not used: *other is then set, with a warning. */
 enum status run_model_find(struct h5_file *file, const char *folder, const char *named,
                            char **model, bool *other);
 

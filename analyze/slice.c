@@ -1,4 +1,4 @@
-/* Velocity vectors over the grains in a slab across one axis. */
+/* Velocity vectors and grains in a slab perpendicular to an axis. */
 #include <math.h>
 
 #include <string.h>
@@ -10,28 +10,28 @@
 #include "common/statistics.h"
 
 struct slice_request {
-  int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y of a 2-D run */
+  int axis;         /* normal of the plane: 0 x, 1 y, 2 z; -1: x, or y in two dimensions */
   double position;  /* m, middle of the slab; NAN: middle of the run */
   double thickness; /* m; NAN: one spacing */
-  double vectors;   /* most along the longer side */
+  double vectors;   /* most vectors along the longer side */
   bool zoomed;
-  double zoom[4]; /* m: low and high corner in the two other axes, (y, z), (x, z) or (x, y) */
+  double zoom[4]; /* m: lower and upper corner in the other two axes, (y, z), (x, z) or (x, y) */
 };
 
 struct window {
   int axis, across, up;     /* normal; horizontal; vertical */
   double middle, thickness; /* of the slab, m */
   double low[2], high[2];   /* across, up; m */
-  double cell;              /* side of the cells that vectors are means over, m */
+  double cell;              /* edge of the cells over which velocities are averaged, m */
   size_t cells[2];
 };
 
-/* Of the axes over a metre: mm for grains, m for tanks and soil. */
+/* Factor from m to the unit of the axes: mm for grains, m for tanks and soil. */
 static double unit_of(const struct window *w) {
   return fmax(w->high[0] - w->low[0], w->high[1] - w->low[1]) < 1.0 ? 1e3 : 1.0;
 }
 
-/* The run's extent: half a spacing beyond the outermost sites. */
+/* Extent of the run: half a spacing beyond the outermost sites. */
 static double extent_low(const struct run *run, int d) {
   return run->origin[d] - 0.5 * run->spacing[d];
 }
@@ -46,8 +46,8 @@ static enum status choose_window(const struct run *run, const struct slice_reque
   w->across = w->axis == 0 ? 1 : 0;
   w->up = w->axis == 2 ? 1 : 2;
   double low = extent_low(run, w->axis), high = extent_high(run, w->axis);
-  /* Unasked, the layer of sites at the middle: a plane between two layers shows the grains of one
-   * under the particles of the other. */
+  /* By default the middle layer of sites: a plane between two layers would show the grains of one
+   * layer and the particles of the other. */
   const size_t layer = run->size[w->axis] / 2;
   w->middle = isfinite(request->position)
                   ? request->position
@@ -74,7 +74,8 @@ static enum status choose_window(const struct run *run, const struct slice_reque
   return STATUS_OK;
 }
 
-/* Sums per cell: count, position (2), velocity (2), speed in the plane is taken from their mean. */
+/* Sums over a cell: count, position (2), velocity (2). The speed is that of the mean velocity in
+ * the plane. */
 struct cell {
   double count, at[2], velocity[2];
 };
@@ -99,8 +100,8 @@ cleanup:
   return status;
 }
 
-/* Share of grain in the slab's layers (at least the one nearest the plane) as (across, up, share)
- * for `with rgbimage`. */
+/* Share of grain in the layers of the slab (at least the layer nearest to the plane), as (across,
+ * up, share) for `with rgbimage`. */
 static void write_grains(const struct run *run, const struct window *w, FILE *stream) {
   const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
   const double last = (double)run->size[w->axis] - 1.0, spacing = run->spacing[w->axis];
@@ -132,7 +133,7 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   double *speeds = NULL;
   double fast = 0.0;
   size_t count = 0;
-  /* Arrows are scaled to the 98th percentile, so that one jet does not shrink all others. */
+  /* Arrows are scaled by the 98th percentile, so that a single jet does not shrink all others. */
   if (memory_allocate(&speeds, n, sizeof *speeds, "speeds") == STATUS_OK) {
     for (size_t i = 0; i < n; i++)
       if (cells[i].count > 0)
@@ -158,7 +159,7 @@ static void write_plot(const struct run *run, const struct window *w, const stru
   fputs("EOD\n", stream);
   double width = w->high[0] - w->low[0], height = w->high[1] - w->low[1];
   double pixels = 440.0 / fmax(width, height);
-  /* Room for axis labels (90, 75 pixels) and the colour bar (130). */
+  /* Space for axis labels (90, 75 pixels) and the colour bar (130). */
   double across = width * pixels, up = height * pixels;
   product->width = (int)fmax(across, 160.0) + 240;
   product->height = (int)fmax(up, 160.0) + 95;
@@ -170,7 +171,7 @@ static void write_plot(const struct run *run, const struct window *w, const stru
           axes[w->across], unit < 2 ? "m" : "mm", axes[w->up], unit < 2 ? "m" : "mm",
           height / width, unit * w->low[0], unit * w->high[0], unit * w->low[1], unit * w->high[1]);
   if (across < 300.0)
-    fprintf(stream, "set xtics %.1g\n", 0.5 * unit * width); /* few, not to overlap */
+    fprintf(stream, "set xtics %.1g\n", 0.5 * unit * width); /* few, so that they do not overlap */
   if (up < 200.0) fprintf(stream, "set ytics %.1g\n", 0.5 * unit * height);
   fprintf(stream,
           "unset grid\nunset key\nset tics out nomirror\n"
@@ -218,8 +219,8 @@ static enum status parse_zoom(const struct options *options, struct slice_reques
   return STATUS_OK;
 }
 
-/* Vectors are means over cells so that not more than `vectors` stand along an axis: fewer in the
- * report, whose picture is smaller. */
+/* Velocities are averaged over cells, so that at most `vectors` are along an axis; fewer in the
+ * report, with its smaller picture. */
 static enum status analyze(const struct subject *subject, const struct options *options,
                            struct product *product) {
   enum status status = STATUS_OK;
@@ -287,7 +288,7 @@ static enum status applies(const struct subject *subject, bool *applies) {
   return STATUS_OK;
 }
 
-/* Maps of a plane say what its arrows would. */
+/* Omitted if the page has maps of a plane, which show the same. */
 static enum showing showing(const struct subject *subject, const json_t *json) {
   (void)json;
   return subject->maps ? SHOW_NOT : SHOW_OPEN;

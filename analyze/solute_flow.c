@@ -12,7 +12,7 @@
 
 enum { HASH_TEXT = 17 };
 
-/* What the solute's file says of its flow: the file's name, and the hash it had. */
+/* Name and hash of the flow's file, as stored in the file of the solute. */
 static enum status read_source(const char *path, char **flow, char hash[HASH_TEXT]) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -45,7 +45,8 @@ static bool has_hash(const char *path, const char *hash) {
   return strcmp(text, hash) == 0;
 }
 
-/* Where the flow's file is: as named, or beside the solute's; "" where it is not any more. */
+/* Finds the flow's file: under the stored name or in the folder of the solute's file; "" if it is
+ * missing or was changed. */
 static void find_flow(const char *solute, const char *flow, const char *hash, char *path,
                       size_t size) {
   const char *slash = strrchr(solute, '/'), *base = strrchr(flow, '/');
@@ -65,7 +66,7 @@ static const char *model_of(const struct run *run) {
   return *run->model_path == '\0' ? run->title : slash == NULL ? run->model_path : slash + 1;
 }
 
-static enum status check_one(const char *solute, const struct run *runs, size_t n, bool told) {
+static enum status check_one(const char *solute, const struct run *runs, size_t n, bool allowed) {
   enum status status = STATUS_OK;
   struct run flow = {0};
   char *name = NULL, hash[HASH_TEXT], path[8200], why[800];
@@ -84,7 +85,7 @@ static enum status check_one(const char *solute, const struct run *runs, size_t 
   } else {
     snprintf(why, sizeof why, "none of the runs, and not there as it was to compare");
   }
-  if (told)
+  if (allowed)
     log_info("%s: carried by the flow of %s, %s", solute, name, why);
   else
     status = FAIL(STATUS_INPUT,
@@ -98,9 +99,9 @@ cleanup:
 }
 
 enum status solute_flow_check(const char *const *solutes, size_t count, const struct run *runs,
-                              size_t n, bool told) {
+                              size_t n, bool allowed) {
   enum status status = STATUS_OK;
-  for (size_t i = 0; i < count; i++) TRY(check_one(solutes[i], runs, n, told));
+  for (size_t i = 0; i < count; i++) TRY(check_one(solutes[i], runs, n, allowed));
 cleanup:
   return status;
 }

@@ -1,4 +1,4 @@
-/* The flow that a solute was carried by, and whether it belongs beside runs. */
+/* The flow that carries a solute, and whether it belongs to the same model as given runs. */
 #ifndef TOSUI_ANALYZE_SOLUTE_FLOW_H
 #define TOSUI_ANALYZE_SOLUTE_FLOW_H
 
@@ -7,9 +7,9 @@
 
 #include "analyze/run_file.h"
 
-/* An input error where the flow of one of the files `solutes` is none of the runs and has another
- * model than they, or is nowhere to be found; with `told` the same as a line of information. */
+/* An input error if the flow of one of the files `solutes` is not among the runs and has another
+ * model, or cannot be found; with `allowed` an information instead. */
 enum status solute_flow_check(const char *const *solutes, size_t count, const struct run *runs,
-                              size_t n, bool told);
+                              size_t n, bool allowed);
 
 #endif

@@ -50,7 +50,7 @@ cleanup:
 
 static const struct {
   const char *name, *html, *key;
-  double per; /* of m/s or m^2; 0: of voxel^2 */
+  double per; /* unit in m/s or m^2; 0: voxel^2 */
   bool area;
 } units[] = {{"cm/s", "cm/s", "k_cm_per_s", 100, false},
              {"m/s", "m/s", "k_m_per_s", 1, false},
@@ -94,9 +94,10 @@ json_t *tensor_json(const struct tensor *t) {
   return object;
 }
 
-enum { BY_MODEL = 1, BY_RUN = 2 }; /* what made it its own mirror image, of tensor.mirrored */
+/* Origin of the mirror symmetry along an axis, in tensor.mirrored. */
+enum { BY_MODEL = 1, BY_RUN = 2 };
 
-/* `before` and "x, y" of the axes with one of two values, if there are any. */
+/* Writes `before` and the axes with one of two values, "x, y", if there are any. */
 static bool list_axes(const struct tensor *t, int value, int other, const char *before,
                       FILE *stream) {
   bool found = false;
@@ -108,7 +109,7 @@ static bool list_axes(const struct tensor *t, int value, int other, const char *
   return found;
 }
 
-/* What symmetry says of the terms off the diagonal, and where the sample's sides are in k. */
+/* Writes the effect of symmetry on the off-diagonal terms and of the sample's sides on k. */
 static void write_symmetry(const struct tensor *t, FILE *stream) {
   bool by_run = false;
   for (int a = 0; a < 3; a++) by_run = by_run || t->mirrored[a] == BY_RUN;
@@ -153,7 +154,7 @@ void tensor_summary(const struct tensor *t, FILE *stream) {
   fputc('\n', stream);
 }
 
-/* Decimals with which the smallest of the errors still shows. */
+/* Number of decimals with which the smallest of the errors is visible. */
 static int decimals(const struct tensor *t) {
   double least = INFINITY, most = 0;
   for (int i = 0; i < 9; i++) {
@@ -166,7 +167,7 @@ static int decimals(const struct tensor *t) {
   return least > 0 ? (int)fmin(12, fmax(0, -floor(log10(least)))) : 3;
 }
 
-/* Rounded to that many decimals, and never to a zero with a sign. */
+/* A value that would be rounded to -0 becomes 0. */
 static double shown(double value, int decimals) {
   return fabs(value) < 0.5 * pow(10, -decimals) ? 0.0 : value;
 }

@@ -1,4 +1,4 @@
-/* The permeability tensor that sphsolve run --tensor keeps in its record (/run/tensor). */
+/* The permeability tensor that sphsolve run --tensor stores in the run file (/run/tensor). */
 #ifndef TOSUI_ANALYZE_TENSOR_H
 #define TOSUI_ANALYZE_TENSOR_H
 
@@ -9,18 +9,20 @@
 #include "analyze/run_file.h"
 
 struct tensor {
-  double k[9], low[9], high[9]; /* m/s, 95 %; row: flow along x, y, z, column: gradient */
+  double k[9], low[9], high[9]; /* m/s, 95 % interval; row: flow along x, y, z, column: gradient */
   double principal[3], principal_low[3], principal_high[3]; /* m/s, largest first */
-  double axes[9];                                           /* their unit vectors, one a row */
-  double to_area, voxel;                                    /* m^2 per m/s of the run's fluid; m */
-  double asymmetry; /* NAN: all terms off the diagonal are zero by symmetry */
+  /* Unit vectors of the principal axes, one per row. */
+  double axes[9];
+  double to_area, voxel; /* m^2 per m/s of the run's fluid; m */
+  /* Largest relative difference of xy and yx etc.; NAN if they are zero by symmetry. */
+  double asymmetry;
   int mirrored[3];
 };
 
-/* *found is false where the run has none. */
+/* *found is false if the run has no tensor. */
 enum status tensor_read(const struct run *run, struct tensor *tensor, bool *found);
 
-/* The tensor as JSON (a new object), as lines for people, and as tables of HTML. */
+/* The tensor as JSON (a new object), as text, and as HTML tables. */
 json_t *tensor_json(const struct tensor *tensor);
 void tensor_summary(const struct tensor *tensor, FILE *stream);
 void tensor_html(const struct tensor *tensor, FILE *stream);

@@ -55,8 +55,9 @@ enum status balance_partition(size_t items, size_t first, size_t own, const doub
   double *count = NULL;
   float version;
   if (Zoltan_Initialize(0, NULL, &version) == ZOLTAN_OK) zoltan = Zoltan_Create(MPI_COMM_WORLD);
-  /* Parts stay in their order along the row (REMAP). What does not move is not listed: asked for
-   * all, Zoltan 13.2 answers that memory is short on ranks without items where nothing moves. */
+  /* Without REMAP the parts keep their order along the row. Only items that change rank are listed:
+   * when asked for all of them, Zoltan 13.2 reports a lack of memory on ranks without items if
+   * nothing moves. */
   static const char *const settings[][2] = {{"DEBUG_LEVEL", "0"},    {"LB_METHOD", "RCB"},
                                             {"OBJ_WEIGHT_DIM", "1"}, {"RETURN_LISTS", "EXPORT"},
                                             {"REMAP", "0"},          {"IMBALANCE_TOL", "1.0001"}};
@@ -68,7 +69,7 @@ enum status balance_partition(size_t items, size_t first, size_t own, const doub
       Zoltan_Set_Geom_Multi_Fn(zoltan, place_items, &row) != ZOLTAN_OK ||
       Zoltan_LB_Partition(zoltan, &changed, &global_size, &local_size, &in, &global_in, &local_in,
                           &rank_in, &part_in, &out, &global, &local, &rank,
-                          &part) < 0) /* ZOLTAN_WARN: the items are coarse */
+                          &part) < 0) /* ZOLTAN_WARN: items too coarse for an even balance */
     status = FAIL(STATUS_RUN, "Zoltan fails to share the work out among %zu ranks", ranks);
   TRY(ranks_agree(status));
   TRY(memory_allocate(&count, ranks, sizeof *count, "shares of the ranks"));

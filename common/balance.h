@@ -1,5 +1,5 @@
-/* A row of items divided into runs of about equal work, one for each rank: Zoltan's recursive
- * bisection in one dimension. common/balance.c is the only file that knows Zoltan. */
+/* Partition of a row of items into contiguous ranges of about equal work, one per rank, by Zoltan's
+ * recursive bisection in one dimension. Only common/balance.c uses Zoltan. */
 #ifndef TOSUI_COMMON_BALANCE_H
 #define TOSUI_COMMON_BALANCE_H
 
@@ -8,9 +8,9 @@
 #include "common/error.h"
 
 #ifdef TOSUI_MPI
-/* Collective. Of `items` items this rank tells the work of `own`, from `first` on. `partition`,
- * of ranks + 1, comes out the same on all: rank r has [partition[r], partition[r + 1]), which may
- * be none. */
+/* Partitions `items` items by work. Collective: this rank gives work[own] of the items [first,
+ * first + own). On all ranks partition[ranks + 1] is the same afterwards: rank r has the items
+ * [partition[r], partition[r + 1]), possibly none. */
 enum status balance_partition(size_t items, size_t first, size_t own, const double *work,
                               size_t *partition);
 #else

@@ -12,7 +12,7 @@
 #include "common/memory.h"
 #include "common/options.h"
 
-/* A key some read asked for in the group at `parent`. */
+/* A key that was asked for in the group `parent`. */
 struct known_key {
   const config_setting_t *parent;
   const char *name;
@@ -32,8 +32,7 @@ static int line_at(const char *text, const char *place) {
   return line;
 }
 
-/* Where a comment begins that does not end, which libconfig takes for the end of the file; NULL:
- * nowhere. */
+/* Start of an unclosed comment, which libconfig would take for the end of the file, or NULL. */
 static const char *open_comment(const char *text) {
   for (const char *c = text; *c; c++) {
     if (*c == '"') {
@@ -51,8 +50,8 @@ static const char *open_comment(const char *text) {
   return NULL;
 }
 
-/* libconfig compares each setting with all before it in its group. */
-#define SETTINGS_MOST 20000
+/* libconfig compares each setting with all earlier ones of its group. */
+#define SETTINGS_MAX 20000
 
 static enum status read_text(const char *path, char **text) {
   enum status status = STATUS_OK;
@@ -76,24 +75,24 @@ static enum status read_text(const char *path, char **text) {
         path);
   if (used > 2 && (memcmp(*text, "\377\376", 2) == 0 || memcmp(*text, "\376\377", 2) == 0))
     TRY_FAIL(STATUS_INPUT, "%s: is text in UTF-16; save it as UTF-8", path);
-  if (used > 3 && memcmp(*text, "\357\273\277", 3) == 0) /* what editors set before UTF-8 */
-    memset(*text, ' ', 3);
+  /* UTF-8 byte order mark that some editors write. */
+  if (used > 3 && memcmp(*text, "\357\273\277", 3) == 0) memset(*text, ' ', 3);
   if (memchr(*text, 0, used))
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
              line_at(*text, *text + strlen(*text)));
   size_t settings = 0;
   for (const char *c = *text; (c = strchr(c, '=')) != NULL; c++) settings++;
-  if (settings > SETTINGS_MOST)
+  if (settings > SETTINGS_MAX)
     TRY_FAIL(STATUS_INPUT, "%s: %zu settings: no scene file; at most %d are read", path, settings,
-             SETTINGS_MOST);
+             SETTINGS_MAX);
 cleanup:
   fclose(file);
   if (status != STATUS_OK) memory_free(text);
   return status;
 }
 
-/* Goes to `path` ("isph.tau", "regions.[1].porosity", "regions[1].porosity", "regions.1.porosity"),
- * creating groups, and gives the last group and the last name. */
+/* Follows `path` ("isph.tau", "regions.[1].porosity", "regions[1].porosity", "regions.1.porosity")
+ * and creates missing groups. Returns the last group, and the last name in `last`. */
 static config_setting_t *walk_path(config_setting_t *root, const char *path, char *last,
                                    size_t last_size) {
   config_setting_t *at = root;
@@ -120,7 +119,7 @@ static config_setting_t *walk_path(config_setting_t *root, const char *path, cha
   return NULL;
 }
 
-/* With all it holds; false: `parent` takes no setting of this name. */
+/* Copies a setting with its contents; false if `parent` accepts no setting of this name. */
 static bool copy_setting(config_setting_t *parent, const char *name, const config_setting_t *from) {
   int type = config_setting_type(from);
   config_setting_t *to = config_setting_add(parent, name, type);
@@ -150,7 +149,8 @@ static bool copy_setting(config_setting_t *parent, const char *name, const confi
   return true;
 }
 
-/* "path=value": value as libconfig reads it ("0.4", "true", "[1, 2]"), else as a string. */
+/* Applies "path=value". The value is parsed by libconfig ("0.4", "true", "[1, 2]"); if that fails
+ * it is taken as a string. */
 static enum status apply_override(struct config *config, const char *text) {
   enum status status = STATUS_OK;
   const char *equals = strchr(text, '=');
@@ -203,7 +203,7 @@ enum status config_open(const char *path, const char *const *overrides, size_t n
   if (slash != NULL) memcpy(config->folder, path, (size_t)(slash - path) + 1);
   TRY(read_text(path, &config->text));
   config_set_options(&config->tree, CONFIG_OPTION_AUTOCONVERT);
-  /* No include function: a scene is one file, and none may read another. */
+  /* Includes are refused: a scene is a single file and may not read another. */
   const char *include = strstr(config->text, "@include"), *comment = open_comment(config->text);
   if (include != NULL)
     TRY_FAIL(STATUS_INPUT, "%s:%d: @include is not supported; a scene is one file", path,
@@ -323,7 +323,7 @@ enum status config_error(const struct config *config, const config_node *node, c
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
   unsigned line =
-      node != NULL ? config_setting_source_line(node) : 1; /* what is not there at all */
+      node != NULL ? config_setting_source_line(node) : 1; /* without a node: the first line */
   char place[32] = "";
   if (line > 0)
     snprintf(place, sizeof place, "%u:", line);
@@ -449,7 +449,8 @@ enum status config_auto_quantity(struct config *config, config_node *group, cons
   return *automatic ? STATUS_OK : parse_quantity(config, node, dimension, value);
 }
 
-/* With `misspelt_only` just keys that resemble a known one. */
+/* Reports keys that no read asked for; with `misspelt_only` just those that resemble a known
+ * key. */
 static enum status refuse_unknown_in(struct config *config, config_node *node, bool misspelt_only) {
   bool group = config_is_group(node);
   for (int i = 0; i < config_setting_length(node) && (group || config_is_list(node)); i++) {
@@ -469,7 +470,8 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
         char list[400] = "";
         for (size_t k = 0; near == NULL && k < n; k++) {
           size_t used = strlen(list), earlier = 0;
-          while (earlier < k && strcmp(names[earlier], names[k]) != 0) earlier++; /* read twice */
+          /* A name that occurs twice. */
+          while (earlier < k && strcmp(names[earlier], names[k]) != 0) earlier++;
           if (earlier == k)
             snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
         }
@@ -485,7 +487,7 @@ static enum status refuse_unknown_in(struct config *config, config_node *node, b
 }
 
 enum status config_refuse_unknown(struct config *config) {
-  if (config->known_incomplete) return STATUS_RUN; /* its message is pending */
+  if (config->known_incomplete) return STATUS_RUN; /* the message is already recorded */
   return refuse_unknown_in(config, config_root(config), false);
 }
 

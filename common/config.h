@@ -1,4 +1,4 @@
-/* Scene files: libconfig behind a layer that knows which keys were asked for, so that an unknown
+/* Scene files: libconfig behind a layer that records which keys were asked for, so that an unknown
  * key is an error with file, line and the nearest known key. */
 #ifndef TOSUI_COMMON_CONFIG_H
 #define TOSUI_COMMON_CONFIG_H
@@ -23,15 +23,17 @@ const char *config_text(const struct config *config);
 /* Folder of the file ("" for the current), for paths inside it. */
 const char *config_folder(const struct config *config);
 
-/* The child of that name or NULL. Marks the name as known in `parent`. */
+/* The child with that name, or NULL. Records the name as known in `parent`. */
 config_node *config_child(struct config *config, config_node *parent, const char *name);
+/* The i-th item of a list, and the number of items of a list or group. */
 config_node *config_item(config_node *list, size_t i);
 size_t config_count(const config_node *node);
 bool config_is_list(const config_node *node); /* list or array */
 bool config_is_group(const config_node *node);
 bool config_is_text(const config_node *node);
 bool config_is_number(const config_node *node);
-/* Values of a node known to be a boolean or a text; the line it stands on (0: from an override). */
+/* Values of a node that is known to be a boolean or a text. config_line: its line in the file, 0
+ * for a node from an override. */
 bool config_boolean_value(const config_node *node);
 const char *config_text_value(const config_node *node);
 int config_line(const config_node *node);
@@ -40,8 +42,8 @@ int config_line(const config_node *node);
 enum status config_error(const struct config *config, const config_node *node, const char *format,
                          ...) __attribute__((format(printf, 3, 4)));
 
-/* Typed reads of a child `name` of `group` (which may be NULL: then nothing is given). When the key
- * is missing *value stays and *given (may be NULL) is false. */
+/* Typed reads of a child `name` of `group`. `group` may be NULL, which counts as a missing key.
+ * When the key is missing *value is unchanged and *given is false; `given` may be NULL. */
 enum status config_quantity(struct config *config, config_node *group, const char *name,
                             struct dimension dimension, double *value, bool *given);
 enum status config_number(struct config *config, config_node *group, const char *name,
@@ -50,24 +52,25 @@ enum status config_bool(struct config *config, config_node *group, const char *n
                         bool *given);
 enum status config_string(struct config *config, config_node *group, const char *name,
                           const char **value, bool *given);
-/* A string that must be one of `choices` (NULL-terminated); its index. The error names the
- * nearest. */
+/* A string that must be one of `choices` (NULL-terminated); *value is its index. The error message
+ * names the nearest choice. */
 enum status config_choice(struct config *config, config_node *group, const char *name,
                           const char *const *choices, int *value, bool *given);
-/* An array or list of quantities: at least min, at most max values; *count says how many. */
+/* An array or list of `min` to `max` quantities; *count is their number. */
 enum status config_quantities(struct config *config, config_node *group, const char *name,
                               struct dimension dimension, int min, int max, double *values,
                               int *count, bool *given);
-/* "auto" or a quantity: *automatic is set. */
+/* Either the word "auto", which sets *automatic, or a quantity. */
 enum status config_auto_quantity(struct config *config, config_node *group, const char *name,
                                  struct dimension dimension, double *value, bool *automatic,
                                  bool *given);
 
-/* Call with the status of a failed read: a misspelt key nearby is the better message, since it is
- * often why something is missing. Returns the status to go on with. */
+/* To be called with the status of a failed read. If a key nearby is misspelt that is reported
+ * instead, since it is often the reason why something is missing. Returns the status to continue
+ * with. */
 enum status config_explain_failure(struct config *config, enum status status);
 
-/* After all reads: every key of the file that no read asked for is an error. */
+/* To be called after all reads: a key of the file that no read asked for is an error. */
 enum status config_refuse_unknown(struct config *config);
 
 #endif

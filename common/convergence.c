@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* Least squares of f = value + slope h^p at given p; returns the sum of the squared residuals. */
+/* Least squares fit of f = value + slope h^p for a given p; returns the sum of the squared
+ * residuals. */
 static double fit_power(const double *h, const double *f, size_t n, double p, double *value,
                         double *slope) {
   double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, residual = 0.0;
@@ -25,7 +26,8 @@ static double fit_power(const double *h, const double *f, size_t n, double p, do
   return residual;
 }
 
-/* The order in [0.05, 10] of the least residual: a coarse scan, then golden section. */
+/* The order in [0.05, 10] with the least residual, by a coarse scan followed by a golden section
+ * search. */
 static double best_order(const double *h, const double *f, size_t n) {
   const double step = 0.05, golden = 0.6180339887498949;
   double value, slope, best = step, least = INFINITY;
@@ -47,7 +49,7 @@ static double best_order(const double *h, const double *f, size_t n) {
   return 0.5 * (low + high);
 }
 
-#define NEAREST 1.3
+#define SPACING_RATIO_MIN 1.3
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result) {
   double low = f[0], high = f[0];
@@ -60,7 +62,7 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     falling = falling && f[i] <= f[i - 1];
   }
   result->monotone = rising || falling;
-  if (h[n - 1] < NEAREST * h[0]) {
+  if (h[n - 1] < SPACING_RATIO_MIN * h[0]) {
     result->near = result->far = true;
     result->value = f[0];
     result->index = 1.0;
@@ -76,13 +78,16 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     bool close = fabs(result->order - formal_order) <= 0.1 * formal_order;
     result->credible = fabs(result->order - formal_order) <= 0.5 * formal_order;
     result->safety = close ? 1.25 : 3.0;
-    /* Faster than the formal order the finest is nearly there, and the observed one says so. */
+    /* An observed order above the formal one is used as it is: the finest value is then close to
+     * the limit. */
     result->order_used = fmax(result->order, 0.5);
   }
-  /* Off the credible range only the two finest speak, as they lie nearest to the limit. */
+  /* Outside the credible range of orders only the two finest values are used, as they are nearest
+   * to the limit. */
   bool all = n > 2 && result->credible;
   fit_power(h, f, all ? n : 2, result->order_used, &result->value, &result->slope);
-  /* A value beyond zero, or moved by more than half, is no value: the finest stands. */
+  /* An extrapolation that changes the value by more than half is not credible: the finest value is
+   * kept. */
   if (!(fabs(result->value - f[0]) <= 0.5 * fabs(f[0]))) {
     result->far = true;
     result->credible = false;
@@ -92,7 +97,7 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
     result->index = 3.0 * fabs((f[1] - f[0]) / f[0]);
     return;
   }
-  /* Hardly an order at all: the limit could be anywhere, so the finest stands. */
+  /* With such a low order the limit is undetermined: the finest value is kept. */
   if (n > 2 && result->order < 0.5) {
     result->far = true;
     result->value = f[0];
@@ -104,14 +109,15 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   result->index = result->safety * fabs((f[1] - f[0]) / f[0]) / (ratio - 1.0);
 }
 
-/* The order is not known, and noise from where the sites happen to lie hides it. So every order of
- * a grid is fitted, k = value + slope h^p, and each counts by how well it agrees with the data and
- * with what is known beforehand (Bayesian model averaging: Hoeting et al. 1999, Statistical Science
- * 14). Two kinds of bodies are as likely: grains with edges and contacts, whose k falls with an
- * order of just under two, and smooth ones, where errors of unlike sign cancel and higher orders
- * are seen. One normal distribution between the two is wrong for either. Constants were set on
- * sands, spheres, cylinders and fibres (docs/notes/2026-11-23-estimates.md). */
-#define LIMIT_WINDOW 4
+/* Estimate of the limit by Bayesian model averaging (Hoeting et al. 1999, Statistical Science 14).
+ * The order is unknown and obscured by scatter from the positions of the sites. Therefore k = value
+ * + slope h^p is fitted for a range of orders, and each fit is weighted by its likelihood and the
+ * prior probability of its order. The prior is the sum of two normal distributions, because two
+ * kinds of bodies are equally likely: grains with edges and contacts, whose k converges with an
+ * order slightly below two, and smooth bodies, where errors of opposite sign cancel and higher
+ * orders are observed. A single normal distribution between the two fits neither. The constants
+ * were calibrated on sands, spheres, cylinders and fibres (docs/notes/2026-11-23-estimates.md). */
+#define LIMIT_VALUES_MAX 4
 #define LIMIT_ORDERS 48
 #define LIMIT_ORDER_FIRST 1.2
 #define LIMIT_ORDER_STEP 0.1
@@ -119,20 +125,23 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
 #define LIMIT_GRAINS_SPREAD 0.25
 #define LIMIT_SMOOTH_ORDER 3.5
 #define LIMIT_SMOOTH_SPREAD 0.8
-/* Standard deviation of a value: of the most that it or a finer one is off the finest, and of the
- * value itself at the spacing `scale`, falling with h. */
+/* Standard deviation of a value f[i], in two parts: relative to the largest difference of it and of
+ * the finer values from the finest; and relative to the finest value, at the spacing `scale` and
+ * proportional to h. */
 #define LIMIT_NOISE_CHANGE 0.15
 #define LIMIT_NOISE_VALUE 0.02
-/* From one standard deviation to 95 %, and what the step to the limit adds of itself: the fewer
- * pores a body is long, the more. Of 488 settings of 56 bodies 97 % are held
+/* LIMIT_COVERAGE converts one standard deviation to 95 %. The remaining constants are the
+ * uncertainty of the extrapolation itself, as a share of the difference between limit and finest
+ * value: LIMIT_STEP_PORES over the length of the body in pores, within the two limits. For 488
+ * settings of 56 bodies the interval contains 97 % of the true values
  * (docs/notes/2026-11-25-sharper.md). */
 #define LIMIT_COVERAGE 1.85
-#define LIMIT_STEP_LEAST 0.05
-#define LIMIT_STEP_MOST 0.3
+#define LIMIT_STEP_MIN 0.05
+#define LIMIT_STEP_MAX 0.3
 #define LIMIT_STEP_PORES 1.2
 
 struct limit_fit {
-  double value, variance, residual, evidence; /* evidence: logarithm */
+  double value, variance, residual, evidence; /* evidence: logarithm of the weight */
 };
 
 static double normal_density(double x, double mean, double spread) {
@@ -140,7 +149,7 @@ static double normal_density(double x, double mean, double spread) {
   return exp(-0.5 * off * off) / spread;
 }
 
-/* How likely an order is before any data; not normalised. */
+/* Prior probability of an order, not normalised. */
 static double order_expected(double p) {
   return normal_density(p, LIMIT_GRAINS_ORDER, LIMIT_GRAINS_SPREAD) +
          normal_density(p, LIMIT_SMOOTH_ORDER, LIMIT_SMOOTH_SPREAD);
@@ -148,7 +157,7 @@ static double order_expected(double p) {
 
 static struct limit_fit fit_order(const double *h, const double *f, const double *weight, size_t n,
                                   double p) {
-  double sum = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, residual = 0.0, x[LIMIT_WINDOW];
+  double sum = 0.0, mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0, residual = 0.0, x[LIMIT_VALUES_MAX];
   for (size_t i = 0; i < n; i++) {
     x[i] = pow(h[i] / h[0], p);
     sum += weight[i];
@@ -170,14 +179,14 @@ static struct limit_fit fit_order(const double *h, const double *f, const double
 void converge_limit(const double *h, const double *f, size_t n, double scale, double across,
                     struct limit_estimate *limit) {
   struct limit_fit fits[LIMIT_ORDERS];
-  double weight[LIMIT_WINDOW], best = -INFINITY, total = 0.0, mean = 0.0, square = 0.0;
-  double order = 0.0, off_finest = 0.0, residual = INFINITY;
+  double weight[LIMIT_VALUES_MAX], best = -INFINITY, total = 0.0, mean = 0.0, square = 0.0;
+  double order = 0.0, largest_difference = 0.0, residual = INFINITY;
   *limit = (struct limit_estimate){f[0], NAN, NAN, NAN};
   if (n < 2) return;
-  const size_t window = n < LIMIT_WINDOW ? n : LIMIT_WINDOW;
+  const size_t window = n < LIMIT_VALUES_MAX ? n : LIMIT_VALUES_MAX;
   for (size_t i = 0; i < window; i++) {
-    off_finest = fmax(off_finest, fabs(f[i] - f[0]));
-    const double change = LIMIT_NOISE_CHANGE * off_finest;
+    largest_difference = fmax(largest_difference, fabs(f[i] - f[0]));
+    const double change = LIMIT_NOISE_CHANGE * largest_difference;
     const double own = fmax(LIMIT_NOISE_VALUE * h[i] / scale, 1e-9) * f[0];
     weight[i] = 1.0 / (change * change + own * own);
   }
@@ -193,15 +202,16 @@ void converge_limit(const double *h, const double *f, size_t n, double scale, do
     order += share * (LIMIT_ORDER_FIRST + LIMIT_ORDER_STEP * p);
   }
   mean /= total;
-  /* Values that scatter more than was thought tell so themselves (Birge 1932, Phys. Rev. 40): as
-   * regular grains do whose narrow gaps fall now on a site, now between two. */
+  /* If the values scatter more than their assumed standard deviations, the variance is enlarged by
+   * the Birge ratio (Birge 1932, Phys. Rev. 40). This happens with regular grains whose narrow gaps
+   * contain sites on some lattices and not on others. */
   const double scatter = window > 2 ? fmax(residual / (double)(window - 2), 1.0) : 1.0;
   for (int p = 0; p < LIMIT_ORDERS; p++) {
     const double off = fits[p].value - mean;
     square += exp(fits[p].evidence - best) * (off * off + scatter * fits[p].variance) / total;
   }
   limit->order = order / total;
-  /* An extrapolation that leaves less than half of the finest is none. */
+  /* An extrapolation to less than half of the finest value is not credible. */
   if (!(mean > 0.5 * f[0])) {
     limit->value = f[0];
     limit->low = 1.0 - fmax(mean, 0.0) / f[0];
@@ -209,9 +219,9 @@ void converge_limit(const double *h, const double *f, size_t n, double scale, do
     limit->low = fmax(limit->low, limit->high);
     return;
   }
-  /* Of two or three values the caller widens all of the error (cascade_few_lattices). */
-  const double few_pores = window == LIMIT_WINDOW ? LIMIT_STEP_PORES / fmax(across, 1.0) : 0.0;
-  const double share = fmin(fmax(few_pores, LIMIT_STEP_LEAST), LIMIT_STEP_MOST);
+  /* With two or three values the caller enlarges the whole error (cascade_few_lattices). */
+  const double few_pores = window == LIMIT_VALUES_MAX ? LIMIT_STEP_PORES / fmax(across, 1.0) : 0.0;
+  const double share = fmin(fmax(few_pores, LIMIT_STEP_MIN), LIMIT_STEP_MAX);
   const double bound = LIMIT_COVERAGE * hypot(sqrt(square), share * (f[0] - mean));
   limit->value = mean;
   limit->low = fmin(1.0, bound / mean);

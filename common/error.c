@@ -15,7 +15,7 @@ static void trail_append(const char *file, int line) {
   snprintf(trail + used, sizeof trail - used, "%s%s:%d", used ? " < " : "", file, line);
 }
 
-/* A message is one line whatever names and texts it quotes. */
+/* Replaces control characters, so that a message stays on one line whatever it quotes. */
 static void text_one_line(char *text) {
   for (unsigned char *c = (unsigned char *)text; *c; c++)
     if (*c < ' ' || *c == 0x7f) *c = '?';

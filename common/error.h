@@ -35,7 +35,8 @@ const char *error_trail(void);
 /* Forgets the pending failure, for callers that recover from it. */
 void error_clear(void);
 
-/* `return FAIL(STATUS_INPUT, "%s: ...", path);` The value stands here for analysers to see. */
+/* `return FAIL(STATUS_INPUT, "%s: ...", path);` The value is repeated here so that static analysers
+ * see it. */
 #define FAIL(code, ...) (error_set((code), __FILE__, __LINE__, __VA_ARGS__), (enum status)(code))
 
 /* Forwards a failure to the label `cleanup` of a function that has `enum status status`. */

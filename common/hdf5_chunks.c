@@ -6,34 +6,38 @@
 #include "common/interrupt.h"
 #include "common/memory.h"
 
-/* Chunks on their way, three times a chunk each, take no more than a fifth of what is written: a
- * method's memory has room for that, see tests/cli/memory.bats. */
-#define SHARE_UNDER_WAY 16
+/* At most 1 / BATCH_DIVISOR of the chunks is compressed at a time. With three buffers for each
+ * chunk they need less than a fifth of the dataset's memory, which the memory estimate of a method
+ * includes (tests/cli/memory.bats). */
+#define BATCH_DIVISOR 16
 
-/* What h5_dataset_layout makes: chunks are runs of memory, cut along one axis, or one component of
- * each value there. */
+/* Layout as of h5_dataset_layout: a chunk is contiguous in memory, cut along one axis, or it holds
+ * one component of the vectors in such a range. */
 struct runs {
   const char *data;
-  size_t item, components;    /* bytes of a number; numbers apart that lie together in memory */
-  size_t row;                 /* bytes of one step along the axis that is cut */
-  size_t length, step, count; /* of that axis, of a chunk along it, chunks along it */
-  size_t bytes;               /* of a chunk */
+  /* Bytes of a number; components that are stored in chunks of their own. */
+  size_t item, components;
+  size_t row; /* bytes of one step along the axis that is cut */
+  /* Steps along that axis: of the dataset, of a chunk; number of chunks along it. */
+  size_t length, step, count;
+  size_t bytes; /* of a chunk */
   int axis;
 };
 
-/* A chunk on its way. */
+/* Buffers of a chunk being compressed. */
 struct packed {
   unsigned char *plain, *shuffled, *bytes;
-  uLong size; /* 0: memory is short */
+  uLong size; /* compressed; 0 if memory was insufficient */
 };
 
-/* Byte k of every value together, then byte k + 1: HDF5's shuffle. */
+/* Byte k of all values, then byte k + 1: the shuffle filter of HDF5. */
 static void shuffle(const unsigned char *in, size_t n, size_t item, unsigned char *out) {
   for (size_t k = 0; k < item; k++)
     for (size_t i = 0; i < n; i++) out[k * n + i] = in[i * item + k];
 }
 
-/* Whether bytes are noise: about as many of each value, and few beside their like. */
+/* Whether bytes are incompressible: all values about equally frequent, and few equal to their
+ * neighbour. */
 #define SAMPLES 4096
 static bool is_noise(const unsigned char *in, size_t n) {
   size_t count[256] = {0}, alike = 0, square = 0;
@@ -47,10 +51,10 @@ static bool is_noise(const unsigned char *in, size_t n) {
   return alike < SAMPLES / 50 && 4 * square < 5 * (size_t)SAMPLES * SAMPLES / 256;
 }
 
-/* One stream of zlib in which noise is stored and of the rest only runs of one value are sought,
- * which of the bytes of measured or solved numbers loses next to nothing and takes half the time.
- * The stream has the checksum of all (Adler-32), so what is stored is as safe as what is not: a
- * chunk past the filter, stored raw, would have none, and damage to it go unseen. */
+/* Compresses into one zlib stream in which incompressible bytes are stored and the others are only
+ * run-length encoded. For measured or computed numbers the size is nearly the same as with full
+ * deflate, in half the time. The stream carries a checksum of everything (Adler-32); chunks written
+ * without the deflate filter would have none, so that damage would go unnoticed. */
 static bool deflate_runs(const unsigned char *in, size_t planes, size_t n, unsigned char *out,
                          uLong *size) {
   z_stream z = {.next_out = out, .avail_out = (uInt)*size};
@@ -68,15 +72,16 @@ static bool deflate_runs(const unsigned char *in, size_t planes, size_t n, unsig
   return good;
 }
 
-/* One number of each `components` that lie together, up to `bytes` of them. */
+/* Extracts one component of vectors of `components` numbers, up to `bytes` of output. */
 static inline void take_component(size_t item, const char *from, size_t component,
                                   size_t components, size_t bytes, unsigned char *to) {
   for (size_t i = 0; i < bytes / item; i++)
     memcpy(to + i * item, from + (i * components + component) * item, item);
 }
 
-/* `by_runs`: as above, where it fits; else as HDF5's filter does. */
-static void pack(const struct runs *runs, size_t chunk, size_t room, bool by_runs,
+/* Compresses a chunk. `by_runs`: with deflate_runs if the result fits, else as the filter of HDF5
+ * does. */
+static void pack(const struct runs *runs, size_t chunk, size_t capacity, bool by_runs,
                  struct packed *packed) {
   const size_t component = chunk % runs->components, at = chunk / runs->components;
   const size_t first = at % runs->count * runs->step, bytes = runs->bytes, item = runs->item;
@@ -95,26 +100,27 @@ static void pack(const struct runs *runs, size_t chunk, size_t room, bool by_run
     shuffle(packed->plain, bytes / runs->item, runs->item, packed->shuffled);
     stored = packed->shuffled;
   }
-  packed->size = room;
+  packed->size = capacity;
   if (by_runs && deflate_runs(stored, runs->item, bytes / runs->item, packed->bytes, &packed->size))
     return;
-  packed->size = room;
+  packed->size = capacity;
   if (compress2(packed->bytes, &packed->size, stored, bytes, H5_DEFLATE) != Z_OK) packed->size = 0;
 }
 
-/* Whether runs are as good as all that repeats, by the chunk in the middle, of each component. */
-static bool runs_will_do(const struct runs *runs, size_t chunks, size_t room,
+/* Whether run-length encoding compresses nearly as well as full deflate, tested on the middle chunk
+ * of each component. */
+static bool runs_suffice(const struct runs *runs, size_t chunks, size_t capacity,
                          struct packed *packed) {
   const size_t middle = chunks / 2 / runs->components * runs->components;
-  uLong all = 0, by_runs = 0;
+  uLong deflated = 0, by_runs = 0;
   if (runs->item == 1) return false;
   for (size_t c = 0; c < runs->components; c++) {
-    pack(runs, middle + c, room, false, packed);
-    all += packed->size;
-    pack(runs, middle + c, room, true, packed);
+    pack(runs, middle + c, capacity, false, packed);
+    deflated += packed->size;
+    pack(runs, middle + c, capacity, true, packed);
     by_runs += packed->size;
   }
-  return by_runs < all + all / 32;
+  return by_runs < deflated + deflated / 32;
 }
 
 enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
@@ -124,10 +130,10 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
   const int axes = h5_chunk_axes(rank, dims, chunk);
   size_t batch = 2 * (size_t)omp_get_max_threads();
   struct packed *packed = NULL;
-  size_t chunks = 1, made = 0;
+  size_t chunks = 1, allocated = 0;
   runs.components = axes < rank ? dims[rank - 1] : 1;
-  for (int i = 0; i < axes; i++)
-    if (chunk[i] < dims[i]) runs.axis = i; /* what lies before it is cut into single steps */
+  for (int i = 0; i < axes; i++) /* axes before the last one that is cut have chunks of length 1 */
+    if (chunk[i] < dims[i]) runs.axis = i;
   for (int i = 0; i < runs.axis; i++) chunks *= dims[i];
   for (int i = runs.axis + 1; i < rank; i++) runs.row *= dims[i];
   runs.length = dims[runs.axis];
@@ -135,25 +141,25 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
   runs.count = (runs.length + runs.step - 1) / runs.step;
   runs.bytes = runs.step * runs.row / runs.components;
   chunks *= runs.count * runs.components;
-  if (batch > chunks / SHARE_UNDER_WAY) batch = chunks / SHARE_UNDER_WAY;
+  if (batch > chunks / BATCH_DIVISOR) batch = chunks / BATCH_DIVISOR;
   if (batch < 1) {
     *written = H5Dwrite(set, h5_memory_type(type), H5S_ALL, H5S_ALL, H5P_DEFAULT, data) >= 0;
     return STATUS_OK;
   }
-  const size_t bytes = runs.bytes, room = compressBound(bytes);
+  const size_t bytes = runs.bytes, capacity = compressBound(bytes);
   TRY(memory_allocate(&packed, batch, sizeof *packed, "chunks"));
-  for (; made < batch; made++) {
-    TRY(memory_allocate(&packed[made].plain, 2 * bytes + room, 1, "chunks"));
-    packed[made].shuffled = packed[made].plain + bytes;
-    packed[made].bytes = packed[made].shuffled + bytes;
+  for (; allocated < batch; allocated++) {
+    TRY(memory_allocate(&packed[allocated].plain, 2 * bytes + capacity, 1, "chunks"));
+    packed[allocated].shuffled = packed[allocated].plain + bytes;
+    packed[allocated].bytes = packed[allocated].shuffled + bytes;
   }
   *written = true;
-  const bool by_runs = runs_will_do(&runs, chunks, room, &packed[0]);
+  const bool by_runs = runs_suffice(&runs, chunks, capacity, &packed[0]);
   for (size_t first = 0; first < chunks && *written; first += batch) {
     const size_t n = chunks - first < batch ? chunks - first : batch;
     if (h5_leaves_on_signal()) TRY(interrupt_look());
 #pragma omp parallel for schedule(dynamic)
-    for (size_t i = 0; i < n; i++) pack(&runs, first + i, room, by_runs, &packed[i]);
+    for (size_t i = 0; i < n; i++) pack(&runs, first + i, capacity, by_runs, &packed[i]);
     for (size_t i = 0; i < n && *written; i++) {
       hsize_t at[H5S_MAX_RANK] = {0};
       size_t before = (first + i) / runs.components;
@@ -166,7 +172,7 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
     }
   }
 cleanup:
-  for (size_t i = 0; i < made; i++) memory_free(&packed[i].plain);
+  for (size_t i = 0; i < allocated; i++) memory_free(&packed[i].plain);
   memory_free(&packed);
   return status;
 }

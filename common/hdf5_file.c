@@ -65,10 +65,11 @@ static enum status new_file(const char *path, bool writing, struct h5_file **res
   enum status status = STATUS_OK;
   struct h5_file *file;
   char target[OUTPUT_NAME_MAX];
-  /* HDF5 1.10 crashes in its exit handler when a file could not be flushed (full disk). All files
-   * are closed by us, so it is not needed. Only the first call counts. */
+  /* The exit handler of HDF5 1.10 crashes if a file could not be flushed (full disk). All files are
+   * closed explicitly, so it is not needed. Only the first call has an effect. */
   H5dont_atexit();
-  /* The library's own error stack is for programmers; our message names file and object. */
+  /* The error stack of the library is of no use to users; our message names the file and the
+   * object. */
   H5Eset_auto2(H5E_DEFAULT, NULL, NULL);
   if (writing) {
     TRY(output_follow(path, target));
@@ -87,7 +88,7 @@ cleanup:
   return status;
 }
 
-/* All but rows of ranks is written by the first rank. */
+/* Whether this rank does not write: everything but h5_write_rows is written by the first rank. */
 static bool idle(void) {
   return ranks_own() > 0;
 }
@@ -101,7 +102,7 @@ enum status h5_create(const char *path, struct h5_file **result) {
   access = H5Pcreate(H5P_FILE_ACCESS);
   creation = H5Pcreate(H5P_FILE_CREATE);
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
-  /* Object times would make two equal runs differ. */
+  /* Object times would make files of equal runs differ. */
   H5Pset_obj_track_times(creation, 0);
   file->id = output_fails() ? -1 : H5Fcreate(file->part, H5F_ACC_TRUNC, creation, access);
   if (file->id < 0)
@@ -118,7 +119,7 @@ cleanup:
   return status;
 }
 
-/* What a name may have been meant for: its file with the ending that the programs give it. */
+/* Hint at the file that was probably meant: the same name with the ending that the programs add. */
 #define HINT (OUTPUT_NAME_MAX + 20)
 static const char *hint_at(const char *path, char text[HINT]) {
   size_t length = strlen(path);
@@ -255,7 +256,7 @@ hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool co
   return list;
 }
 
-/* As files of this program are. */
+/* Byte order of this machine; files are written little-endian. */
 static bool is_little_endian(void) {
   const uint16_t one = 1;
   uint8_t first;
@@ -305,8 +306,8 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
   return status;
 }
 
-/* Strings of one length, padded with zeros. Those of variable length lie in a heap whose reader in
- * HDF5 1.10 never returns from some damaged files. `space` is closed. */
+/* Writes strings of fixed length, padded with zeros. Strings of variable length are stored in a
+ * heap, on some damaged forms of which the reader of HDF5 1.10 never returns. Closes `space`. */
 static enum status write_strings(struct h5_file *file, const char *name, hid_t space, size_t count,
                                  const char *const *texts) {
   enum status status = STATUS_OK;

@@ -1,4 +1,5 @@
-/* What the writing and the reading half of the HDF5 layer share; for common/hdf5_*.c alone. */
+/* Declarations shared by the writing and the reading half of the HDF5 layer; for common/hdf5_*.c
+ * only. */
 #ifndef TOSUI_COMMON_HDF5_INTERNAL_H
 #define TOSUI_COMMON_HDF5_INTERNAL_H
 
@@ -12,31 +13,35 @@ struct h5_file {
   char *path, *part; /* final name, and the name while being written */
 };
 
+/* The HDF5 types of numbers in memory and, little-endian, in files. */
 hid_t h5_memory_type(enum h5_type type);
 hid_t h5_disk_type(enum h5_type type);
-/* Chunks of at most about 1 MB along the slowest axis; fast deflate behind a byte shuffle. Vectors
- * in double precision, as coordinates are, are parted into their components where there is more
- * than a chunk of them: what is alike in a row of sites then lies together. */
+/* Dataset layout: chunks of at most about 1 MB along the slowest axis, with byte shuffle and fast
+ * deflate. Vectors in double precision, such as coordinates, are split into their components if
+ * they fill more than one chunk, because the components of neighbouring sites compress better. */
 hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress);
-/* Axes along which chunks are runs of memory: `rank`, or one less where components are parted. */
+/* Number of axes along which a chunk is contiguous in memory: `rank`, or one less if the components
+ * are split. */
 int h5_chunk_axes(int rank, const size_t *dims, const hsize_t *chunk);
 enum { H5_DEFLATE = 2 }; /* level */
-/* What h5_leave_on_signal has set. */
+/* The value set by h5_leave_on_signal. */
 bool h5_leaves_on_signal(void);
-/* Writes all of a dataset of that layout, whose chunks are `chunk`, its parts compressed by several
- * threads to what HDF5's filters unpack. *written: whether the file took them. */
+/* Writes a whole dataset with the layout of h5_dataset_layout and chunks of size `chunk`,
+ * compressed by several threads into the format of HDF5's filters. *written is false if the file
+ * did not accept them. */
 enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t *dims,
                             const hsize_t *chunk, const void *data, bool *written);
-/* Reads all of such a dataset, its chunks unpacked by several threads. *done: false where it is no
- * such one or something is wrong with it; then HDF5 reads it, or says what is wrong. */
+/* Reads a whole dataset with that layout, its chunks decompressed by several threads. *done is
+ * false if the layout is different or the data are damaged; HDF5 itself then reads the dataset or
+ * reports the error. */
 enum status h5_read_chunks(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
                            void *data, bool *done);
-/* Makes the groups on the way to `name` (and `name` itself with `last`) where they are missing,
- * without times of their own, so that two equal runs give equal bytes. */
+/* Creates the missing groups on the way to `name` (and `name` itself with `last`), without time
+ * stamps, so that two equal runs give equal bytes. */
 enum status h5_make_groups(struct h5_file *file, const char *name, bool last);
-/* Whether a dataset lies in its file, behind no filter but HDF5's own. */
+/* Whether a dataset is stored in its own file and uses no filters but those of HDF5. */
 bool h5_filters_known(hid_t set);
-/* An input error where the library crashes or hangs on the file. */
+/* An input error if the HDF5 library crashes or hangs on the file. */
 enum status h5_try(const char *path);
 
 #endif

@@ -1,6 +1,6 @@
-/* A probe of a file in a process of its own. HDF5 1.10 can crash or hang on damaged metadata
- * (fuzzing met both within seconds); a child looks at all that a reader may look at, and if it dies
- * the file is refused instead of the program ending. */
+/* Probes a file in a child process. HDF5 1.10 can crash or hang on damaged metadata (fuzzing found
+ * both within seconds). The child reads everything that a reader may read; if it dies the file is
+ * refused, and the program goes on. */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -15,20 +15,23 @@
 #ifndef PROBE_SECONDS
 #define PROBE_SECONDS 20
 #endif
-#define READ_LIMIT (1u << 22)    /* bytes of one object; more of the same would show nothing new */
-#define HUNGER_LIMIT (1ul << 28) /* bytes for the library's own ends: a damaged size took 4 GB */
-enum { HUNGRY = 2, LOST, DEEP }; /* exit codes of the child */
-#define DEEPEST 32 /* groups; ours have three, and the library takes the square of it */
+#define READ_LIMIT (1u << 22) /* bytes of an object; larger ones would reveal nothing more */
+/* Bytes that the library may allocate: a damaged size made it ask for 4 GB. */
+#define LIBRARY_MEMORY_LIMIT (1ul << 28)
+enum { PROBE_OUT_OF_MEMORY = 2, PROBE_INCOMPLETE, PROBE_TOO_DEEP }; /* exit codes of the child */
+/* Nested groups; our files have three, and the time of the library is quadratic in the depth. */
+#define GROUP_DEPTH_MAX 32
 
-/* The end of the child; what `make coverage` counts in it would be lost otherwise. */
+/* Ends the child; with `make coverage` its counters are written first. */
 #ifdef TOSUI_COVERAGE
 #include <gcov.h>
-#define LEAVE(code) (__gcov_dump(), _exit(code))
+#define PROBE_EXIT(code) (__gcov_dump(), _exit(code))
 #else
-#define LEAVE(code) _exit(code)
+#define PROBE_EXIT(code) _exit(code)
 #endif
 
-/* Reads a dataset or attribute of `space` into values of `type`, texts on the heap included. */
+/* Reads a dataset or attribute of `space` into values of `type`, including strings of variable
+ * length. */
 static void read_as(hid_t id, hid_t type, hid_t space, size_t points, bool is_attribute) {
   void *values = calloc(points, H5Tget_size(type));
   if (values == NULL) return;
@@ -39,8 +42,8 @@ static void read_as(hid_t id, hid_t type, hid_t space, size_t points, bool is_at
   free(values);
 }
 
-/* Reads what is small as it is stored, and numbers as readers do: converting a type whose bits lie
- * outside it reads past the memory too. */
+/* Reads small objects in their stored type, and numbers also in the types that readers ask for: the
+ * conversion of a type with an invalid bit field reads beyond the memory, too. */
 static void read_small(hid_t id, hid_t type, hid_t space, bool is_attribute) {
   hssize_t points = H5Sget_simple_extent_npoints(space);
   size_t width = H5Tget_size(type);
@@ -68,7 +71,7 @@ static void try_dataset(hid_t set) {
   hsize_t chunks = 0;
   if (type >= 0 && space >= 0 && layout >= 0) {
     if (H5Pget_layout(layout) == H5D_CHUNKED) H5Dget_num_chunks(set, H5S_ALL, &chunks);
-    /* No plug-in, and no other file, is loaded for a probe. */
+    /* With the filters checked, the probe loads no plug-in and no other file. */
     if (h5_filters_known(set)) read_small(set, type, space, false);
   }
   H5Pclose(layout);
@@ -90,8 +93,8 @@ static herr_t try_object(hid_t root, const char *name, const H5O_info_t *info, v
   (void)unused;
   int depth = 0;
   for (const char *c = name; *c; c++) depth += *c == '/';
-  if (depth > DEEPEST) LEAVE(DEEP);
-  /* By its address: by its name all groups above would be gone through, for each of them. */
+  if (depth > GROUP_DEPTH_MAX) PROBE_EXIT(PROBE_TOO_DEEP);
+  /* Opened by address: opening by name would traverse all parent groups for each object. */
   hid_t object = H5Oopen_by_addr(root, info->addr);
   if (object < 0) return 0;
   herr_t failed = H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, NULL, try_attribute, NULL);
@@ -101,58 +104,62 @@ static herr_t try_object(hid_t root, const char *name, const H5O_info_t *info, v
   return failed;
 }
 
-static herr_t find_hunger(unsigned n, const H5E_error2_t *error, void *unused) {
+static herr_t exit_if_out_of_memory(unsigned n, const H5E_error2_t *error, void *unused) {
   (void)n, (void)unused;
-  if (error->maj_num == H5E_RESOURCE) LEAVE(HUNGRY);
+  if (error->maj_num == H5E_RESOURCE) PROBE_EXIT(PROBE_OUT_OF_MEMORY);
   return 0;
 }
 
 /* Called by the library when one of its functions fails. */
-static herr_t look_for_hunger(hid_t stack, void *unused) {
-  return H5Ewalk2(stack, H5E_WALK_DOWNWARD, find_hunger, unused);
+static herr_t on_library_error(hid_t stack, void *unused) {
+  return H5Ewalk2(stack, H5E_WALK_DOWNWARD, exit_if_out_of_memory, unused);
 }
 
-/* No more memory than now and HUNGER_LIMIT; without /proc, no bound. */
-static void bound_memory(void) {
+/* Limits the memory of this process to the present amount and LIBRARY_MEMORY_LIMIT; no limit
+ * without /proc. */
+static void limit_memory(void) {
   unsigned long pages = 0;
   FILE *file = fopen("/proc/self/statm", "r");
   if (file == NULL) return;
   int read = fscanf(file, "%*u %*u %*u %*u %*u %lu", &pages);
   fclose(file);
-  rlim_t most = pages * (unsigned long)sysconf(_SC_PAGESIZE) + HUNGER_LIMIT;
+  rlim_t most = pages * (unsigned long)sysconf(_SC_PAGESIZE) + LIBRARY_MEMORY_LIMIT;
   if (read == 1) setrlimit(RLIMIT_DATA, &(struct rlimit){most, most});
-  H5Eset_auto2(H5E_DEFAULT, look_for_hunger, NULL);
+  H5Eset_auto2(H5E_DEFAULT, on_library_error, NULL);
 }
 
-static void look_at_all(const char *path) {
+static void probe_file(const char *path) {
   const struct rlimit none = {0, 0};
   static const int deadly[] = {SIGSEGV, SIGBUS, SIGFPE, SIGABRT, SIGALRM, SIGINT, SIGTERM};
   for (size_t i = 0; i < sizeof deadly / sizeof *deadly; i++) signal(deadly[i], SIG_DFL);
   setrlimit(RLIMIT_CORE, &none);
-  bound_memory();
+  limit_memory();
   alarm(PROBE_SECONDS);
   hid_t file = H5Fopen(path, H5F_ACC_RDONLY, H5P_DEFAULT);
   if (file >= 0) {
-    /* A round that breaks off has not seen what a reader may meet. */
+    /* An incomplete traversal may have missed objects that a reader will read. */
     if (H5Ovisit2(file, H5_INDEX_NAME, H5_ITER_INC, try_object, NULL, H5O_INFO_BASIC) < 0)
-      LEAVE(LOST);
+      PROBE_EXIT(PROBE_INCOMPLETE);
     H5Fclose(file);
   }
-  LEAVE(0); /* what is merely wrong the reader itself will find, and name */
+  PROBE_EXIT(0); /* other errors are found and reported by the reader itself */
 }
 
 enum status h5_try(const char *path) {
   int end = 0;
   pid_t child = fork();
-  if (child < 0) return STATUS_OK; /* no process to be had: read on without */
-  if (child == 0) look_at_all(path);
+  if (child < 0) return STATUS_OK; /* no child process: the file is read without a probe */
+  if (child == 0) probe_file(path);
   while (waitpid(child, &end, 0) < 0)
     if (errno != EINTR) return STATUS_OK;
   if (WIFEXITED(end) && WEXITSTATUS(end) == 0) return STATUS_OK;
   const char *what = "the HDF5 library fails on it";
   if (WIFSIGNALED(end) && WTERMSIG(end) == SIGALRM) what = "reading it does not end";
-  if (WIFEXITED(end) && WEXITSTATUS(end) == HUNGRY) what = "it asks for more memory than any needs";
-  if (WIFEXITED(end) && WEXITSTATUS(end) == LOST) what = "not all that it lists can be read";
-  if (WIFEXITED(end) && WEXITSTATUS(end) == DEEP) what = "its groups lie too deep in each other";
+  if (WIFEXITED(end) && WEXITSTATUS(end) == PROBE_OUT_OF_MEMORY)
+    what = "it asks for more memory than any needs";
+  if (WIFEXITED(end) && WEXITSTATUS(end) == PROBE_INCOMPLETE)
+    what = "not all that it lists can be read";
+  if (WIFEXITED(end) && WEXITSTATUS(end) == PROBE_TOO_DEEP)
+    what = "its groups lie too deep in each other";
   return FAIL(STATUS_INPUT, "%s: is damaged (%s); make or copy it anew", path, what);
 }

@@ -7,7 +7,7 @@
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
 
-/* True when every link on the way to `name` is there and none leaves the file. */
+/* True if every link on the way to `name` exists and none leaves the file. */
 static bool path_inside(struct h5_file *file, const char *name) {
   char path[512];
   size_t length = strlen(name);
@@ -42,7 +42,7 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
   return STATUS_OK;
 }
 
-/* Only filters of HDF5 itself: a file must not make us load a plug-in. */
+/* Only filters of HDF5 itself are allowed: a file must not make the library load a plug-in. */
 bool h5_filters_known(hid_t set) {
   hid_t layout = H5Dget_create_plist(set);
   bool known = true;
@@ -78,20 +78,20 @@ cleanup:
   return status;
 }
 
-/* The widest number and the longest text of fixed length that any file of ours or others' holds;
- * the library makes room for what a damaged type claims, 4 GB a number. */
-#define WIDEST_NUMBER 16
-#define LONGEST_TEXT (1u << 24)
+/* Largest number and longest string of fixed length, in bytes, that valid files contain. The
+ * library allocates whatever a damaged type claims, up to 4 GB for a number. */
+#define NUMBER_BYTES_MAX 16
+#define TEXT_BYTES_MAX (1u << 24)
 
-/* Also truth values, which h5py writes as an enumeration of one byte. */
+/* Booleans count as numbers; h5py stores them as a one-byte enumeration. */
 static bool holds_numbers(hid_t stored) {
   H5T_class_t class = H5Tget_class(stored);
   if (class == H5T_ENUM) return H5Tget_size(stored) == 1;
-  return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= WIDEST_NUMBER;
+  return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= NUMBER_BYTES_MAX;
 }
 
 static bool holds_texts(hid_t stored) {
-  return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= LONGEST_TEXT;
+  return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= TEXT_BYTES_MAX;
 }
 
 enum status h5_number_format(struct h5_file *file, const char *name, int *bits, char *format) {
@@ -112,23 +112,23 @@ cleanup:
   return status;
 }
 
-/* Deflate packs at most 1032 bytes into one; beyond that, nothing was written, and the library
- * fills in as many numbers as the file claims. */
-#define PACKED_MOST 1100.0
-#define SMALL (1 << 24) /* bytes that may be filled in */
+/* Deflate compresses at most by a factor 1032. A higher ratio means that the data were never
+ * written, and the library would fill in as many numbers as the file claims. */
+#define DEFLATE_RATIO_MAX 1100.0
+#define UNCHECKED_BYTES (1 << 24) /* bytes up to which this is allowed */
 
 static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, const char *name) {
   const hid_t space = H5Dget_space(set);
   const double bytes = (double)H5Sget_simple_extent_npoints(space) * (double)H5Tget_size(stored);
   const double there = (double)H5Dget_storage_size(set);
   H5Sclose(space);
-  if (bytes <= SMALL || bytes <= PACKED_MOST * there) return STATUS_OK;
+  if (bytes <= UNCHECKED_BYTES || bytes <= DEFLATE_RATIO_MAX * there) return STATUS_OK;
   return FAIL(STATUS_INPUT,
               "%s: %s claims %.0f bytes, but the %.0f stored can hold at most %.0f; write it whole",
-              file->path, name, bytes, there, PACKED_MOST * there);
+              file->path, name, bytes, there, DEFLATE_RATIO_MAX * there);
 }
 
-/* `rows` of the slowest axis from `first` on; SIZE_MAX: all. */
+/* Reads `rows` rows of the slowest axis from `first` on; all rows if SIZE_MAX. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
                              size_t first, size_t rows, size_t *dims, void *data) {
   enum status status = STATUS_OK;
@@ -167,7 +167,8 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
     if (!size_multiply(count, shape[i], &count))
       TRY_FAIL(STATUS_INPUT, "%s: %s claims an impossible size", file->path, name);
   }
-  /* What is beyond the limit is refused as that; the rest is not even filled with zeros. */
+  /* If memory is insufficient the allocation below reports it; otherwise the stored size is checked
+   * before the memory is filled. */
   if (memory_has_room(count, h5_type_size(type))) TRY(check_storage(file, set, stored, name));
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
   if (rows == SIZE_MAX) TRY(h5_read_chunks(set, stored, type, rank, shape, values, &done));

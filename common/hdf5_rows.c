@@ -1,5 +1,6 @@
-/* One dataset written, or read, by all ranks. For writing the first rank has the file to itself but
- * here, where all open it together: so every file is laid out the same by any number of ranks. */
+/* One dataset written or read by all ranks. Only here do all ranks open a file for writing;
+ * otherwise the first rank alone does, so that the layout of a file does not depend on the number
+ * of ranks. */
 #include <stdint.h>
 #include <string.h>
 #include <unistd.h>
@@ -21,7 +22,7 @@ enum status h5_read_together(struct h5_file *file, const char *name, enum h5_typ
 }
 
 #else
-/* Rows [start[own], start[own + 1]); start is filled. */
+/* Reads the rows [start[own], start[own + 1]) of this rank; fills `start`. */
 static enum status read_own_rows(struct h5_file *file, const char *name, enum h5_type type,
                                  int rank, size_t *dims, size_t *start, size_t *row_bytes,
                                  char **data) {
@@ -131,7 +132,7 @@ enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type t
   layout = h5_dataset_layout(type, rank, whole_dims, compress);
   whole = H5Screate_simple(rank, full, NULL);
   set = H5Dcreate2(together, name, h5_disk_type(type), whole, H5P_DEFAULT, layout, H5P_DEFAULT);
-  /* All write, or none: who came alone would wait for ever. */
+  /* Either all ranks write or none does: a single rank would wait forever. */
   bool ready = set >= 0 && !output_fails();
   if (!ranks_any(!ready)) ready = write_rows(set, whole, type, rank, start, extent, data);
   if (!ready)

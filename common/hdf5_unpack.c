@@ -1,5 +1,5 @@
-/* Datasets as h5_dataset_layout makes them, read by several threads: HDF5 itself unpacks one chunk
- * after the other. */
+/* Reads datasets with the layout of h5_dataset_layout by several threads, as HDF5 itself
+ * decompresses one chunk after the other. */
 #include <omp.h>
 #include <string.h>
 #include <zlib.h>
@@ -7,27 +7,29 @@
 #include "common/hdf5_internal.h"
 #include "common/memory.h"
 
-/* Chunks on their way take no more than this part of what is read, twice. */
-#define SHARE_UNDER_WAY 16
+/* At most 1 / BATCH_DIVISOR of the chunks is decompressed at a time, each with two buffers. */
+#define BATCH_DIVISOR 16
 
-struct parts {
-  size_t item, components;    /* bytes of a number; numbers apart that lie together in memory */
-  size_t row;                 /* bytes of one step along the axis that is cut */
-  size_t length, step, count; /* of that axis, of a chunk along it, chunks along it */
-  size_t chunks, bytes;       /* all of them; of one, unpacked */
+struct layout {
+  /* Bytes of a number; components that are stored in chunks of their own. */
+  size_t item, components;
+  size_t row; /* bytes of one step along the axis that is cut */
+  /* Steps along that axis: of the dataset, of a chunk; number of chunks along it. */
+  size_t length, step, count;
+  size_t chunks, bytes; /* chunks of the dataset; bytes of a chunk, decompressed */
   int axis;
 };
 
 struct unpacked {
   unsigned char *packed, *shuffled;
-  size_t size; /* packed */
+  size_t size; /* compressed */
   uint32_t skipped;
 };
 
-/* Numbers as in memory, chunks that are runs of memory or of one component there, a shuffle and a
- * deflate: all else is left to HDF5. */
-static bool is_simple(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
-                      struct parts *parts) {
+/* Whether a dataset has numbers of the type in memory, contiguous chunks (or components in chunks
+ * of their own), and the filters shuffle and deflate. All others are left to HDF5. */
+static bool has_own_layout(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
+                           struct layout *layout) {
   hsize_t chunk[H5S_MAX_RANK] = {0};
   const hid_t list = H5Dget_create_plist(set);
   bool simple = H5Tequal(stored, h5_memory_type(type)) > 0 && rank > 0 &&
@@ -41,43 +43,44 @@ static bool is_simple(hid_t set, hid_t stored, enum h5_type type, int rank, cons
   }
   H5Pclose(list);
   const int axes = simple ? h5_chunk_axes(rank, dims, chunk) : 0;
-  *parts = (struct parts){.item = h5_type_size(type), .row = h5_type_size(type), .chunks = 1};
-  parts->components = axes < rank ? dims[rank - 1] : 1;
+  *layout = (struct layout){.item = h5_type_size(type), .row = h5_type_size(type), .chunks = 1};
+  layout->components = axes < rank ? dims[rank - 1] : 1;
   for (int i = 0; i < axes; i++)
-    if (chunk[i] < dims[i]) parts->axis = i;
+    if (chunk[i] < dims[i]) layout->axis = i;
   for (int i = 0; i < rank && simple; i++) {
     simple =
-        dims[i] > 0 && chunk[i] > 0 && chunk[i] <= dims[i] && (i >= parts->axis || chunk[i] == 1);
-    if (i < parts->axis) parts->chunks *= dims[i];
-    if (i > parts->axis) parts->row *= dims[i];
+        dims[i] > 0 && chunk[i] > 0 && chunk[i] <= dims[i] && (i >= layout->axis || chunk[i] == 1);
+    if (i < layout->axis) layout->chunks *= dims[i];
+    if (i > layout->axis) layout->row *= dims[i];
   }
   if (!simple) return false;
-  parts->length = dims[parts->axis];
-  parts->step = chunk[parts->axis];
-  parts->count = (parts->length + parts->step - 1) / parts->step;
-  parts->chunks *= parts->count * parts->components;
-  parts->bytes = parts->step * parts->row / parts->components;
+  layout->length = dims[layout->axis];
+  layout->step = chunk[layout->axis];
+  layout->count = (layout->length + layout->step - 1) / layout->step;
+  layout->chunks *= layout->count * layout->components;
+  layout->bytes = layout->step * layout->row / layout->components;
   return true;
 }
 
-/* False where the file holds no such chunk. */
-static bool take(hid_t set, const struct parts *parts, int rank, const size_t *dims, size_t chunk,
-                 size_t room, struct unpacked *into) {
+/* Reads a compressed chunk; false if the file has no such chunk. */
+static bool read_packed(hid_t set, const struct layout *layout, int rank, const size_t *dims,
+                        size_t chunk, size_t capacity, struct unpacked *into) {
   hsize_t at[H5S_MAX_RANK] = {0}, size = 0;
-  size_t before = chunk / parts->components;
-  if (parts->components > 1) at[rank - 1] = chunk % parts->components;
-  at[parts->axis] = before % parts->count * parts->step;
-  before /= parts->count;
-  for (int d = parts->axis; d-- > 0; before /= dims[d]) at[d] = before % dims[d];
-  if (H5Dget_chunk_storage_size(set, at, &size) < 0 || size == 0 || size > room) return false;
+  size_t before = chunk / layout->components;
+  if (layout->components > 1) at[rank - 1] = chunk % layout->components;
+  at[layout->axis] = before % layout->count * layout->step;
+  before /= layout->count;
+  for (int d = layout->axis; d-- > 0; before /= dims[d]) at[d] = before % dims[d];
+  if (H5Dget_chunk_storage_size(set, at, &size) < 0 || size == 0 || size > capacity) return false;
   into->size = (size_t)size;
   return H5Dread_chunk(set, H5P_DEFAULT, at, &into->skipped, into->packed) >= 0 &&
          into->skipped == 0;
 }
 
-/* Numbers from their bytes, which lie n apart, each `step` bytes after the one before. */
-static inline void spread(size_t item, const unsigned char *in, size_t n, size_t count, size_t step,
-                          char *to) {
+/* Reverses the shuffle: byte k of value i is at in[k * n + i]; values are written `step` bytes
+ * apart. */
+static inline void unshuffle(size_t item, const unsigned char *in, size_t n, size_t count,
+                             size_t step, char *to) {
   if (step == item && item != 4) {
     for (size_t k = 0; k < item; k++)
       for (size_t i = 0; i < count; i++) to[i * item + k] = (char)in[k * n + i];
@@ -87,54 +90,54 @@ static inline void spread(size_t item, const unsigned char *in, size_t n, size_t
     for (size_t k = 0; k < item; k++) to[i * step + k] = (char)in[k * n + i];
 }
 
-static bool unpack(const struct parts *parts, size_t chunk, struct unpacked *from, char *data) {
-  const size_t component = chunk % parts->components, at = chunk / parts->components;
-  const size_t first = at % parts->count * parts->step, left = parts->length - first;
-  const size_t item = parts->item, n = parts->bytes / item, step = item * parts->components;
-  const size_t count = (left < parts->step ? left : parts->step) * parts->row / step;
-  char *to = data + (at / parts->count * parts->length + first) * parts->row + component * item;
-  uLong size = parts->bytes;
-  if (uncompress(from->shuffled, &size, from->packed, from->size) != Z_OK || size != parts->bytes)
+static bool unpack(const struct layout *layout, size_t chunk, struct unpacked *from, char *data) {
+  const size_t component = chunk % layout->components, at = chunk / layout->components;
+  const size_t first = at % layout->count * layout->step, left = layout->length - first;
+  const size_t item = layout->item, n = layout->bytes / item, step = item * layout->components;
+  const size_t count = (left < layout->step ? left : layout->step) * layout->row / step;
+  char *to = data + (at / layout->count * layout->length + first) * layout->row + component * item;
+  uLong size = layout->bytes;
+  if (uncompress(from->shuffled, &size, from->packed, from->size) != Z_OK || size != layout->bytes)
     return false;
   if (step == 1)
     memcpy(to, from->shuffled, count);
   else if (item == 4)
-    spread(4, from->shuffled, n, count, step, to);
+    unshuffle(4, from->shuffled, n, count, step, to);
   else if (item == 8)
-    spread(8, from->shuffled, n, count, step, to);
+    unshuffle(8, from->shuffled, n, count, step, to);
   else
-    spread(item, from->shuffled, n, count, step, to);
+    unshuffle(item, from->shuffled, n, count, step, to);
   return true;
 }
 
 enum status h5_read_chunks(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
                            void *data, bool *done) {
   enum status status = STATUS_OK;
-  size_t batch = 2 * (size_t)omp_get_max_threads(), made = 0;
-  struct parts parts;
+  size_t batch = 2 * (size_t)omp_get_max_threads(), allocated = 0;
+  struct layout layout;
   struct unpacked *chunks = NULL;
   *done = false;
-  if (!is_simple(set, stored, type, rank, dims, &parts)) return STATUS_OK;
-  if (batch > parts.chunks / SHARE_UNDER_WAY) batch = parts.chunks / SHARE_UNDER_WAY;
+  if (!has_own_layout(set, stored, type, rank, dims, &layout)) return STATUS_OK;
+  if (batch > layout.chunks / BATCH_DIVISOR) batch = layout.chunks / BATCH_DIVISOR;
   if (batch < 2) return STATUS_OK;
-  const size_t room = compressBound(parts.bytes);
+  const size_t capacity = compressBound(layout.bytes);
   TRY(memory_allocate(&chunks, batch, sizeof *chunks, "chunks"));
-  for (; made < batch; made++) {
-    TRY(memory_allocate(&chunks[made].packed, room + parts.bytes, 1, "chunks"));
-    chunks[made].shuffled = chunks[made].packed + room;
+  for (; allocated < batch; allocated++) {
+    TRY(memory_allocate(&chunks[allocated].packed, capacity + layout.bytes, 1, "chunks"));
+    chunks[allocated].shuffled = chunks[allocated].packed + capacity;
   }
   bool good = true;
-  for (size_t first = 0; first < parts.chunks && good; first += batch) {
-    const size_t n = parts.chunks - first < batch ? parts.chunks - first : batch;
+  for (size_t first = 0; first < layout.chunks && good; first += batch) {
+    const size_t n = layout.chunks - first < batch ? layout.chunks - first : batch;
     for (size_t i = 0; i < n && good; i++)
-      good = take(set, &parts, rank, dims, first + i, room, &chunks[i]);
+      good = read_packed(set, &layout, rank, dims, first + i, capacity, &chunks[i]);
     if (!good) break;
 #pragma omp parallel for schedule(dynamic) reduction(&& : good)
-    for (size_t i = 0; i < n; i++) good = unpack(&parts, first + i, &chunks[i], data) && good;
+    for (size_t i = 0; i < n; i++) good = unpack(&layout, first + i, &chunks[i], data) && good;
   }
   *done = good;
 cleanup:
-  for (size_t i = 0; i < made; i++) memory_free(&chunks[i].packed);
+  for (size_t i = 0; i < allocated; i++) memory_free(&chunks[i].packed);
   memory_free(&chunks);
   return status;
 }

@@ -10,8 +10,8 @@
 #include "common/ranks.h"
 
 static volatile sig_atomic_t requested;
-static atomic_long questions; /* of a test: until the one that is answered with yes */
-static char said[256];
+static atomic_long queries_left; /* for tests: queries left until one is answered with yes */
+static char notice[256];
 
 static void on_signal(int number) {
   if (requested) {
@@ -20,18 +20,18 @@ static void on_signal(int number) {
     return;
   }
   requested = 1;
-  /* Of what a handler may call, write(2) alone says something. */
-  const ssize_t ignored = write(STDERR_FILENO, said, strlen(said));
+  /* Of the output functions only write(2) may be called in a signal handler. */
+  const ssize_t ignored = write(STDERR_FILENO, notice, strlen(notice));
   (void)ignored;
 }
 
 void interrupt_start(const char *doing) {
-  said[0] = '\0';
+  notice[0] = '\0';
   if (log_level() > LOG_QUIET) {
     const char *parts[] = {isatty(STDERR_FILENO) ? "\r\033[K" : "", log_program(),
                            ": stopping: ", doing, "\n"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
-      strncat(said, parts[i], sizeof said - strlen(said) - 1);
+      strncat(notice, parts[i], sizeof notice - strlen(notice) - 1);
   }
   requested = 0;
   struct sigaction action = {.sa_handler = on_signal};
@@ -40,8 +40,8 @@ void interrupt_start(const char *doing) {
 }
 
 bool interrupt_requested(void) {
-  if (atomic_load_explicit(&questions, memory_order_relaxed) > 0 &&
-      atomic_fetch_sub(&questions, 1) == 1)
+  if (atomic_load_explicit(&queries_left, memory_order_relaxed) > 0 &&
+      atomic_fetch_sub(&queries_left, 1) == 1)
     requested = 1;
   return requested != 0;
 }
@@ -60,5 +60,5 @@ enum status interrupt_look(void) {
 
 long interrupt_after(long n) {
   requested = 0;
-  return atomic_exchange(&questions, n);
+  return atomic_exchange(&queries_left, n);
 }

@@ -1,5 +1,5 @@
-/* Ctrl-C and its kin: the first signal says "stopping" at once and is noted, for loops to end in
- * order; a second one ends the program. */
+/* Handling of SIGINT and SIGTERM: the first signal prints "stopping" at once and is recorded, so
+ * that loops can end in an orderly way; a second one ends the program. */
 #ifndef TOSUI_COMMON_INTERRUPT_H
 #define TOSUI_COMMON_INTERRUPT_H
 
@@ -7,22 +7,24 @@
 
 #include "common/error.h"
 
-/* From here on SIGINT and SIGTERM are noted; `doing` ("writing a checkpoint; ...") is said
- * behind "stopping" and is copied. */
+/* Handles SIGINT and SIGTERM from here on; `doing` ("writing a checkpoint; ...") is copied and
+ * printed behind "stopping". */
 void interrupt_start(const char *doing);
-/* Whether one has come: costs a load. Of this process alone: ranks have to agree by themselves. */
+/* Whether a signal has been received by this process; ranks have to agree among themselves. Costs a
+ * single load. */
 bool interrupt_requested(void);
-/* The same where there is one process, for loops without an agreement between ranks: with several
- * always false. */
+/* The same for loops in which ranks do not communicate: always false with more than one rank. */
 bool interrupt_alone(void);
-/* STATUS_INTERRUPTED then, between the stages of long work, and after loops that were left. */
+/* STATUS_INTERRUPTED after a signal, as interrupt_alone: to be called between the stages of long
+ * work and after loops that were left. */
 enum status interrupt_look(void);
 
-/* Whether one has come, for what is done at the end anyway: no question of those below. */
+/* Whether a signal has been received, for work that is done at the end in any case: not counted by
+ * interrupt_after. */
 bool interrupt_came(void);
 
-/* For tests: the n-th question from now on is answered as if a signal had come, as are those after
- * it; 0: none is. What came before is forgotten. Returns how many were left. */
+/* For tests: the n-th query from now on, and all after it, are answered as if a signal had been
+ * received; 0: none is. Earlier signals are forgotten. Returns how many queries were left. */
 long interrupt_after(long n);
 
 #endif

@@ -1,5 +1,5 @@
-/* Numbers and texts in JSON, which has no NaN, no infinity and no bytes but UTF-8. jansson gives no
- * value at all for those, and json_pack then none for the whole object. */
+/* Numbers and texts in JSON, which has no NaN, no infinity and only UTF-8. jansson returns NULL for
+ * these, and json_pack then returns NULL for the whole object. */
 #ifndef TOSUI_COMMON_JSON_NUMBER_H
 #define TOSUI_COMMON_JSON_NUMBER_H
 
@@ -7,7 +7,7 @@
 #include <math.h>
 #include <stddef.h>
 
-/* What is not known is null. */
+/* A number; null if it is not finite. */
 static inline json_t *json_number(double value) {
   return isfinite(value) ? json_real(value) : json_null();
 }
@@ -22,7 +22,7 @@ static inline void json_put_number(json_t *object, const char *key, double value
   json_object_set_new(object, key, json_number(value));
 }
 
-/* Of a text that is not UTF-8 what is readable, at most 255 bytes. */
+/* A text; if it is not valid UTF-8, its readable characters, at most 255 bytes. */
 static inline json_t *json_text(const char *text) {
   json_t *value = json_string(text);
   if (value != NULL) return value;
@@ -33,7 +33,7 @@ static inline json_t *json_text(const char *text) {
   return json_stringn(ascii, n);
 }
 
-/* The number of that name in an object; NAN: there is none. */
+/* The number of that name in an object, or NAN. */
 static inline double json_number_or_nan(const json_t *object, const char *key) {
   const json_t *value = json_object_get(object, key);
   return json_is_number(value) ? json_number_value(value) : NAN;

@@ -12,12 +12,13 @@
 
 enum kernel { KERNEL_QUINTIC, KERNEL_CUBIC, KERNEL_WENDLAND, KERNELS };
 
-/* "quintic", ..., ended by NULL. */
+/* "quintic", ...; ends with NULL. */
 extern const char *const kernel_names[KERNELS + 1];
-/* What prose calls the kernel of a name, as "quintic spline"; the name itself where it is none. */
+/* The kernel in words, such as "quintic spline"; the name itself if it is unknown. */
 const char *kernel_in_words(const char *name);
 /* Support radius over smoothing length: 3 or 2. */
 double kernel_support_ratio(enum kernel kernel);
+/* W(r, h), in m^-dimensions for r and h in m. */
 double kernel_w(enum kernel kernel, int dimensions, double r, double h);
 /* dW/dr, never positive. */
 double kernel_dw(enum kernel kernel, int dimensions, double r, double h);

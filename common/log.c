@@ -11,9 +11,9 @@
 
 static const char *program = "tosui";
 static enum log_level level = LOG_NORMAL;
-static bool line_is_live; /* a progress line stands on the terminal, without an end */
+static bool line_is_live; /* the terminal shows a progress line without a line end */
 
-/* What is told next takes the place of a live line. */
+/* Erases a progress line, so that the next message takes its place. */
 static void clear_live_line(void) {
   if (line_is_live) fputs("\r\033[K", stderr);
   line_is_live = false;

@@ -1,5 +1,5 @@
-/* What a person reads while a program runs. Results go to stdout by the programs; everything here
- * goes to stderr. */
+/* Messages for people while a program runs, on stderr. The programs themselves write results to
+ * stdout. */
 #ifndef TOSUI_COMMON_LOG_H
 #define TOSUI_COMMON_LOG_H
 
@@ -13,22 +13,22 @@ void log_start(const char *program, enum log_level level);
 const char *log_program(void);
 enum log_level log_level(void);
 
-/* A line on stderr: of interest to all (not with --quiet), or with --verbose only. */
+/* A line on stderr, unless --quiet; log_verbose only with --verbose. */
 void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
 void log_verbose(const char *format, ...) __attribute__((format(printf, 1, 2)));
 /* "PROGRAM: warning: ..."; shown at every level but quiet. */
 void log_warning(const char *format, ...) __attribute__((format(printf, 1, 2)));
-/* "PROGRAM: MESSAGE" from the pending error; with --verbose its trail. */
+/* "PROGRAM: MESSAGE" from the pending error; with --verbose also its trail. */
 void log_pending_error(void);
 
 /* Seconds on a monotonic clock. */
 double clock_seconds(void);
-/* Processor seconds of this process, all threads. */
+/* Processor time of this process, summed over its threads, in s. */
 double clock_processor_seconds(void);
 
-/* Progress with rate and ETA: a live line on a terminal, one line every 10 s elsewhere, nothing
- * when quiet. Without a `unit` no rate is shown. `note` (may be NULL) is appended, e.g. "k 0.154
- * cm/s, density +1.2 %". */
+/* Progress with rate and remaining time: a line that is overwritten on a terminal, one line every
+ * 10 s elsewhere, nothing with --quiet. Without a `unit` no rate is shown. `note` (may be NULL) is
+ * appended, e.g. "k 0.154 cm/s, density +1.2 %". */
 struct progress {
   const char *what, *unit;
   double total, started, last;

@@ -9,25 +9,25 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-/* A header in front of each block holds its size, so that the bytes in use can be counted, and how
- * far before it the memory begins. */
+/* Size of the header before each block, in bytes. It holds the size of the block, to count the
+ * bytes in use, and the distance from the start of the underlying allocation. */
 #define HEADER 64
 
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static size_t in_use, peak, limit;
-static bool (*asked)(void);
+static bool (*test_fails)(void);
 
 bool size_multiply(size_t a, size_t b, size_t *product) {
   return !__builtin_mul_overflow(a, b, product);
 }
 
-/* Counts `bytes` more than *held as in use; false when that is over the limit or a test wants this
- * allocation to fail. */
+/* Counts `bytes` as in use, in addition to *held; false if that exceeds the limit or a test wants
+ * this allocation to fail. */
 static bool reserve(size_t bytes, bool *over_limit, size_t *held) {
   pthread_mutex_lock(&lock);
   *held = in_use;
   if (limit == 0) limit = (size_t)sysconf(_SC_PHYS_PAGES) * (size_t)sysconf(_SC_PAGE_SIZE);
-  bool injected = asked != NULL && asked();
+  bool injected = test_fails != NULL && test_fails();
   *over_limit = bytes > limit || in_use > limit - bytes;
   bool ok = !injected && !*over_limit;
   if (ok) {
@@ -57,7 +57,7 @@ static size_t *block_size(void *data) {
   return (size_t *)(void *)((char *)data - HEADER);
 }
 
-/* Where the memory begins in a block of 2 HEADER more bytes, its header written. */
+/* Writes the header and returns the aligned memory behind it; `start` has 2 HEADER more bytes. */
 static void *place(char *start, size_t bytes) {
   char *data = start + (2 * HEADER - (size_t)start % HEADER);
   block_size(data)[0] = bytes;
@@ -66,9 +66,9 @@ static void *place(char *start, size_t bytes) {
   return data;
 }
 
-/* Where the system grants pages of 2 MB on request, a large block has them: touching a page for the
- * first time takes as long for 2 MB as for 4 kB, but for its zeros, and fewer addresses miss the TLB.
- * Smaller blocks would hold more than they use. A system without them answers no, which is fine. */
+/* Requests pages of 2 MB for a large block. The first access to such a page takes hardly longer
+ * than to one of 4 kB, apart from zeroing, and the TLB is missed less often. Smaller blocks would
+ * occupy more than they use. The request may be refused, which does no harm. */
 #define LARGE_PAGE ((size_t)2 << 20)
 static void ask_for_large_pages(char *start, size_t bytes) {
 #ifdef MADV_HUGEPAGE
@@ -96,7 +96,8 @@ enum status memory_allocate(void *pointer, size_t count, size_t size, const char
                   what, (double)bytes / 1e6, (double)held / 1e6, (double)limit / 1e6);
     return FAIL(STATUS_RUN, "memory for %s: %.1f MB could not be had", what, (double)bytes / 1e6);
   }
-  /* Large blocks are new pages, which are empty, and come into being where they are first used. */
+  /* calloc takes large blocks from new pages, which are zero and use memory only once they are
+   * touched. */
   char *start = calloc(with_header, 1);
   if (start == NULL) {
     release(bytes);
@@ -135,7 +136,7 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
   bool over_limit;
   char *data = NULL;
   memcpy(pointer, &data, sizeof data);
-  /* A size that cannot be addressed is told there too. */
+  /* Sizes that cannot be addressed are reported by memory_allocate. */
   if (used >= count || !size_multiply(count, size, &bytes) ||
       __builtin_add_overflow(bytes, (size_t)(2 * HEADER), &with_header))
     return memory_allocate(pointer, count, size, what);
@@ -151,7 +152,7 @@ enum status memory_allocate_sparse(void *pointer, size_t count, size_t size, siz
   return STATUS_OK;
 }
 
-/* The header lies in a page of this process before the file's. */
+/* The header is in a private page in front of the mapped file. */
 enum status memory_map(void *pointer, int file, size_t bytes, size_t own, const char *what) {
   const size_t page = (size_t)sysconf(_SC_PAGE_SIZE), length = page + bytes;
   const int access = PROT_READ | PROT_WRITE;
@@ -228,5 +229,5 @@ void memory_set_limit(size_t bytes) {
   limit = bytes;
 }
 void memory_ask_fails(bool (*fails)(void)) {
-  asked = fails;
+  test_fails = fails;
 }

@@ -57,7 +57,7 @@ static enum status read_optional_field(struct h5_file *file, const char *name,
                h5_path(file), name, dims[0], dims[1], dims[2], model->size[2], model->size[1],
                model->size[0]);
   size_t count = model_site_count(model);
-  const double slack = 1e-5 * (high - low); /* of sums that round */
+  const double slack = 1e-5 * (high - low); /* tolerance for rounding of sums */
   size_t beyond = 0;
 #pragma omp parallel for schedule(static) reduction(+ : beyond)
   for (size_t i = 0; i < count; i++) beyond += !((*values)[i] >= low && (*values)[i] <= high);
@@ -80,7 +80,7 @@ static enum status read_optional_number(struct h5_file *file, const char *attrib
   return h5_read_attribute(file, "/model", attribute, H5_F64, 1, value);
 }
 
-/* Distances of another sign or unit than the contract's give a k, and a wrong one. */
+/* Wall distances of the wrong sign or unit would silently give a wrong k. */
 static enum status check_distances(const char *path, const struct voxel_model *model,
                                    size_t grains) {
   const size_t count = model_site_count(model);
@@ -109,9 +109,9 @@ static enum status check_distances(const char *path, const struct voxel_model *m
   return STATUS_OK;
 }
 
-/* Porosity and permeability of soil go together, where no grain is. A pore as wide as a voxel has a
- * permeability of some tenth of its square: soil of more than that square has pores that are to be
- * resolved. */
+/* Porosity and permeability of soil must be given together, and only outside of grains. A pore as
+ * wide as a voxel has a permeability of some tenths of the voxel's squared edge; soil with a
+ * permeability above the squared edge has pores that should be resolved. */
 static enum status check_micro(const char *path, const struct voxel_model *model) {
   static const char NAMES[] = "/model/micro_porosity and /model/micro_permeability";
   const double voxel = cbrt(model->spacing[0] * model->spacing[1] * model->spacing[2]);
@@ -189,7 +189,7 @@ enum status model_read(const char *path, struct voxel_model *model) {
   }
   TRY(read_optional_number(file, "void_ratio_measured", &model->void_ratio_measured));
   TRY(read_optional_number(file, "threshold", &model->threshold));
-  /* Counted, not read: the attribute is for people, and may be another's. */
+  /* Counted rather than read: the attribute is informative only and may belong to another model. */
   model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
   TRY(read_optional_field(file, "/model/micro_porosity", model, 0, 1, &model->micro_porosity));
   TRY(read_optional_field(file, "/model/micro_permeability", model, 0, 1,

@@ -24,7 +24,7 @@ struct given {
 
 struct options {
   const struct option_table *table;
-  struct option_entry entries[ENTRY_MAX]; /* the program's, then the common ones */
+  struct option_entry entries[ENTRY_MAX]; /* those of the program, then the common ones */
   size_t entry_count;
   const struct option_command *command;
   struct given given[VALUE_MAX];
@@ -139,7 +139,7 @@ const char *nearest_name(const char *word, const char *const *names) {
   size_t least = strlen(word) / 3 + 1;
   for (; *names; names++) {
     size_t distance = edit_distance(word, *names);
-    /* A word that begins the other ("visc" for "viscosity") is near too. */
+    /* A word that is the beginning of the other counts as near ("visc" for "viscosity"). */
     size_t n = strlen(word);
     if (n >= 3 && !strncmp(word, *names, n)) distance = 1;
     if (distance <= least && (best == NULL || distance < least)) {
@@ -245,12 +245,12 @@ cleanup:
 }
 
 /* "0", "255" or "0=pore,1=grain" */
-static bool is_number_or_pairs(const char *word) {
+static bool is_optional_value(const char *word) {
   const size_t digits = strspn(word, "0123456789");
   return digits > 0 && (word[digits] == '\0' || word[digits] == '=');
 }
 
-/* The program's options and the common ones, and as getopt_long wants them. */
+/* Lists the program's options and the common ones, also in the form that getopt_long takes. */
 static enum status list_entries(struct options *options, struct option longs[ENTRY_MAX + 1],
                                 char shorts[2 * ENTRY_MAX + 3]) {
   const size_t common = sizeof common_entries / sizeof *common_entries;
@@ -272,24 +272,25 @@ static enum status list_entries(struct options *options, struct option longs[ENT
   return STATUS_OK;
 }
 
-/* Whether two options set one thing: PATH=VALUE is given once for each path. */
-static bool is_again(const struct given *a, const struct given *b) {
+/* Whether two options set the same value. An option PATH=VALUE may be repeated for different
+ * paths. */
+static bool sets_same_value(const struct given *a, const struct given *b) {
   const char *metavar = a->entry->metavar;
   if (a->entry != b->entry || metavar == NULL) return false;
   if (metavar[0] == '[' || strchr(metavar, '=') == NULL) return true;
   return strncmp(a->value, b->value, strcspn(a->value, "=") + 1) == 0;
 }
 
-/* Of what is given more than once the last value counts, and that is told in a line. */
+/* If an option is repeated its last value is used, and a warning says so. */
 static void warn_of_repeats(const struct options *options) {
   const struct given *given = options->given;
   for (size_t i = 0; i < options->given_count; i++) {
     size_t before = 0, last = i;
     bool other = false;
-    while (before < i && !is_again(&given[before], &given[i])) before++;
-    if (before < i) continue; /* told */
+    while (before < i && !sets_same_value(&given[before], &given[i])) before++;
+    if (before < i) continue; /* already reported */
     for (size_t j = i + 1; j < options->given_count; j++)
-      if (is_again(&given[i], &given[j])) {
+      if (sets_same_value(&given[i], &given[j])) {
         other |= strcmp(given[i].value, given[j].value) != 0;
         last = j;
       }
@@ -328,7 +329,7 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
   TRY(list_entries(options, longs, shorts));
   TRY(join_command_line(options, argc, argv));
 
-  /* The command is the first word that is no option. */
+  /* The subcommand is the first word that is not an option. */
   int first = 1;
   if (argc > 1 && argv[1][0] != '-') {
     for (const struct option_command *c = table->commands; c->name; c++)
@@ -336,7 +337,7 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
     if (options->command == NULL) TRY(refuse_command(table, argv[1]));
     first = 2;
   }
-  optind = 0; /* GNU: start anew */
+  optind = 0; /* GNU extension: restart the scan */
   opterr = 0;
   int count = argc - first + 1;
   char **words = argv + first - 1;
@@ -360,10 +361,10 @@ enum status options_parse(const struct option_table *table, int argc, char **arg
       TRY(refuse_option(options, entry != NULL ? entry->name : word));
     if (options->given_count == VALUE_MAX)
       TRY_FAIL(STATUS_USAGE, "more than %d options", VALUE_MAX);
-    /* A value that may be left out stands behind a space too, where it cannot be a file's name. */
+    /* An optional value may also follow as a separate word, if that cannot be a file name. */
     // NOLINTNEXTLINE: no entry is refused above
     if (entry->metavar != NULL && entry->metavar[0] == '[' && optarg == NULL)
-      optarg = optind < count && is_number_or_pairs(words[optind]) ? words[optind++] : "";
+      optarg = optind < count && is_optional_value(words[optind]) ? words[optind++] : "";
     if (strcmp(entry->name, "output") == 0 && optarg != NULL && strcmp(optarg, "-") == 0)
       TRY_FAIL(STATUS_USAGE, "-o -: files are written, not standard output; give a name");
     options->given[options->given_count++] = (struct given){entry, optarg};

@@ -10,7 +10,7 @@
 #include "common/interrupt.h"
 #include "common/memory.h"
 
-#define LINKS_MOST 40 /* as Linux */
+#define LINKS_MAX 40 /* symbolic links followed at most, as in Linux */
 
 static bool (*asked)(void);
 
@@ -24,8 +24,8 @@ void output_ask_fails(bool (*fails)(void)) {
   asked = fails;
 }
 
-/* Inputs by what they are, not by name; kept to the end of the program, outside the memory that
- * is counted. */
+/* Input files, identified by device and inode instead of by name. Kept until the program ends, in
+ * memory that is not counted. */
 static struct {
   dev_t device;
   ino_t number;
@@ -69,7 +69,7 @@ enum status output_follow(const char *path, char target[OUTPUT_NAME_MAX]) {
   if (length >= OUTPUT_NAME_MAX)
     return FAIL(STATUS_USAGE, "%.40s...: the name of an output is too long", path);
   memcpy(target, path, length + 1);
-  for (int hop = 0; hop < LINKS_MOST; hop++) {
+  for (int hop = 0; hop < LINKS_MAX; hop++) {
     const ssize_t got = readlink(target, link, sizeof link);
     if (got < 0) return STATUS_OK;
     const char *slash = link[0] == '/' ? NULL : strrchr(target, '/');

@@ -19,7 +19,8 @@ static bool forced;
 
 void output_start(bool force) {
   forced = force;
-  signal(SIGXFSZ, SIG_IGN); /* past the limit of a file's size a write fails, and is told */
+  /* Writing beyond the limit on file sizes then fails with an error message. */
+  signal(SIGXFSZ, SIG_IGN);
   output_note_inputs();
 }
 
@@ -43,7 +44,7 @@ bool output_is_product(const char *path) {
   size_t got = fread(text, 1, sizeof text, file);
   bool ours = got == 0 || bears_mark(text, got);
   const bool hdf5 = got >= 8 && memcmp(text, SIGNATURE, 8) == 0;
-  /* The tags of an image stand behind its pixels. */
+  /* In an image the tags may follow the pixels. */
   if (!ours && !hdf5 && fseek(file, -(long)sizeof text, SEEK_END) == 0) {
     got = fread(text, 1, sizeof text, file);
     ours = bears_mark(text, got);
@@ -60,7 +61,7 @@ enum status output_name(const char *path, const char *const *endings, const char
   const bool has_one = dot != NULL && dot != base && isalpha((unsigned char)dot[1]);
   bool known = false;
   for (int i = 0; has_one && !known && endings[i] != NULL; i++) known = !strcmp(dot, endings[i]);
-  /* What is a folder or a device is refused for that by output_allow. */
+  /* Folders and devices are refused by output_allow. */
   const bool other = stat(path, &info) == 0 && !S_ISREG(info.st_mode);
   if (has_one && !known && !other)
     return FAIL(STATUS_USAGE, "-o %s: %s; name it %s", path, kind, endings[0]);
@@ -82,8 +83,9 @@ static enum status check_folder(const char *path) {
                 strerror(errno));
   if (!S_ISDIR(info.st_mode))
     return FAIL(STATUS_RUN, "%s: cannot be written: %s is no folder", path, folder);
-  /* Made and removed again: permissions alone do not tell of file systems that take no file, nor of
-   * a name too long for one. The name is one of its own, for ranks beside this one ask too. */
+  /* A trial file is created and removed: permissions do not tell about file systems that accept no
+   * files or about names that are too long. Its name is unique, because other ranks may test too.
+   */
   char probe[OUTPUT_NAME_MAX + 8];
   snprintf(probe, sizeof probe, "%s.XXXXXX", path);
   const int file = mkstemp(probe);

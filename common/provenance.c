@@ -21,7 +21,7 @@ enum status hash_file_start(const char *path, uint64_t size, uint64_t *hash) {
   enum status status = STATUS_OK;
   FILE *file = fopen(path, "rb");
   if (file == NULL) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  char block[1 << 16]; /* stays in the nearest cache */
+  char block[1 << 16]; /* small enough for the L1 or L2 cache */
   XXH3_state_t *state = XXH3_createState();
   if (state == NULL) TRY_FAIL(STATUS_RUN, "memory for a hash could not be had");
   setvbuf(file, NULL, _IONBF, 0);
@@ -85,8 +85,8 @@ bool provenance_is_ours(const char *path) {
   struct h5_file *file = NULL;
   bool ours = false;
   if (h5_open_output(path, &file) == STATUS_OK) {
-    /* A snapshot names its time and step, a checkpoint what the recorder holds; tracks of walkers
-     * hold the times and numbers of these. */
+    /* Files without /provenance are recognised by their attributes: time and step of a snapshot,
+     * state of the recorder in a checkpoint, times and numbers in the tracks of walkers. */
     ours = (h5_exists(file, "/provenance") &&
             h5_attribute_exists(file, "/provenance", "schema_version")) ||
            (h5_exists(file, "/VTKHDF") && h5_attribute_exists(file, "/", "time") &&

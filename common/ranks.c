@@ -23,8 +23,10 @@ int ranks_end(enum status status) {
 #include <sys/resource.h>
 #include <unistd.h>
 
-#define PIECE ((size_t)1 << 30) /* bytes of a message at most: MPI counts them in an int */
-#define PATIENCE 2.0            /* s that ranks which failed wait for the others to fail too */
+/* bytes of a message at most: MPI counts them in an int */
+#define MESSAGE_BYTES_MAX ((size_t)1 << 30)
+/* s that failed ranks wait for the others to fail too, before they abort. */
+#define ABORT_DELAY 2.0
 
 static int own, count = 1;
 static struct ranks_traffic traffic;
@@ -39,7 +41,7 @@ static double processor_seconds(clockid_t clock) {
   return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
 
-/* Around all that waits for others; waiting may spin, and is no work. */
+/* Called around all communication that may wait. Waiting may spin, which is not counted as work. */
 static struct { double wall, processor; } began;
 static void wait_begin(void) {
   began.wall = clock_seconds();
@@ -58,7 +60,7 @@ void ranks_start(int *argc, char ***argv) {
   MPI_Comm_split_type(MPI_COMM_WORLD, MPI_COMM_TYPE_SHARED, own, MPI_INFO_NULL, &node);
   MPI_Comm_rank(node, &node_own);
   MPI_Comm_size(node, &node_count);
-  /* Results and messages are those of the first. */
+  /* Only the first rank prints results. */
   if (own > 0 && freopen("/dev/null", "w", stdout) == NULL) fclose(stdout);
 }
 
@@ -69,13 +71,13 @@ int ranks_end(enum status status) {
   MPI_Ibarrier(MPI_COMM_WORLD, &all);
   const double started = clock_seconds();
   for (MPI_Test(&all, &here, MPI_STATUS_IGNORE); !here; MPI_Test(&all, &here, MPI_STATUS_IGNORE)) {
-    if (status != STATUS_OK && clock_seconds() - started > PATIENCE) {
+    if (status != STATUS_OK && clock_seconds() - started > ABORT_DELAY) {
       if (own > 0) fprintf(stderr, "%s: rank %d: %s\n", log_program(), own, error_message());
       MPI_Abort(MPI_COMM_WORLD, (int)status);
     }
     usleep(1000);
   }
-  /* To finalize is also HDF5's end, which crashes on a file that a full disk left half closed. */
+  /* MPI_Finalize also ends HDF5, which crashes on a file left half closed by a full disk. */
   if (status != STATUS_OK) MPI_Abort(MPI_COMM_WORLD, (int)status);
   MPI_Finalize();
   free(pending);
@@ -124,7 +126,7 @@ void ranks_swap_counts(const size_t *send, size_t *receive) {
   wait_end();
 }
 
-/* The first of the worst tells the others what it met. */
+/* The first of the ranks with the most severe status broadcasts its error message. */
 enum status ranks_agree(enum status status) {
   char cause[512];
   const int worst = (int)ranks_max((double)status);
@@ -151,11 +153,11 @@ size_t ranks_offset(size_t mine, size_t *total) {
 void ranks_gather(void *data, const size_t *start, size_t size) {
   if (count == 1) return;
   wait_begin();
-  /* One after another. */
+  /* Ranks broadcast their items one after another. */
   for (int r = 0; r < count; r++) {
     char *from = (char *)data + start[r] * size;
     for (size_t left = (start[r + 1] - start[r]) * size; left > 0;) {
-      const int piece = (int)(left < PIECE ? left : PIECE);
+      const int piece = (int)(left < MESSAGE_BYTES_MAX ? left : MESSAGE_BYTES_MAX);
       MPI_Bcast(from, piece, MPI_BYTE, r, MPI_COMM_WORLD);
       if (r != own) traffic.gathered_bytes += (uint64_t)piece;
       from += piece;
@@ -165,9 +167,9 @@ void ranks_gather(void *data, const size_t *start, size_t size) {
   wait_end();
 }
 
-/* A file without a name in memory, which the others on this machine find by its process; -1: it
- * cannot be had. */
-static int open_together(size_t bytes) {
+/* An anonymous file in memory, which the other ranks on this machine open through /proc of its
+ * creator; -1 on failure. */
+static int open_shared_memory(size_t bytes) {
   struct {
     pid_t process;
     int file;
@@ -194,7 +196,7 @@ enum status node_allocate(void *pointer, size_t items, size_t size, const char *
   memcpy(pointer, &none, sizeof none);
   if (count == 1 || !size_multiply(items, size, &bytes) || bytes == 0)
     return memory_allocate(pointer, items, size, what);
-  const int file = open_together(bytes);
+  const int file = open_shared_memory(bytes);
   enum status status = STATUS_OK;
   if (ranks_any(file < 0))
     status = memory_allocate(pointer, items, size, what);
@@ -208,12 +210,12 @@ enum status node_allocate(void *pointer, size_t items, size_t size, const char *
 
 void node_share(void *data, const size_t *start, size_t size) {
   if (count == 1 || data == NULL) return;
-  /* Ranks on one machine write the same bytes into the same place. */
+  /* Ranks on one machine write to the same shared memory. */
   if (ranks_any(!memory_is_mapped(data) || node_count < count)) ranks_gather(data, start, size);
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-/* Where the next message is kept track of. */
+/* A free entry in the list of pending requests. */
 static MPI_Request *next_pending(void) {
   if (pending_count == pending_room) {
     pending_room = 2 * pending_room + 64;
@@ -224,13 +226,14 @@ static MPI_Request *next_pending(void) {
   return &pending[pending_count++];
 }
 
-/* Messages between two ranks keep their order, so that pieces arrive where they belong. */
+/* Messages between two ranks keep their order, so that the pieces of a long message arrive in
+ * sequence. */
 void ranks_send(const void *from, size_t bytes, int rank, int tag) {
   const char *next = from;
   traffic.messages++;
   traffic.bytes += bytes;
   do {
-    const size_t piece = bytes < PIECE ? bytes : PIECE;
+    const size_t piece = bytes < MESSAGE_BYTES_MAX ? bytes : MESSAGE_BYTES_MAX;
     MPI_Isend(next, (int)piece, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
     next += piece;
     bytes -= piece;
@@ -240,7 +243,7 @@ void ranks_send(const void *from, size_t bytes, int rank, int tag) {
 void ranks_receive(void *to, size_t bytes, int rank, int tag) {
   char *next = to;
   do {
-    const size_t piece = bytes < PIECE ? bytes : PIECE;
+    const size_t piece = bytes < MESSAGE_BYTES_MAX ? bytes : MESSAGE_BYTES_MAX;
     MPI_Irecv(next, (int)piece, MPI_BYTE, rank, tag, MPI_COMM_WORLD, next_pending());
     next += piece;
     bytes -= piece;

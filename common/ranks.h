@@ -1,6 +1,6 @@
-/* The processes that share a run. common/ranks.c is the only file that calls MPI; in a build
- * without it (MPI=0) there is one rank, and everything here is a constant that the compiler takes
- * away. "Collective": all ranks call it, in the same order. */
+/* The processes (ranks) that share a run. Only common/ranks.c calls MPI. In a build without it
+ * (MPI=0) there is one rank, and the functions here reduce to constants at compile time.
+ * "Collective": all ranks call the function, in the same order. */
 #ifndef TOSUI_COMMON_RANKS_H
 #define TOSUI_COMMON_RANKS_H
 
@@ -10,41 +10,47 @@
 
 #include "common/error.h"
 
-/* What went over the network from this rank since the start. */
+/* Communication of this rank since the start. */
 struct ranks_traffic {
-  uint64_t messages, bytes; /* between neighbours: ghosts */
-  uint64_t reductions;      /* sums, maxima and agreements of all */
+  uint64_t messages, bytes; /* between neighbours: ghost planes and particles */
+  uint64_t reductions;      /* sums, maxima and agreements over all ranks */
   uint64_t gathered_bytes;  /* received by ranks_gather */
-  double seconds;           /* spent in waiting for any of it */
-  double spun, busy;        /* processor seconds in waiting, and out of it */
+  double seconds;           /* spent waiting for communication */
+  double spun, busy;        /* processor time spent waiting, and otherwise, in s */
 };
 
 #ifdef TOSUI_MPI
 #define RANKS 1
 
-/* First in main, and last: prints the pending error once, whoever met it, and ends all ranks where
- * only some have failed. Returns the exit code. */
+/* ranks_start is the first call in main. ranks_end is the last: it prints the pending error once,
+ * whichever rank it occurred on, ends all ranks if only some have failed, and returns the exit
+ * code. */
 void ranks_start(int *argc, char ***argv);
 int ranks_end(enum status status);
+/* Number of ranks, and the number of this one, from 0. */
 int ranks_count(void);
 int ranks_own(void);
-/* Collective; the same bits on every rank. */
+/* Collective; bitwise equal results on every rank. */
 void ranks_sum_all(double *values, size_t count);
 void ranks_max_all(double *values, size_t count);
-/* The same of whole numbers, of any count. */
+/* The same for integers, in any number. */
 void ranks_sum_whole(int64_t *values, size_t count);
-/* Collective: send[r] goes to rank r, receive[r] comes from it. */
+/* Collective: send[r] is sent to rank r, receive[r] is received from it. */
 void ranks_swap_counts(const size_t *send, size_t *receive);
-/* Collective: a failure of one is a failure of all. */
+/* Collective: a failure on one rank becomes a failure on all. */
 enum status ranks_agree(enum status status);
-/* Collective: the sum of `own` over the ranks before this one; *total over all. */
+/* Collective: returns the sum of `own` over the ranks before this one; *total is the sum over
+ * all. */
 size_t ranks_offset(size_t own, size_t *total);
-/* Collective: rank r has items [start[r], start[r + 1]) of `size` bytes; then all have all. */
+/* Collective: rank r has the items [start[r], start[r + 1]) of `size` bytes; afterwards all ranks
+ * have all items. */
 void ranks_gather(void *data, const size_t *start, size_t size);
-/* Puts a message under way, and takes one of just as many bytes into `to`; both stay untouched
- * until ranks_wait. Messages between two ranks arrive in the order they were posted for a `tag`. */
+/* Start sending a message, and receiving one of the same length into `to`; neither buffer may be
+ * touched until ranks_wait. Messages between two ranks with the same `tag` arrive in the order of
+ * sending. */
 void ranks_send(const void *from, size_t bytes, int rank, int tag);
 void ranks_receive(void *to, size_t bytes, int rank, int tag);
+/* Waits for all messages posted by ranks_send and ranks_receive. */
 void ranks_wait(void);
 struct ranks_traffic ranks_traffic(void);
 

@@ -29,7 +29,7 @@ static enum status failed(const char *why) {
   return FAIL(STATUS_RUN, "the scratch file beside the results: %s", why);
 }
 
-/* Large transfers come in pieces. */
+/* Large transfers are split into pieces. */
 enum status scratch_write(const struct scratch_file *scratch, size_t offset, const void *data,
                           size_t size) {
   const char *from = data;

@@ -1,5 +1,5 @@
-/* A file without a name for what need not lie in memory: beside the results, on the same disk, and
- * gone with the process, however that ends. */
+/* An anonymous file for data that need not be in memory: in the folder of the results, and removed
+ * with the process however that ends. */
 #ifndef TOSUI_COMMON_SCRATCH_FILE_H
 #define TOSUI_COMMON_SCRATCH_FILE_H
 
@@ -9,12 +9,13 @@
 #include "common/error.h"
 
 struct scratch_file {
-  FILE *file; /* NULL: none */
+  FILE *file; /* NULL: not open */
 };
 
-/* `beside`: any path in the folder of the results. STATUS_RUN where none can be made there. */
+/* Opens a scratch file in the folder of `beside`, any path in the folder of the results. STATUS_RUN
+ * if that is impossible. */
 enum status scratch_open(const char *beside, struct scratch_file *scratch);
-/* `size` bytes from byte `offset` on; past the end, the file grows. */
+/* Writes or reads `size` bytes at byte `offset`. Writing past the end extends the file. */
 enum status scratch_write(const struct scratch_file *scratch, size_t offset, const void *data,
                           size_t size);
 enum status scratch_read(const struct scratch_file *scratch, size_t offset, void *data,

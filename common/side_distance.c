@@ -2,22 +2,23 @@
 
 #include <math.h>
 
-/* The way from a voxel's centre to the nearer of the outermost layers of centres; of one that lies
- * in such a layer, to the other. */
-static double room(size_t i, size_t n, double spacing) {
+/* Distance from a voxel centre to the nearer of the two outermost layers of centres; for a voxel in
+ * one of them, to the other one. */
+static double distance_to_side(size_t i, size_t n, double spacing) {
   if (i == 0 || i + 1 == n) return spacing * (double)(n - 1);
   return spacing * (double)(i < n - 1 - i ? i : n - 1 - i);
 }
 
-/* Nearly all of the way to the surface leads out, so that it says nothing of what is inside. */
-#define OUTWARD_MOST 0.95
+/* Largest direction cosine of the outward direction; beyond it the surface lies almost straight
+ * outwards and tells nothing about the inside. */
+#define OUTWARD_COSINE_MAX 0.95
 
-/* Of a voxel in an outermost layer: the distance to where its surface, taken as a plane, meets that
- * layer. By the cosines of its normal with the axes that lead out, from how much nearer it is than
- * the next voxel inside; of a surface that lies inside they are negative. INFINITY: nowhere near.
- */
-static float within_layer(const size_t n[3], const double spacing[3], const float *distance,
-                          const size_t at[3], const bool axes[3]) {
+/* For a voxel in an outermost layer: the distance within the layer to where its surface, taken as a
+ * plane, meets the layer. The direction cosines of the surface normal along the outward axes follow
+ * from the difference to the distance of the next voxel inside; they are negative if the surface
+ * lies inside. INFINITY if it does not meet the layer nearby. */
+static float distance_within_layer(const size_t n[3], const double spacing[3],
+                                   const float *distance, const size_t at[3], const bool axes[3]) {
   const size_t step[3] = {1, n[0], n[0] * n[1]}, i = at[0] + n[0] * (at[1] + at[2] * n[1]);
   const double own = fabs((double)distance[i]);
   double outward = 0.0;
@@ -28,14 +29,14 @@ static float within_layer(const size_t n[3], const double spacing[3], const floa
     const double cosine = fmin((fabs((double)next) - own) / spacing[a], 1.0);
     if (cosine > 0.0) outward += cosine * cosine;
   }
-  const bool meets = outward < OUTWARD_MOST * OUTWARD_MOST;
+  const bool meets = outward < OUTWARD_COSINE_MAX * OUTWARD_COSINE_MAX;
   return copysignf(meets ? (float)(own / sqrt(1.0 - outward)) : INFINITY, distance[i]);
 }
 
-/* The distance that the voxel's neighbours of the other phase leave it, by the nearest: the surface
- * lies between the two centres. INFINITY: none is there, or none has a distance of its own. */
-static float between(const size_t n[3], const double spacing[3], const float *distance,
-                     const size_t at[3]) {
+/* Distance of a voxel by its neighbours of the other phase, from the nearest: the surface lies
+ * between the two centres. INFINITY if there is no such neighbour with a known distance. */
+static float distance_from_neighbours(const size_t n[3], const double spacing[3],
+                                      const float *distance, const size_t at[3]) {
   const size_t step[3] = {1, n[0], n[0] * n[1]};
   const size_t i = at[0] + at[1] * step[1] + at[2] * step[2];
   const float own = distance[i];
@@ -54,8 +55,9 @@ static float between(const size_t n[3], const double spacing[3], const float *di
 void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool axes[3],
                           float *distance) {
   const size_t plane = n[0] * n[1];
-  /* The outermost layers, then what is next to the other phase, from distances that are still all
-   * there; then what is left. What is unknown keeps its phase until the end. */
+  /* Pass 0 corrects the outermost layers and pass 1 the voxels next to the other phase, both while
+   * neighbouring distances are still present; pass 2 marks the rest as unknown. Unknown values keep
+   * the sign of their phase until the end. */
   for (int pass = 0; pass < 3; pass++)
     for (size_t i = 0; i < plane * n[2]; i++) {
       const size_t at[3] = {i % n[0], i / n[0] % n[1], i / plane};
@@ -64,13 +66,13 @@ void side_distance_unwrap(const size_t n[3], const double spacing[3], const bool
       for (int a = 0; a < 3; a++) {
         if (!axes[a]) continue;
         outermost = outermost || at[a] == 0 || at[a] + 1 == n[a];
-        reach = fmin(reach, room(at[a], n[a], spacing[a]));
+        reach = fmin(reach, distance_to_side(at[a], n[a], spacing[a]));
       }
       const bool beyond = fabs((double)distance[i]) > reach;
       if (!isfinite(distance[i]) || !(outermost || beyond)) continue;
-      const float near = between(n, spacing, distance, at);
+      const float near = distance_from_neighbours(n, spacing, distance, at);
       if (pass == 0 && outermost && !beyond) {
-        distance[i] = within_layer(n, spacing, distance, at, axes);
+        distance[i] = distance_within_layer(n, spacing, distance, at, axes);
         if (!isfinite(distance[i])) distance[i] = near;
       } else if (beyond && pass == (isfinite(near) ? 1 : 2) && fabsf(near) > fabsf(distance[i])) {
         distance[i] = near;

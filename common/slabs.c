@@ -18,13 +18,13 @@ enum status slabs_make(size_t planes, const double *work, size_t unit, struct sl
   if (status == STATUS_OK)
     status = memory_allocate(&partition, ranks + 1, sizeof *partition, "slabs");
   if (status == STATUS_OK) status = memory_allocate(&heavy, units, sizeof *heavy, "slabs");
-  /* Zoltan copies the communicator, which no rank may leave alone. */
+  /* Zoltan duplicates the communicator, so that no rank may return before. */
   TRY(ranks_agree(status));
   for (size_t p = 0; p < planes; p++) {
     heavy[p / unit < units ? p / unit : units - 1] += work[p];
     total += work[p];
   }
-  /* Each rank tells Zoltan of some. */
+  /* Each rank passes a part of the items to Zoltan. */
   TRY(balance_partition(units, first, end - first, heavy + first, partition));
   for (size_t r = 0; r < ranks; r++) {
     double sum = 0;

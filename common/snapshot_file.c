@@ -24,8 +24,8 @@ cleanup:
   return status;
 }
 
-/* An UnstructuredGrid of one vertex cell (VTK type 1) per particle, of which this rank has `count`.
- */
+/* Cells of an UnstructuredGrid: one vertex cell (VTK type 1) per particle, `count` of them on this
+ * rank. */
 struct cells {
   size_t first, count;
 };
@@ -115,7 +115,8 @@ cleanup:
   return status;
 }
 
-/* As a JSON string, its end; `to` has room for six bytes to each of `text`. */
+/* Writes `text` as a JSON string and returns the end; `to` has space for six bytes per byte of
+ * `text`. */
 static char *quote(char *to, const char *text) {
   *to++ = '"';
   for (; *text != '\0'; text++) {

@@ -14,29 +14,31 @@ struct snapshot_field {
   enum h5_type type;
   int components;   /* 1 or 3 */
   const void *data; /* [count][components] */
-  /* Without data: makes it, when its turn has come, in memory that is given back at once; on all
-   * ranks, also where none is to be written. */
+  /* If `data` is NULL: computes the data when the field is written, into memory that is freed at
+   * once. Called on all ranks, even if this rank has no particles. */
   enum status (*fill)(const void *context, void *data);
   const void *context;
 };
 
-/* Which run a file of its flow belongs to: the hash of the velocities that its record has as well
- * (`flow_hash` of /run); 0 and no attribute where a run knows none. */
+/* Hash of the velocities, which links a file to the flow of a run: the run file has the same one
+ * (`flow_hash` of /run). 0 means unknown; the attribute is then omitted. */
 enum status flow_hash_write(struct h5_file *file, const char *group, uint64_t hash);
 uint64_t flow_hash_read(struct h5_file *file, const char *group);
-/* STATUS_INPUT where both files know theirs and they are unlike. */
+/* STATUS_INPUT if both files have a hash and they differ. */
 enum status flow_hash_check(const char *record_path, uint64_t record, const char *path,
                             struct h5_file *file);
 
-/* `points`: f64, 3 components, m. Root attribute `time` (s), `step`. Atomic. */
+/* Writes a snapshot, atomically. `points`: f64, 3 components, m. Root attributes `time` (s) and
+ * `step`. */
 enum status snapshot_write(const char *path, double time, int64_t step, uint64_t flow, size_t count,
                            const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields);
 
-/* Rewrites PREFIX.hdf.series, ParaView's list of the snapshots with their times. */
+/* Rewrites PREFIX.hdf.series, ParaView's list of the snapshots and their times. */
 enum status series_write(const char *path, size_t count, char *const *names, const double *times);
 
-/* Points [count][3] into new memory; then one field as f64 [count][components]. */
+/* snapshot_open reads the points [count][3] (m) into new memory; snapshot_read one field as f64
+ * [count][components]. */
 struct snapshot {
   double time;
   size_t count;

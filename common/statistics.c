@@ -68,7 +68,8 @@ enum status fit_linear(const double *x, const double *y, size_t n, int through_o
 
 double student_t95(double dof) {
   if (!(dof >= 1)) return NAN;
-  /* Exact to three digits where the expansion (Abramowitz, Stegun 26.7.5) is not. */
+  /* Exact to three digits for small `dof`, where the expansion (Abramowitz, Stegun 26.7.5) is
+   * inaccurate. */
   static const double small[] = {12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060};
   if (dof < 9) {
     int i = (int)dof;
@@ -90,8 +91,8 @@ void histogram(const double *values, size_t n, double low, double high, size_t b
   }
 }
 
-/* Moves the k-th smallest of n values to place k, none larger before it, none smaller behind it
- * (Wirth 1976, Algorithms + Data Structures, section 2.3.4). */
+/* Partially sorts n values such that value k is in its sorted place, with no larger one before it
+ * and no smaller one after it (Wirth 1976, Algorithms + Data Structures, section 2.3.4). */
 static void select_nth(double *values, long n, long k) {
   for (long low = 0, high = n - 1; low < high;) {
     const double pivot = values[k];

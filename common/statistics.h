@@ -1,4 +1,4 @@
-/* Means with their standard errors, fits, histograms. */
+/* Means with standard errors, fits, histograms. */
 #ifndef TOSUI_COMMON_STATISTICS_H
 #define TOSUI_COMMON_STATISTICS_H
 
@@ -6,18 +6,18 @@
 
 #include "common/error.h"
 
-/* Adds a value to a running sum and what rounding takes from it to `lost`: sum + lost is right to a
- * rounding of itself, however many are added (Neumaier 1974, ZAMM 54: 39). */
+/* Adds a value to a running sum, and its rounding error to `lost`: sum + lost has the relative
+ * accuracy of a single rounding for any number of terms (Neumaier 1974, ZAMM 54: 39). */
 void add_compensated(double *sum, double *lost, double value);
-/* Sum in a fixed order, compensated so. */
+/* Sum in a fixed order with add_compensated. */
 double sum_compensated(const double *values, size_t n);
 
 /* Mean of a correlated series and its standard error by batch means (Flegal, Jones 2010): about
  * sqrt(n) batches; the error is NAN for n < 4. */
 void batch_means(const double *values, size_t n, double *mean, double *standard_error);
 
-/* Least squares y = a + b x: coefficients, standard errors (NAN for n < 3), R^2. With
- * `through_origin` a = 0 and R^2 is about zero as for a model without intercept. */
+/* Least squares fit y = a + b x: coefficients, standard errors (NAN for n < 3) and R^2. With
+ * `through_origin` a = 0, and R^2 is taken about zero, as usual for a model without intercept. */
 struct linear_fit {
   double intercept, slope, intercept_error, slope_error, r_squared;
 };

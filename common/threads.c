@@ -11,7 +11,7 @@ void threads_wait_asleep(char **argv) {
   if (setenv("OMP_WAIT_POLICY", "passive", 1) != 0) return;
   if (setenv("GOMP_SPINCOUNT", "1000", 1) != 0) return;
   execv("/proc/self/exe", argv);
-  /* Where that is not possible the program runs on as it is. */
+  /* If the execution fails the program continues unchanged. */
 }
 
 static bool named;

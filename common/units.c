@@ -90,7 +90,7 @@ const char *dimension_example(struct dimension dimension) {
     struct dimension dimension;
     const char *example;
   } examples[] = {
-      /* of voxels, and of heads and domains; quotes are put around it */
+      /* For voxels, and for heads and domains; quotes are put around the text. */
       {{1, 0, 0}, "5.83um\" or \"0.3 m"},
       {{0, 0, 1}, "0.3 s"},
       {{1, 0, -1}, "1.5 m/s"},
@@ -112,7 +112,7 @@ static bool is_unit_character(unsigned char c) {
   return isalpha(c) || c == '%' || c >= 0x80;
 }
 
-/* The middle dot, and the superscripts that typeset units have; all of them UTF-8 with c2 first. */
+/* The middle dot and the superscripts of typeset units, in UTF-8 with c2 as first byte. */
 static bool is_middle_dot(const char *c) {
   return !strncmp(c, "\xc2\xb7", 2);
 }
@@ -120,12 +120,13 @@ static int superscript(const char *c) {
   return !strncmp(c, "\xc2\xb2", 2) ? 2 : !strncmp(c, "\xc2\xb3", 2) ? 3 : 0;
 }
 
-/* Multiplies *value and *dimension by the unit expression at `text`: factors parted by spaces, '*'
- * or the middle dot, with powers ("^2", "^-1", "2"), '/' turning over the next factor, or all
- * factors in the brackets that follow. False with *bad set to the offending word. */
+/* Multiplies *value and *dimension by the unit expression at `text`: factors separated by spaces,
+ * '*' or the middle dot, with powers ("^2", "^-1", "2"). '/' inverts the next factor, or all
+ * factors in the parentheses that follow. Returns false and sets *bad to the offending word on
+ * failure. */
 static bool parse_units(const char *text, double *value, struct dimension *dimension, char *bad,
                         size_t bad_size) {
-  int sign = 1, group = 1; /* group: the sign within brackets */
+  int sign = 1, group = 1; /* group: sign of the exponents within parentheses */
   bool open = false;
   while (*text) {
     if (isspace((unsigned char)*text) || *text == '*') {
@@ -136,7 +137,7 @@ static bool parse_units(const char *text, double *value, struct dimension *dimen
       text += 2;
       continue;
     }
-    if (text[0] == '1' && text[1] == '/') { /* "1/m", as units are written out */
+    if (text[0] == '1' && text[1] == '/') { /* "1/m", a common way to write units */
       text++;
       continue;
     }
@@ -237,7 +238,7 @@ void quantity_format(double value, const char *base_unit, char *text, size_t siz
     while (fabs(shown) >= 1000 && p < 6) shown /= 1000, p++;
     while (fabs(shown) < 0.9999999 && p > 0) shown *= 1000, p--;
   }
-  /* No kiloseconds. */
+  /* Kiloseconds are not used. */
   if (p > 3 && !strcmp(base_unit, "s")) shown = value, p = 3;
   snprintf(text, size, "%.4g %s%s", shown, prefixes[p], base_unit);
 }

@@ -27,21 +27,21 @@ struct dimension {
 #define GRAVITY_STANDARD 9.80665 /* m/s^2, ISO 80000-3 */
 #define DARCY 9.869233e-13       /* m^2 */
 
-/* Parses `text` as a quantity of `expected` dimension into *value (SI). On failure the message
- * says what is wrong and shows a right one; no file context. */
+/* Parses `text` as a quantity of dimension `expected` into *value (SI). On failure the message says
+ * what is wrong and gives a correct example, without naming a file. */
 enum status quantity_parse(const char *text, struct dimension expected, double *value);
 
-/* "m/s^2" and the like for a dimension; and an example users can copy, such as "9.8 m/s^2". */
+/* A dimension as a unit, such as "m/s^2"; and an example for users, such as "9.8 m/s^2". */
 void dimension_format(struct dimension dimension, char *text, size_t size);
 const char *dimension_example(struct dimension dimension);
 
 /* A length or time with a readable prefix ("46.6 um", "2.5e-05 s" as "25 us"). */
 void quantity_format(double value, const char *base_unit, char *text, size_t size);
 
-/* "under 1 s", "5 s", "12 min", "3.4 h", "unknown" for what is not finite. */
+/* "under 1 s", "5 s", "12 min", "3.4 h"; "unknown" for a value that is not finite. */
 void duration_format(double seconds, char *text, size_t size);
 
-/* A share in percent, two digits: 0.0123 as "1.2", 1.57 as "157". */
+/* A share in percent with two digits: 0.0123 as "1.2", 1.57 as "157". */
 const char *percent_format(double share, char text[32]);
 
 #endif

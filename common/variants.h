@@ -1,5 +1,6 @@
-/* A loop compiled for several instruction sets, of which the loader picks one. clang 14 exports
- * such a function under another name, so that with it (the sanitizers' compiler) there is one. */
+/* Compiles a loop for several instruction sets, one of which is chosen when the program is loaded.
+ * clang 14 (used for the sanitizers) exports such a function under another name, so there is only
+ * one version with it. */
 #ifndef TOSUI_COMMON_VARIANTS_H
 #define TOSUI_COMMON_VARIANTS_H
 

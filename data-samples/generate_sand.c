@@ -1,5 +1,5 @@
-/* generate_sand: a CT stack of a sand that looks like Toyoura sand, with an exact void ratio. It
- * stands in for scans that are not public. */
+/* generate_sand: writes a synthetic CT stack of a sand similar to Toyoura sand, with an exact void
+ * ratio, as a substitute for scans that are not public. */
 #include <getopt.h>
 #include <math.h>
 #include <stdio.h>
@@ -55,8 +55,8 @@ struct request {
   struct scan_settings settings;
 };
 
-/* Sieve limits of the sand; the surface's relief and the exact void ratio shift a grain's final
- * size by up to 2 %, hence the margins. */
+/* Sieve limits and mean diameter of the sand, m. The relief of the surface and the adjustment of
+ * the void ratio change the final size of a grain by up to 2 %, hence the margins. */
 static const double SMALLEST = 107.5e-6, LARGEST = 212.5e-6, MEAN = 160e-6;
 
 static enum status parse_number(const char *option, const char *text, double low, double high,
@@ -234,7 +234,7 @@ cleanup:
   return status;
 }
 
-/* The same sand in the same place, on finer voxels. */
+/* Writes the true voxels of the same sand in the same position, on finer voxels. */
 static enum status write_fine_truth(const struct request *request,
                                     const struct grain_packing *packing) {
   enum status status = STATUS_OK;
@@ -252,7 +252,8 @@ cleanup:
   return status;
 }
 
-/* Written beside and renamed: a folder with sand.json in it holds a complete stack. */
+/* Written under a temporary name and renamed: a folder that contains sand.json holds a complete
+ * stack. */
 static enum status write_description(const struct request *request, const char *path,
                                      const struct grain_field *field,
                                      const struct grain_statistics *statistics) {

@@ -59,7 +59,7 @@ static const struct option_table table = {
     entries};
 
 #define RANKS_MOST 10000000
-#define LONG_SECONDS 600.0 /* a run that is foretold to take longer says so before it begins */
+#define LONG_SECONDS 600.0 /* a predicted run time above this is announced */
 #define OVERRIDES_MOST 256
 
 struct job {
@@ -77,7 +77,7 @@ static int thread_count(void) {
 #endif
 }
 
-/* The scene with --set, and with one more override unless that is NULL. */
+/* Reads the scene with the overrides of --set, and one more unless `more` is NULL. */
 static enum status read_scene(const struct options *options, const char *more,
                               struct scene *scene) {
   const char *overrides[OVERRIDES_MOST + 1], *override;
@@ -100,20 +100,20 @@ static enum status prepare(const struct options *options, const char *more, stru
   TRY(read_scene(options, more, &job->scene));
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
   if (job->tensor) TRY(lattice_mirror_flow(&job->scene, &job->lattice));
-  TRY(lattice_take_spacing(&job->scene, &job->lattice));
+  TRY(lattice_apply_spacing(&job->scene, &job->lattice));
   TRY(plan_method(&job->scene, &job->lattice, &method, why));
   if (method->wall_layers != plan_wall_layers(&job->scene)) {
-    /* A free surface, seen only on the lattice, may call for a method with other walls. */
+    /* A free surface, which is only found on the lattice, may require a method with other walls. */
     lattice_free(&job->lattice);
     TRY(lattice_build(&job->scene, method->wall_layers, &job->lattice));
-    TRY(lattice_take_spacing(&job->scene, &job->lattice));
+    TRY(lattice_apply_spacing(&job->scene, &job->lattice));
   }
   TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
 cleanup:
   return status;
 }
 
-/* "5%" or 0.05. */
+/* Parses "5%" or 0.05. */
 static enum status parse_wanted_error(const char *text, double *wanted) {
   char *end;
   *wanted = strtod(text, &end);
@@ -134,8 +134,9 @@ static bool chooses_lattices(const struct job *job) {
          method->wall(&job->scene) == WALL_SUBVOXEL && ranks_count() == 1;
 }
 
-/* The time that the lattices take which a goal is expected to need, for that of the scene's own. */
-static void foretell_goal(struct plan *plan) {
+/* Predicts the run time of the lattices that a goal is expected to need, in place of the scene's
+ * own. */
+static void predict_goal_seconds(struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
   const int count = method->levels != NULL ? method->levels(plan, PREDICTED_LEVELS_MAX, levels) : 0;
@@ -143,8 +144,8 @@ static void foretell_goal(struct plan *plan) {
   if (plan->goal.seconds > 0) plan->seconds = fmin(plan->seconds, plan->goal.seconds);
 }
 
-/* --error and --time, into the plan. */
-static enum status take_goal(const struct options *options, struct job *job) {
+/* Reads the goals --error and --time into the plan. */
+static enum status read_goal(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct accuracy_goal *goal = &job->plan.goal;
   const struct method *method = job->plan.context.method;
@@ -169,14 +170,14 @@ static enum status take_goal(const struct options *options, struct job *job) {
   if (isfinite(job->scene.lattice_spacing))
     TRY(scene_error(&job->scene, AT_LATTICE,
                     "--error and --time choose the lattices; leave the spacing out"));
-  foretell_goal(&job->plan);
+  predict_goal_seconds(&job->plan);
 cleanup:
   return status;
 }
 
-/* What takes long is said before it begins; and what is faster, where "auto" chose to march to a
- * steady flow because inertia counts. */
-static void say_how_long(const struct job *job) {
+/* Announces a long run before it begins, and a faster alternative if "auto" chose time integration
+ * to a steady flow because inertia matters. */
+static void announce_long_run(const struct job *job) {
   const struct method *method = job->plan.context.method;
   const bool chosen = job->scene.method == NULL && method->resolves_pores && method->marches &&
                       job->scene.steady_tolerance > 0 && job->plan.context.has_wall &&
@@ -189,8 +190,8 @@ static void say_how_long(const struct job *job) {
            chosen ? "; --set scene.method=stokes gives the k of slow flow, sooner" : "");
 }
 
-/* More memory than there may be is refused before lattices are solved that come before the one
- * which takes it; one that may fit goes on. */
+/* Refuses a run that is certain to exceed the memory limit before the coarser lattices are solved;
+ * one that may fit is started. */
 static enum status refuse_memory(const struct job *job) {
   enum status status = STATUS_OK;
   const struct plan *plan = &job->plan;
@@ -203,7 +204,7 @@ static enum status refuse_memory(const struct job *job) {
     return STATUS_OK;
   TRY(plan->context.method->bytes_least(plan, &least));
   if (least <= limit) return STATUS_OK;
-  /* Bytes go with the sites, but for the model's, which are read whole. */
+  /* Memory is proportional to the number of sites, except that the model is read as a whole. */
   if (model && MODEL_BYTES * (double)plan->context.lattice->model.count > limit)
     snprintf(fits, sizeof fits, "build the model with larger voxels (ct2model build --size)");
   else if (model)
@@ -217,14 +218,15 @@ cleanup:
   return status;
 }
 
-/* The resolution of a run that is no cascade of lattices itself. */
+/* The resolution error of a run that is not itself a cascade of lattices. */
 static enum status finish_error(struct job *job, struct run_result *result) {
   return cascade_measure(
       &job->scene, &job->plan, &job->lattice,
       result->reynolds < REYNOLDS_CREEPING ? result->intrinsic_permeability : NAN, &result->error);
 }
 
-/* A scene from its plan to its record. `tensor`: to be completed by this run, and kept with it. */
+/* Runs a scene from its plan to its record. `tensor`: completed by this run and stored with it, or
+ * NULL. */
 static enum status run_scene(const struct options *options, struct job *job, const char *prefix,
                              struct tensor *tensor, int axis, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -238,12 +240,12 @@ static enum status run_scene(const struct options *options, struct job *job, con
   result->finer_by = chooses_lattices(job)    ? "--error"
                      : *job->scene.model_path ? "lattice.spacing"
                                               : "domain.spacing";
-  TRY(take_goal(options, job));
+  TRY(read_goal(options, job));
   TRY(refuse_memory(job));
   TRY(recorder_open(prefix, &job->scene, &job->plan, &job->lattice, options_command_line(options),
                     options_given(options, "resume"), &recorder));
   log_verbose("method %s", job->plan.method_why);
-  say_how_long(job);
+  announce_long_run(job);
   double started = clock_seconds();
   const struct method *method = job->plan.context.method;
   status = method->run(&job->scene, &job->plan, &job->lattice, recorder, result);
@@ -261,7 +263,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
                       result->k_finest / result->k, axis, prefix, tensor);
     if (tensor_complete(tensor)) result->tensor = tensor;
   }
-  /* An interrupted run leaves its record too; its message is the method's. */
+  /* An interrupted run also leaves a record; the method gives its message. */
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
     enum status written = recorder_finish(recorder, result);
     if (status == STATUS_OK) status = written;
@@ -271,7 +273,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
       error_context(status, "the history of the run is kept in %s", history);
   }
   if (status == STATUS_RUN &&
-      isfinite(result->k)) { /* a full disk at the end: k is worth keeping */
+      isfinite(result->k)) { /* the disk is full at the end: print k at least */
     error_context(status, "k = %.4g cm/s (%.4g m^2) was found, but not all of its record kept",
                   100 * result->k, result->intrinsic_permeability);
     if (options_json(options)) (void)run_print_json(result);
@@ -281,8 +283,8 @@ cleanup:
   return status;
 }
 
-/* x, y and z in turn, by the strength of the scene's own force, which comes last: OUT.hdf is its
- * record, with the tensor; OUT-x.hdf and the like are those of the others. */
+/* Runs x, y and z in turn with the strength of the scene's own force, whose direction comes last:
+ * OUT.hdf is its record, with the tensor; OUT-x.hdf etc. are those of the others. */
 static enum status run_tensor(const struct options *options, struct job *job, const char *prefix,
                               struct tensor *tensor, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -299,7 +301,7 @@ static enum status run_tensor(const struct options *options, struct job *job, co
   if (!(strength > 0))
     TRY_FAIL(STATUS_USAGE, "--tensor: nothing drives the flow; give force.body_acceleration, whose "
                            "strength is taken along x, y and z");
-  /* What may not be written is found before the first direction is paid for. */
+  /* Unwritable outputs are reported before the first direction is computed. */
   char path[4104];
   output_protect(own.path);
   if (*own.model_path) output_protect(own.model_path);
@@ -333,7 +335,7 @@ static enum status run_tensor(const struct options *options, struct job *job, co
                         ? ", mirrored along it: pores do not meet where the model repeats itself"
                         : "",
              found ? ": its record is there already" : "");
-    /* Between two directions nothing else looks for a signal, and the next begins without one. */
+    /* Signals are checked here, as the next run starts without a pending one. */
     TRY(interrupt_look());
     if (!found || turn == 3) TRY(run_scene(options, job, path, tensor, axis, result));
   }
@@ -342,7 +344,7 @@ cleanup:
   return status;
 }
 
-/* Of a scene that takes a flow which is solved already; false: it is none. */
+/* Reads a scene; *found: it uses a flow that is already solved. */
 static enum status find_flow(const struct options *options, struct job *job, bool *found) {
   static const char *const others[] = {"time", "tensor", "ranks"};
   enum status status = STATUS_OK;
@@ -412,7 +414,7 @@ static enum status explain(const struct options *options, struct job *job) {
     return job->scene.method->explain_on_flow(&job->scene, thread_count(), options_json(options));
   if (wanted) TRY(parse_wanted_error(options_text(options, "error"), &recommended.wanted));
   TRY(prepare(options, NULL, job));
-  TRY(plan_look_for_path(&job->plan));
+  TRY(plan_find_path(&job->plan));
   wanted = wanted && !job->plan.blocked;
   job->plan.goal.error = recommended.wanted;
   if (options_given(options, "ranks")) {

@@ -72,14 +72,14 @@ static void write_head(struct page *page) {
 }
 
 static void write_foot(struct page *page) {
-  /* Without the time: the same runs give the same page. */
+  /* Without the time, so that the same runs give the same page. */
   fprintf(page->out, "</main>\n<footer><p>Made by analyze of Tosui %s with <code>", TOSUI_VERSION);
   html_text(page->out, page->command_line);
   fputs("</code>. Curves: dygraphs, three dimensions: three.js (both MIT licence).</p></footer>\n",
         page->out);
 }
 
-/* No run of it has water that flows along its force, though one is there. */
+/* Whether k of all runs with a permeability is 0, because no pore leads through. */
 static bool page_is_blocked(const struct page *page) {
   return page->subject.permeable > 0 && page->subject.flowing == 0;
 }
@@ -88,7 +88,7 @@ static void write_link(FILE *out, const char *id, const char *name) {
   fprintf(out, "<a href=\"#%s\">%s</a> ", id, name);
 }
 
-/* The list of sections, in their order on the page. */
+/* Writes the list of sections, in their order on the page. */
 static void write_contents(const struct page *page, bool budget) {
   FILE *out = page->out;
   fputs("<nav>", out);
@@ -188,7 +188,7 @@ cleanup:
   return status;
 }
 
-/* The page's text in new memory (free). */
+/* The text of the page in new memory (free). */
 static enum status compose(struct page *page, char **text, size_t *size) {
   enum status status = STATUS_OK;
   free(*text);
@@ -202,14 +202,14 @@ static enum status compose(struct page *page, char **text, size_t *size) {
   return status;
 }
 
-/* Once for all of the page; without it the page does with less. */
+/* Reads the model once for the whole page; if that fails the page omits what needs it. */
 static void read_voxels(const struct page_model *model, struct voxel_model *voxels) {
   if (!model->found || model_read(model->path, voxels) == STATUS_OK) return;
   log_warning("%s; the report leaves the specimen out", error_message());
   error_clear();
 }
 
-#define PAGE_LIMIT 3000000 /* bytes; mail and browsers take it without thinking */
+#define PAGE_LIMIT 3000000 /* bytes that mail programs and browsers handle easily */
 
 enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
                        size_t solute_count, const char *path, const char *command_line,

@@ -1,4 +1,4 @@
-/* The report: one self-contained HTML page of everything the runs support. */
+/* The report: one self-contained HTML page with everything that the runs support. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_H
 #define TOSUI_ANALYZE_REPORT_PAGE_H
 
@@ -7,9 +7,9 @@
 
 #include "analyze/run_file.h"
 
-/* Writes the page to `path` (atomically) and its numbers, the JSON of every analysis in it, into
- * *json (a new object). `solutes`: files of what solutes did in the flows (dispersion.h).
- * `command_line` goes to the page's foot. */
+/* Writes the page to `path`, atomically, and its numbers, the JSON of every analysis in it, into
+ * *json (a new object). `solutes`: files of solutes in the flows of the runs (dispersion.h).
+ * `command_line` is shown at the foot of the page. */
 enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
                        size_t solute_count, const char *path, const char *command_line,
                        json_t **json);

@@ -2,8 +2,8 @@
 
 #include <stdint.h>
 
-/* The assembler takes the files in as they are ($(BUILD)/assets, see the Makefile); an array in C
- * would take the compiler seconds and gigabytes. */
+/* The assembler includes the files unchanged ($(BUILD)/assets, see the Makefile); as arrays in C
+ * they would take seconds and gigabytes to compile. */
 #define ASSET(symbol, file)                                                                        \
   __asm__(".pushsection .rodata\n"                                                                 \
           ".balign 16\n"                                                                           \

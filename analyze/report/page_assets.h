@@ -1,5 +1,5 @@
-/* Files that are part of the program: the page's own style and script, and the libraries that were
- * installed when it was built (size 0: they were not). They end without a zero byte. */
+/* Files that are part of the program: style and script of the page, and the libraries that were
+ * installed when the program was built (size 0 if not). They are not terminated by a zero byte. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_ASSETS_H
 #define TOSUI_ANALYZE_REPORT_PAGE_ASSETS_H
 
@@ -18,7 +18,7 @@ enum asset_name {
   ASSET_THREE,
   ASSET_ORBIT
 };
-/* Not to be freed. */
+/* The data are static and must not be freed. */
 struct asset asset_get(enum asset_name name);
 
 #endif

@@ -50,7 +50,7 @@ static void row(FILE *stream, const char *style, const char *words, const double
 
 #define LOSSES_SHOWN 10
 
-/* Which particles went through a wall, when and where. */
+/* Particles lost through walls: which, when and where. */
 static enum status losses(struct h5_file *file, FILE *stream) {
   enum status status = STATUS_OK;
   double(*loss)[6] = NULL;
@@ -70,7 +70,7 @@ cleanup:
   return status;
 }
 
-/* A flow that does not change in time. */
+/* Balance of a flow that does not change in time. */
 static void steady_run(const struct run *run, struct h5_file *file, FILE *stream) {
   fputs("<h3>", stream);
   html_text(stream, run->name);

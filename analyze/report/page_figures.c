@@ -1,4 +1,4 @@
-/* The page's figures: plots of the analyses, and pictures of the flow. */
+/* Figures of the page: plots of the analyses, and pictures of the flow. */
 #include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-/* The plot of `body` as a still picture; a page without one is better than no page. */
+/* A plot as a static picture; on failure the page is written without it. */
 void page_still(FILE *out, const char *name, const char *body, int width, int height,
                 const char *title) {
   char *svg = NULL;
@@ -36,7 +36,8 @@ void page_still(FILE *out, const char *name, const char *body, int width, int he
   memory_free(&svg);
 }
 
-/* A figure: live charts (drawn by page.js into .charts) with the plot as still picture beside. */
+/* A figure: interactive charts (drawn by page.js into .charts), with the plot as their static
+ * substitute. */
 static void write_analysis(struct page *page, const struct analysis *analysis,
                            const struct part *part) {
   FILE *out = page->out;
@@ -84,7 +85,8 @@ cleanup:
   return status;
 }
 
-/* Time, estimate and its interval from the lattices so far; a row for each that had an interval. */
+/* Writes, for each lattice that gave an interval, the processor time so far, the estimate of k and
+ * its interval. Returns whether there is any. */
 static bool write_estimates(const struct run_levels *levels, FILE *plot) {
   double gone = 0.0;
   bool any = false;
@@ -100,7 +102,7 @@ static bool write_estimates(const struct run_levels *levels, FILE *plot) {
   return any;
 }
 
-/* k on each lattice that the run solved against the processor time gone, and the result with its
+/* k on each lattice that the run solved against the processor time, and the result with its
  * interval. */
 enum status page_levels(struct page *page) {
   enum status status = STATUS_OK;

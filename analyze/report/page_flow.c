@@ -7,15 +7,15 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-#define LINES 220               /* streamlines sought */
-#define LINE_POINTS 240         /* most points of one */
-static const double step = 0.5; /* of a streamline, cells */
+#define LINES 220               /* streamlines to be traced */
+#define LINE_POINTS 240         /* largest number of points of a streamline */
+static const double step = 0.5; /* of a streamline, in cells */
 
 static size_t index_of(const struct flow *flow, size_t x, size_t y, size_t z) {
   return (z * flow->size[1] + y) * flow->size[0] + x;
 }
 
-/* Coarse cell of a fine index or coordinate. */
+/* Index on the coarse grid for an index or coordinate on the fine grid. */
 static size_t coarse(size_t fine, size_t from, size_t to) {
   return fine * to / from;
 }
@@ -48,13 +48,13 @@ size_t flow_cell(const struct run *run, const struct flow *flow, const double pl
     double low = run->origin[d] - 0.5 * run->spacing[d];
     double c = floor((place[d] - low) / flow->cell[d]);
     double n = (double)flow->size[d];
-    c -= n * floor(c / n); /* periodic images come home */
+    c -= n * floor(c / n); /* wraps periodic images into the box */
     at[d] = (size_t)fmin(fmax(c, 0.0), n - 1.0);
   }
   return index_of(flow, at[0], at[1], at[2]);
 }
 
-/* Mean particle velocity of each cell; an empty pore cell takes the mean of its neighbours. */
+/* Mean particle velocity of each cell; an empty pore cell gets the mean of its neighbours. */
 static enum status fill_velocity(const struct run *run, const struct particles *particles,
                                  struct flow *flow) {
   enum status status = STATUS_OK;
@@ -93,7 +93,7 @@ cleanup:
   return status;
 }
 
-/* Trilinear velocity (cells/s) at a place in cells; false outside. */
+/* Trilinear velocity (cells/s) at a position in cells; false outside of the flow. */
 static bool velocity_at(const struct flow *flow, const double at[3], double v[3]) {
   size_t low[3];
   double part[3];
@@ -119,8 +119,9 @@ static bool velocity_at(const struct flow *flow, const double at[3], double v[3]
   return true;
 }
 
-/* Mid-point steps of `step` cells along +-v into points (4 floats each); stops in grains, at the
- * box and where the flow is at rest. Returns how many. */
+/* Traces a streamline by the midpoint method with `step` cells per step in the direction sign * v,
+ * into points (4 floats each). Ends in grains, at the boundary of the box and where the flow is at
+ * rest. Returns the number of points. */
 static size_t trace(const struct flow *flow, const double seed[3], double sign, size_t most,
                     float *points) {
   double at[3] = {seed[0], seed[1], seed[2]};
@@ -153,12 +154,13 @@ static size_t trace(const struct flow *flow, const double seed[3], double sign, 
   return n;
 }
 
-static double random_unit(uint64_t *state) { /* Knuth's MMIX generator; the same every time */
+static double random_unit(uint64_t *state) { /* generator MMIX of Knuth, reproducible */
   *state = *state * 6364136223846793005u + 1442695040888963407u;
   return (double)(*state >> 11) / 9007199254740992.0;
 }
 
-/* Seeds are spread evenly over the pores; both ways from each, joined into one line. */
+/* Starts streamlines evenly distributed over the pores; each is traced in both directions and
+ * joined. */
 static enum status fill_lines(struct flow *flow) {
   enum status status = STATUS_OK;
   float *backward = NULL;
@@ -176,7 +178,7 @@ static enum status fill_lines(struct flow *flow) {
     for (size_t i = 0; i < n; i++)
       memcpy(points + 4 * i, backward + 4 * (n - 1 - i), 4 * sizeof *points);
     n += n > 0 ? trace(flow, seed, 1.0, half, points + 4 * (n - 1)) : 0;
-    if (n < 12) continue; /* a stub tells nothing */
+    if (n < 12) continue; /* too short to be useful */
     flow->point_count += n - 1;
     flow->line_start[++flow->line_count] = flow->point_count;
   }
@@ -185,8 +187,8 @@ cleanup:
   return status;
 }
 
-/* Cells as near to cubes as whole numbers of them allow: pictures are drawn in cells, and show the
- * body in its proportions by that. */
+/* Chooses cells that are nearly cubic: pictures are drawn in cells and show the body in its
+ * proportions only then. */
 static void choose_cells(const struct run *run, struct flow *flow) {
   double edge = 0.0;
   size_t cells;

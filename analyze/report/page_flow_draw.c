@@ -1,4 +1,5 @@
-/* The three-dimensional view's data and its still picture; the fields are in page_flow.c. */
+/* Data of the three-dimensional view and its static picture; the fields are computed in
+ * page_flow.c. */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +23,8 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
   }
   memory_free(&bytes);
   fputs("\",\"points\":\"", stream);
-  /* u16: places in 1/500 cell (FLOW_SIDE cells fit), speed over 65535. */
+  /* Unsigned 16-bit integers: positions in 1/500 cell (enough for FLOW_SIDE cells), speed times
+   * 65535. */
   uint16_t *words = NULL;
   if (memory_allocate(&words, 4 * flow->point_count, 2, "streamlines") == STATUS_OK) {
     for (size_t i = 0; i < 4 * flow->point_count; i++)
@@ -33,9 +35,9 @@ void flow_write_json(const struct flow *flow, const char *label, FILE *stream) {
   fputs("\"}", stream);
 }
 
-#define STILL 360 /* pixels a side */
+#define STILL 360 /* pixels per side */
 
-void flow_look(const struct flow *flow, size_t side, struct camera *camera) {
+void flow_camera(const struct flow *flow, size_t side, struct camera *camera) {
   const double turn = 0.62, tilt = 0.42;
   const double forward[3] = {cos(tilt) * sin(turn), cos(tilt) * cos(turn), -sin(tilt)};
   double diagonal = 0.0;
@@ -53,7 +55,7 @@ void flow_look(const struct flow *flow, size_t side, struct camera *camera) {
   camera->scale = 0.97 * sqrt(diagonal) / (double)side;
 }
 
-/* The near upper octant is cut away, so that the flow inside shows. */
+/* The near upper octant is cut away to show the flow inside. */
 static bool cut_away(const struct flow *flow, const double p[3]) {
   return p[0] < 0.55 * (double)flow->size[0] && p[1] < 0.55 * (double)flow->size[1] &&
          p[2] > 0.45 * (double)flow->size[2];
@@ -69,8 +71,7 @@ static float solid_at(const struct flow *flow, const double p[3]) {
   return flow->solid[(at[2] * flow->size[1] + at[1]) * flow->size[0] + at[0]];
 }
 
-/* Grain colours are 1 .. 120 by their brightness, streamlines 128 .. 255 by their speed, 0 paper.
- */
+/* Palette indices: 1 to 120 grains by brightness, 128 to 255 streamlines by speed, 0 background. */
 static void still_palette(uint32_t palette[256]) {
   static const uint8_t stops[5][3] = {{0xfd, 0xb4, 0x2f},
                                       {0xed, 0x79, 0x53},
@@ -94,7 +95,8 @@ static void still_palette(uint32_t palette[256]) {
   }
 }
 
-/* Marches one ray to the first grain; brightness by the face it meets and by depth. */
+/* Traces one ray to the first grain. The brightness depends on the normal of the surface and on
+ * depth. */
 static void shade(const struct flow *flow, const struct camera *camera, double u, double v,
                   double reach, uint8_t *pixel, float *depth) {
   for (double t = -reach; t < reach; t += 0.5) { // NOLINT: halves are exact
@@ -102,7 +104,7 @@ static void shade(const struct flow *flow, const struct camera *camera, double u
     for (int d = 0; d < 3; d++)
       p[d] = camera->middle[d] + u * camera->right[d] + v * camera->up[d] + t * camera->forward[d];
     if (solid_at(flow, p) > 0.5f) {
-      /* Light from above left: the gradient of the grain field is the inward normal. */
+      /* Light from the upper left; the gradient of the grain field is the inward normal. */
       double g[3], length = 0.0, lit = 0.0;
       static const double light[3] = {0.35, 0.55, -0.76};
       for (int d = 0; d < 3; d++) {
@@ -134,7 +136,7 @@ static void draw_line(const struct flow *flow, const struct camera *camera, size
       t += q * camera->forward[d];
     }
     double x = 0.5 * STILL + u / camera->scale, y = 0.5 * STILL - v / camera->scale;
-    for (int k = 0; k < 4; k++) { /* two pixels wide */
+    for (int k = 0; k < 4; k++) { /* lines are two pixels wide */
       double px = x + (k & 1), py = y + (k >> 1);
       if (px < 0 || py < 0 || px >= STILL || py >= STILL) continue;
       size_t at = (size_t)py * STILL + (size_t)px;
@@ -150,7 +152,7 @@ enum status flow_write_still(const struct flow *flow, FILE *stream) {
   float *depths = NULL;
   uint32_t palette[256];
   struct camera camera;
-  flow_look(flow, STILL, &camera);
+  flow_camera(flow, STILL, &camera);
   TRY(memory_allocate(&pixels, STILL * STILL, 1, "a picture"));
   TRY(memory_allocate(&depths, STILL * STILL, sizeof *depths, "a picture"));
   double reach = 0.5 * camera.scale * STILL;

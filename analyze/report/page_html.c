@@ -71,7 +71,8 @@ void html_script(FILE *stream, const char *data, size_t size) {
     if (data[i] != '<') continue;
     if ((i + 7 < size && strncasecmp(data + i + 1, "/script", 7) == 0) ||
         (i + 3 < size && strncmp(data + i + 1, "!--", 3) == 0))
-      fputc('\\', stream); /* means nothing in a string, where alone these can stand */
+      /* Has no effect within a string, the only place where these characters can occur. */
+      fputc('\\', stream);
   }
 }
 
@@ -84,11 +85,11 @@ void html_json(FILE *stream, const char *json) {
   }
 }
 
-static void put32(uint8_t *at, size_t value) { /* big end first, as PNG has it */
+static void put32(uint8_t *at, size_t value) { /* big-endian, as in PNG */
   for (int i = 0; i < 4; i++) at[i] = (uint8_t)(value >> (24 - 8 * i));
 }
 
-/* One chunk of a PNG: length, type, data, checksum, at `at`; returns its end. */
+/* Writes one chunk of a PNG (length, type, data, checksum) at `at`; returns its end. */
 static uint8_t *chunk(uint8_t *at, const char *type, const uint8_t *data, size_t size) {
   put32(at, size);
   memcpy(at + 4, type, 4);
@@ -106,12 +107,12 @@ enum status html_png(FILE *stream, const uint8_t *pixels, size_t channels, size_
   uLongf packed = compressBound((uLong)(row * height));
   TRY(memory_allocate(&rows, row * height, 1, "a picture"));
   TRY(memory_allocate(&file, packed + 1024, 1, "a picture"));
-  for (size_t y = 0; y < height; y++) /* each row behind its filter, 0: none */
+  for (size_t y = 0; y < height; y++) /* each row starts with its filter, 0 for none */
     memcpy(rows + y * row + 1, pixels + y * channels * width, channels * width);
   memcpy(file, signature, sizeof signature);
   put32(head, width);
   put32(head + 4, height);
-  head[8] = 8;                     /* bits */
+  head[8] = 8;                     /* bits per channel */
   head[9] = channels == 1 ? 3 : 2; /* palette, or red, green and blue */
   uint8_t *at = chunk(file + 8, "IHDR", head, sizeof head);
   if (channels == 1) {

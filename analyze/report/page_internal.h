@@ -1,4 +1,4 @@
-/* The page while it is made: what was analysed, and where it is written. */
+/* The page while it is written: the results of the analyses and the output stream. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_INTERNAL_H
 #define TOSUI_ANALYZE_REPORT_PAGE_INTERNAL_H
 
@@ -13,7 +13,7 @@
 #include "analyze/run_file.h"
 #include "common/model_file.h"
 
-/* An analysis that the runs support; the order is that of `analyses`. */
+/* The result of an analysis on the page; in the order of `analyses`. */
 struct part {
   bool there;
   enum showing showing;
@@ -24,36 +24,36 @@ struct page {
   struct subject subject;
   const char *command_line;
   struct part parts[ANALYSES];
-  struct page_model model; /* of the first run */
-  struct voxel_model voxels; /* what that file holds; no arrays: it could not be read */
+  struct page_model model;   /* of the first run */
+  struct voxel_model voxels; /* contents of that file; without arrays if it could not be read */
   struct flow flow;
   bool has_flow;
   struct plane plane;
-  bool lean;    /* leaves the still pictures to the charts, to stay small */
+  bool lean;    /* omits the static pictures that charts replace, to stay small */
   json_t *data; /* {"darcy": .., "pdf": .., ...} as embedded */
   FILE *out;
 };
 
-/* The runs in the page's order, in `ordered` (n; the runs' own memory stays theirs): those with a
- * permeability first, that it is about; and what is known of them: page_parts.c. */
+/* Copies the runs into `ordered` (n), in the order of the page: those with a permeability first.
+ * The copies own nothing. Also sets what is known of them in `subject`: page_parts.c. */
 enum status page_order(const struct run *runs, size_t n, struct run *ordered,
                        struct subject *subject);
-/* Runs the analyses that the runs support: page_parts.c. */
+/* Runs the analyses that apply to the runs: page_parts.c. */
 enum status page_analyse(struct page *page);
-/* What an analysis found; NULL: the page does not have it. */
+/* The JSON of an analysis, or NULL if the page does not have it. */
 const json_t *page_found(const struct page *page, const struct analysis *analysis);
 
-/* Figures: page_figures.c. A section each. Those of the analyses: first what is open, then what is
- * folded. */
+/* Figures, one section each: page_figures.c. Of the analyses, open sections come before collapsed
+ * ones. */
 void page_analyses(struct page *page);
 enum status page_calibration(FILE *out, const json_t *calibration, const struct page_model *model);
 enum status page_levels(struct page *page);
 enum status page_flow_section(struct page *page);
-/* The plot of `body` (gnuplot) as a still picture of that size in points. */
+/* The plot of `body` (gnuplot) as a static picture of that size in points. */
 void page_still(FILE *out, const char *name, const char *body, int width, int height,
                 const char *title);
 
-/* What soil with pores below the sites does, in the first run that page has: page_soil.c. */
+/* Flow through soil with pores below the site size, in the first run that has any: page_soil.c. */
 bool page_has_soil(const struct page *page);
 enum status page_soil(struct page *page);
 

@@ -5,20 +5,21 @@
 #include "analyze/report/page_html.h"
 #include "common/memory.h"
 
-#define WIDTH 720.0 /* pixels of the longer side */
-#define BAR 124.0   /* pixels beside it, for the scale of colours */
-#define FOOT 38.0   /* and below, for that of lengths */
-#define LINE 28.0   /* pixels from line to line */
-#define NARROW 360  /* pixels: the axes' names stand on a line of their own below this width */
-#define FONT 22     /* to be read on a telephone, where half of it is left */
-#define GRAIN 255   /* colour of the grains */
-#define HATCH 254   /* and of the lines that mark soil with pores below the sites */
-#define COLOURS 254 /* of the scale, before those two */
+#define WIDTH 720.0      /* pixels of the longer side */
+#define BAR 124.0        /* pixels beside the map for the colour scale */
+#define FOOT 38.0        /* pixels below the map for the length scale */
+#define LINE 28.0        /* pixels between lines of text */
+#define NARROW_WIDTH 360 /* pixels: below this width the names of the axes have their own line */
+#define FONT 22          /* pixels; half of it remains on a telephone */
+#define GRAIN 255        /* colour index of the grains */
+#define HATCH 254        /* colour index of the hatching of soil with pores below the site size */
+#define COLOURS 254      /* of the colour scale, before those two */
 #define GRAIN_RGB 0xd9d3c7
 #define HATCH_RGB 0xb08968
-#define APART 14    /* pixels between two lines of the hatching */
+#define HATCH_DISTANCE 14 /* pixels between two lines of the hatching */
 
-/* Dark blue over green to yellow, even to the eye (after viridis), and blue over white to red. */
+/* Dark blue over green to yellow, perceptually uniform (after viridis), and blue over white to
+ * red. */
 static const int viridis[9][3] = {{68, 1, 84},    {71, 44, 122},  {59, 81, 139},
                                   {44, 113, 142}, {33, 144, 141}, {39, 173, 129},
                                   {92, 200, 99},  {170, 220, 50}, {253, 231, 37}};
@@ -39,7 +40,7 @@ static uint32_t colour(enum map_of what, double share) {
 struct canvas {
   const struct plane *plane;
   enum map_of what;
-  double scale, width, height; /* pixels a spacing, pixels */
+  double scale, width, height; /* pixels per spacing; pixels */
 };
 
 static double distance_at(const struct canvas *canvas, double px, double py) {
@@ -66,7 +67,7 @@ static enum status write_pixels(const struct canvas *canvas, FILE *stream) {
         pixels[j * width + i] = GRAIN;
         continue;
       }
-      if (plane->soil != NULL && (i + j) % APART < 2 &&
+      if (plane->soil != NULL && (i + j) % HATCH_DISTANCE < 2 &&
           plane_linear(plane, plane->soil, 1, 0, x, y) > 0.5) {
         pixels[j * width + i] = HATCH;
         continue;
@@ -85,7 +86,8 @@ cleanup:
   return status;
 }
 
-/* Where the distance is 0: marching squares on cells of four pixels, each crossing interpolated. */
+/* Contours of distance 0 by marching squares on cells of four pixels, with interpolated
+ * crossings. */
 static void write_outlines(const struct canvas *canvas, FILE *stream) {
   const double cell = 4.0;
   fputs("<path fill=\"none\" stroke=\"#5d564a\" stroke-width=\"1.6\" stroke-linecap=\"round\" d=\"",
@@ -95,7 +97,7 @@ static void write_outlines(const struct canvas *canvas, FILE *stream) {
     for (double x = 0.0; x + cell <= canvas->width; x += cell) {
       const double right[2] = {distance_at(canvas, x + cell, y),
                                distance_at(canvas, x + cell, y + cell)};
-      /* Corners round the cell: each side between two of unlike sign is crossed. */
+      /* Corners around the cell: a side between corners of different sign is crossed. */
       const double v[5] = {left[0], right[0], right[1], left[1], left[0]};
       static const double corner[5][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}, {0, 0}};
       double cross[4][2];
@@ -117,7 +119,7 @@ static void write_outlines(const struct canvas *canvas, FILE *stream) {
   fputs("\"/>\n", stream);
 }
 
-/* The unit in which a colour bar's numbers are short, seven characters with their signs. */
+/* The unit in which the numbers of a colour scale are short, seven characters with their signs. */
 struct map_unit {
   double factor;
   const char *name;
@@ -167,7 +169,7 @@ static void write_scales(const struct canvas *canvas, FILE *stream) {
   double length = pow(10.0, floor(log10(metres)));
   length *= metres / length >= 5.0 ? 5.0 : metres / length >= 2.0 ? 2.0 : 1.0;
   const double pixels = length / plane->spacing[0] * canvas->scale;
-  const bool narrow = canvas->width < NARROW;
+  const bool narrow = canvas->width < NARROW_WIDTH;
   fprintf(stream,
           "<rect x=\"0\" y=\"%.1f\" width=\"%.1f\" height=\"4\" fill=\"#222\"/>"
           "<text x=\"%.1f\" y=\"%.1f\">%.4g &#181;m</text>"
@@ -184,7 +186,7 @@ enum status map_write(const struct plane *plane, enum map_of what, FILE *stream)
   canvas.width = floor(canvas.scale * (double)plane->size[0]);
   canvas.height = floor(canvas.scale * (double)plane->size[1]);
   const double width = fmax(canvas.width, 60.0) + BAR;
-  const double height = canvas.height + FOOT + (canvas.width < NARROW) * LINE;
+  const double height = canvas.height + FOOT + (canvas.width < NARROW_WIDTH) * LINE;
   fprintf(stream,
           "<svg class=\"map\" xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 %.0f %.0f\" "
           "width=\"%.0f\" height=\"%.0f\" font-family=\"sans-serif\" font-size=\"%d\" "
@@ -194,7 +196,7 @@ enum status map_write(const struct plane *plane, enum map_of what, FILE *stream)
                             : "Pressure over the grains");
   TRY(write_pixels(&canvas, stream));
   if (what == MAP_SPEED) {
-    /* Points lie in the middle of their cells. */
+    /* Points are at the centres of their cells. */
     fprintf(stream, "<g transform=\"translate(%.2f %.2f)\">", 0.5 * canvas.scale,
             -0.5 * canvas.scale);
     TRY(map_streamlines(plane, canvas.scale, canvas.height, stream));

@@ -1,4 +1,4 @@
-/* Pictures for a slide: speed with streamlines, and pressure, as colour maps over the smooth
+/* Pictures for presentations: speed with streamlines, and pressure, as colour maps with smooth
  * outlines of the grains. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_MAP_H
 #define TOSUI_ANALYZE_REPORT_PAGE_MAP_H
@@ -9,11 +9,11 @@
 
 enum map_of { MAP_SPEED, MAP_PRESSURE };
 
-/* One <svg class="map">, complete in itself. */
+/* Writes a complete <svg class="map">. */
 enum status map_write(const struct plane *plane, enum map_of what, FILE *stream);
 
-/* Streamlines of the velocity in the plane, evenly spaced (after Jobard, Lefer 1997): <path>
- * elements in pixels, `scale` pixels a spacing, y downwards from `height`. */
+/* Writes evenly spaced streamlines of the velocity in the plane (after Jobard, Lefer 1997) as
+ * <path> elements in pixels: `scale` pixels per spacing, y downwards from `height`. */
 enum status map_streamlines(const struct plane *plane, double scale, double height, FILE *stream);
 
 #endif

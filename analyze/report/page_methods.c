@@ -9,7 +9,7 @@
 #include "common/kernel.h"
 #include "common/provenance.h"
 
-/* A reference is listed when a sentence calls for it, in the order in which they do. */
+/* A reference is listed if a sentence cites it, in the order of citation. */
 struct reference {
   const char *key, *text;
 };
@@ -73,10 +73,11 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
   fprintf(stream, " [%zu]", n + 1);
 }
 
-/* Creeping flow is that without inertia; past this Reynolds number a reader wants to know. */
-#define INERTIA_TELLS 0.1
+/* Reynolds number above which inertia is mentioned: creeping flow has none. */
+#define INERTIA_REYNOLDS 0.1
 
-/* Which layers have their image, and what closes the rest: mirrored sides are x and y. */
+/* Axes along which the sample is mirrored, and closed sides. The mirrored sides of a model are
+ * those along x and y. */
 static void write_sides(const struct run *run, const struct page_model *model, FILE *stream) {
   bool sides = strcmp(model->sides, "mirrored") == 0;
   char axes[3] = "";
@@ -93,7 +94,7 @@ static void write_sides(const struct run *run, const struct page_model *model, F
   if (strcmp(model->sides, "closed") == 0) fputs("; its sides are walls", stream);
 }
 
-/* Where the geometry comes from: no more than the model file says. */
+/* Origin of the geometry, as far as the model file describes it. */
 static void write_geometry(const struct run *run, const struct page_model *model,
                            struct cited *cited, FILE *stream) {
   if (!model->named) return;
@@ -143,7 +144,7 @@ static void write_geometry(const struct run *run, const struct page_model *model
   write_sides(run, model, stream);
 }
 
-/* What was done to the surface of the grains before the run, to be done again by who repeats it. */
+/* Smoothing of the grain surface before the run, as needed to repeat it. */
 static void write_surface(const struct page_model *model, FILE *stream) {
   if (model->rule == RULE_LABELS && model->smoothing > 0.0) {
     fprintf(
@@ -170,7 +171,7 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
         stream);
     cite(stream, "morris", cited);
     fputs(" on the lattice itself. ", stream);
-    if (run->reynolds > INERTIA_TELLS)
+    if (run->reynolds > INERTIA_REYNOLDS)
       fprintf(stream, "Inertia is left out, at a Reynolds number of %.2g. ", run->reynolds);
   } else if (strcmp(run->method, "isph") == 0) {
     fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
@@ -192,7 +193,8 @@ static void write_solver(const struct run *run, struct cited *cited, FILE *strea
   } else if (strcmp(run->method, "wcsph") == 0) {
     fprintf(stream,
             "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
-            kernel_in_words(*run->kernel ? run->kernel : "quintic")); /* what older runs have */
+            /* The default of older runs. */
+            kernel_in_words(*run->kernel ? run->kernel : "quintic"));
     cite(stream, "morris", cited);
     fputs(" was integrated in time. ", stream);
   }
@@ -228,7 +230,7 @@ static void write_soil(const struct page_model *model, FILE *stream) {
           stream);
 }
 
-/* Of one run that solved several lattices. */
+/* Lattices of a single run that solved several. */
 static void write_lattices(const struct run *run, struct cited *cited, FILE *stream) {
   const struct run_levels *l = &run->levels;
   fprintf(stream,
@@ -266,7 +268,7 @@ static void write_result(const struct run *run, const struct methods_facts *fact
   if (facts->lattices && run->levels.count > 1) write_lattices(run, cited, stream);
 }
 
-/* By which of the two ways the solutes' coefficients were found. */
+/* Method by which the dispersion coefficients of solutes were determined. */
 static enum status write_solutes(const struct subject *subject, struct cited *cited, FILE *stream) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -295,7 +297,8 @@ cleanup:
   return status;
 }
 
-/* Lattices of a spacing of their own fit the body in each direction by itself. */
+/* Whether the sites are cubic; lattices with their own spacings fit the body in each direction
+ * separately. */
 static bool run_is_cubic(const struct run *run) {
   bool cubic = true;
   for (int d = 1; d < 3; d++)

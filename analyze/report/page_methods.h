@@ -1,5 +1,5 @@
-/* The paragraph of methods with its references, each sentence from what the runs and their model
- * say of themselves. */
+/* The paragraph on methods with its references, written from the properties of the runs and their
+ * model. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
 #define TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
 
@@ -8,17 +8,17 @@
 #include "analyze/analysis.h"
 #include "analyze/report/page_model.h"
 
-/* What the page holds that the paragraph may speak of. */
+/* Results on the page to which the paragraph may refer. */
 struct methods_facts {
   bool permeable;    /* a k is given */
-  bool fitted;       /* from several gradients */
-  bool averaged;     /* from a record in time */
-  bool extrapolated; /* over runs at several spacings */
-  bool index;        /* its resolution error is a grid convergence index, */
-  bool lattices;     /* or from those that the run itself has solved */
+  bool fitted;       /* k is fitted to several gradients */
+  bool averaged;     /* k is the mean of a record in time */
+  bool extrapolated; /* k is extrapolated over runs at several spacings */
+  bool index;        /* its resolution error is a grid convergence index */
+  bool lattices;     /* or is estimated from the lattices of a single run */
 };
 
-/* HTML: the paragraph, and the list of the references it has used. */
+/* Writes HTML: the paragraph, and the list of the references cited. */
 enum status page_methods(const struct subject *subject, const struct page_model *model,
                          const struct methods_facts *facts, FILE *stream);
 

@@ -7,8 +7,8 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-/* The value of a long option on a command line, in `value`; false where it is not there. Names may
- * be cut as getopt_long allows: to `least` characters of the name. */
+/* Finds the value of a long option on a command line; false if the option is absent. As with
+ * getopt_long names may be abbreviated, to at least `least` characters. */
 static bool option_value(const char *line, const char *name, size_t least, char *value,
                          size_t size) {
   for (const char *word = line; word != NULL && *word != '\0';) {

@@ -1,4 +1,5 @@
-/* What a run's model file says of itself: the only source of what the page says of the specimen. */
+/* Description of a run's model by the attributes of its file, which is the only source for what the
+ * page says about the specimen. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_MODEL_H
 #define TOSUI_ANALYZE_REPORT_PAGE_MODEL_H
 
@@ -6,31 +7,34 @@
 
 #include "analyze/run_file.h"
 
-/* How the grey threshold of a scan came about. */
+/* How the grey threshold of a scan was chosen. */
 enum threshold_rule {
-  RULE_NONE,    /* no scan, or a model that does not say */
-  RULE_MATCHED, /* so that the model has the measured void ratio */
+  RULE_NONE,    /* no scan, or not described by the file */
+  RULE_MATCHED, /* to match the measured void ratio */
   RULE_OTSU,
-  RULE_GIVEN, /* a number of the user's */
+  RULE_GIVEN, /* given by the user */
   RULE_LABELS /* a segmented image */
 };
 
-/* NAN where the file does not say. */
+/* Numbers are NAN if the file does not give them. */
 struct page_model {
   bool named, found; /* the run names a model; its file could be read */
-  bool other;        /* the file of that name is not the one that was run */
+  bool other;        /* the file with that name is not the model that was run */
   bool scanned;      /* ct2model made it from slices */
   enum threshold_rule rule;
-  bool wall_distance, grain_fraction, soil; /* soil: with pores below the voxel */
+  /* Present in the file; soil: with pores below the voxel size. */
+  bool wall_distance, grain_fraction, soil;
   double threshold, void_ratio, void_ratio_measured;
-  double void_ratio_walls; /* within the walls, where that is what was matched */
-  double voxel_scanned;              /* m */
-  double smoothing, smoothing_even;  /* m: standard deviations, of labels; where walls are even */
-  double blur;                       /* m: standard deviation, as measured on the scan */
-  bool blur_removed;                 /* from the surface */
-  double porosity, specific_surface; /* 1/m of bulk volume, at the scan's resolution */
-  char mirror_axis[8];               /* "x", "y", "z", "none", "": unknown */
-  char sides[16];                    /* "periodic", "closed", "mirrored", "": unknown */
+  double void_ratio_walls; /* void ratio within the walls, if that was matched */
+  double voxel_scanned;    /* m */
+  /* m: standard deviations of the smoothing, for labels; the second for even walls. */
+  double smoothing, smoothing_even;
+  double blur;       /* m: standard deviation, as estimated from the scan */
+  bool blur_removed; /* the effect of the blur on the surface was corrected */
+  /* porosity; specific surface in 1/m of bulk volume, at the resolution of the scan. */
+  double porosity, specific_surface;
+  char mirror_axis[8]; /* "x", "y", "z", "none", "": unknown */
+  char sides[16];      /* "periodic", "closed", "mirrored", "": unknown */
   char path[8200];
 };
 

@@ -1,4 +1,4 @@
-/* Which analyses the page holds, and their results. */
+/* Runs the analyses of the page and stores their results. */
 #include <string.h>
 
 #include "analyze/averaging.h"
@@ -6,8 +6,8 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-/* The subject, with those of its runs that the page shows of an analysis. */
-static struct subject shown(const struct subject *subject, const struct analysis *analysis) {
+/* The subject, restricted to the runs that the page shows for an analysis. */
+static struct subject page_subject(const struct subject *subject, const struct analysis *analysis) {
   struct subject part = *subject;
   if (analysis->page_runs == OF_PERMEABLE) part.n = subject->permeable;
   if (analysis->page_runs == OF_FLOWING) part.n = subject->flowing;
@@ -19,7 +19,7 @@ static enum status run_part(struct page *page, size_t i) {
   enum status status = STATUS_OK;
   const struct analysis *analysis = analyses[i];
   struct part *part = &page->parts[i];
-  const struct subject subject = shown(&page->subject, analysis);
+  const struct subject subject = page_subject(&page->subject, analysis);
   TRY(product_start(analysis->name, &part->product));
   TRY(analysis->analyze(&subject, NULL, &part->product));
   TRY(product_finish(&part->product));
@@ -39,9 +39,9 @@ const json_t *page_found(const struct page *page, const struct analysis *analysi
   return NULL;
 }
 
-/* How a run counts on the page: 2, it has a permeability; 1, it is 0; 0, it has none. A tank that
- * fills or sloshes is driven by gravity and has none: of method isph only runs whose seepage does
- * not drift count. */
+/* Rank of a run on the page: 2 with a permeability above 0, 1 with permeability 0, 0 without one. A
+ * tank that fills or sloshes is driven by gravity but has no permeability: for method isph only
+ * runs whose seepage does not drift have one. */
 static enum status find_rank(const struct run *run, int *rank) {
   enum status status = STATUS_OK;
   *rank = 0;
@@ -78,7 +78,7 @@ cleanup:
   return status;
 }
 
-/* The first run's flow in three dimensions, and maps of a plane. */
+/* Computes the first run's flow in three dimensions and maps of a plane. */
 static enum status find_flow(struct page *page) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
@@ -109,7 +109,7 @@ enum status page_analyse(struct page *page) {
                 "flow");
   for (size_t i = 0; i < ANALYSES; i++) {
     bool applies;
-    const struct subject subject = shown(&page->subject, analyses[i]);
+    const struct subject subject = page_subject(&page->subject, analyses[i]);
     TRY(analysis_applies(analyses[i], &subject, &applies));
     if (!applies) continue;
     status = run_part(page, i);

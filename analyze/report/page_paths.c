@@ -1,4 +1,4 @@
-/* The pores that carry half of the flow: which they are, and their picture. */
+/* The pores that carry half of the flow, and their picture. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -6,7 +6,7 @@
 #include "analyze/report/page_html.h"
 #include "common/memory.h"
 
-#define SIDE 480 /* pixels */
+#define SIDE 480 /* pixels of the picture */
 
 static double along(const struct run *run, const double v[3]) {
   return v[0] * run->direction[0] + v[1] * run->direction[1] + v[2] * run->direction[2];
@@ -46,7 +46,7 @@ cleanup:
   return status;
 }
 
-/* Trilinear value of a field of cells; 0 outside of the box. */
+/* Trilinear value of a cell field; 0 outside of the box. */
 static double value_at(const struct flow *flow, const float *field, const double at[3]) {
   size_t low[3];
   double part[3], value = 0.0;
@@ -70,7 +70,7 @@ static double value_at(const struct flow *flow, const float *field, const double
   return value;
 }
 
-/* Brightness of a surface of `field`, lit from above left. */
+/* Brightness of a surface of `field`, with light from the upper left. */
 static double lit_at(const struct flow *flow, const float *field, const double at[3]) {
   static const double light[3] = {0.35, 0.55, -0.76};
   double length = 0.0, lit = 0.0, g[3];
@@ -86,8 +86,8 @@ static double lit_at(const struct flow *flow, const float *field, const double a
   return 0.4 + 0.6 * fmax(lit, 0.0);
 }
 
-/* One ray: what it meets of the grains' surfaces takes a little light, the paths all that is left.
- */
+/* Traces one ray: the surfaces of grains on its way absorb some light, the paths all that is
+ * left. */
 static void march(const struct flow *flow, const struct camera *camera, double u, double v,
                   double reach, uint8_t rgb[3]) {
   static const double water[3] = {20, 92, 180}, grain[3] = {150, 138, 116};
@@ -118,7 +118,7 @@ enum status paths_write(const struct flow *flow, FILE *stream) {
   enum status status = STATUS_OK;
   uint8_t *pixels = NULL;
   struct camera camera;
-  flow_look(flow, SIDE, &camera);
+  flow_camera(flow, SIDE, &camera);
   TRY(memory_allocate(&pixels, (size_t)3 * SIDE * SIDE, 1, "a picture"));
 #pragma omp parallel for schedule(dynamic, 8)
   for (size_t y = 0; y < SIDE; y++)

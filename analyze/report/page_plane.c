@@ -49,7 +49,7 @@ double plane_cubic(const struct plane *plane, const float *field, double x, doub
   return value;
 }
 
-/* Trilinear value of a model's field at a place (m, the model's corner at 0); periodic. */
+/* Trilinear value of a field of the model at a position (m, from the model's corner); periodic. */
 static double model_value(const struct voxel_model *model, const float *field, const double at[3]) {
   size_t low[3], high[3];
   double part[3], value = 0.0;
@@ -73,7 +73,7 @@ static double model_value(const struct voxel_model *model, const float *field, c
   return value;
 }
 
-/* Distances from the model's walls, else from its grain fraction; false without either. */
+/* Distances by the walls of the model, or by its grain fraction; false if it has neither. */
 static bool find_distances(const struct run *run, const struct voxel_model *model,
                            struct plane *plane) {
   const bool walls = model->wall_distance != NULL;
@@ -91,8 +91,9 @@ static bool find_distances(const struct run *run, const struct voxel_model *mode
   return field != NULL;
 }
 
-/* From the run's lattice alone: half a spacing on both sides of each face, evened out. */
-static void guess_distances(const struct run *run, size_t layer, struct plane *plane) {
+/* Approximate distances from the lattice of the run: half a spacing on both sides of each face,
+ * smoothed. */
+static void approximate_distances(const struct run *run, size_t layer, struct plane *plane) {
   const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
   for (size_t j = 0; j < plane->size[1]; j++)
     for (size_t i = 0; i < plane->size[0]; i++) {
@@ -111,7 +112,7 @@ static void guess_distances(const struct run *run, size_t layer, struct plane *p
     }
 }
 
-/* Means of the particles of the layer over the points. */
+/* Averages the particles of the layer at each point. */
 static enum status fill(const struct run *run, const struct particles *particles,
                         struct plane *plane, float *count) {
   for (size_t i = 0; i < particles->count; i++) {
@@ -125,7 +126,7 @@ static enum status fill(const struct run *run, const struct particles *particles
     plane->velocity[2 * p] += (float)v[plane->across];
     plane->velocity[2 * p + 1] += (float)v[plane->up];
     plane->speed[p] += (float)sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    /* A plane has what its particles have. */
+    /* All particles of a plane have the same fields. */
     // NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
     if (plane->pressure != NULL) plane->pressure[p] += (float)particles->pressure[i];
     // NOLINTNEXTLINE(clang-analyzer-core.NullDereference)
@@ -147,9 +148,9 @@ static enum status fill(const struct run *run, const struct particles *particles
   return STATUS_OK;
 }
 
-/* Pressure goes on into the grains, two points deep, so that it can be interpolated beside them. */
-static void carry_on(const struct plane *plane, float *count) {
-  static const float fresh = -1.0f; /* filled in this round: not a source of it */
+/* Extrapolates the pressure by two points into the grains, for the interpolation near walls. */
+static void extrapolate_pressure(const struct plane *plane, float *count) {
+  static const float fresh = -1.0f; /* filled in this round, and not a source in it */
   for (int round = 0; round < 2; round++) {
     for (size_t p = 0; p < points_of(plane); p++) {
       const size_t i = p % plane->size[0], j = p / plane->size[0];
@@ -222,10 +223,10 @@ enum status plane_read(const struct run *run, const struct particles *particles,
     TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
   if (particles->micro_porosity != NULL)
     TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
-  if (!find_distances(run, model, plane)) guess_distances(run, layer, plane);
+  if (!find_distances(run, model, plane)) approximate_distances(run, layer, plane);
   TRY(fill(run, particles, plane, count));
   TRY(find_ranges(plane, count));
-  if (plane->pressure != NULL) carry_on(plane, count);
+  if (plane->pressure != NULL) extrapolate_pressure(plane, count);
 cleanup:
   memory_free(&count);
   if (status != STATUS_OK) plane_free(plane);

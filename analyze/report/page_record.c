@@ -69,7 +69,7 @@ enum status page_effects(const struct run *run, FILE *stream) {
     TRY(h5_read(file, "/run/timing/seconds", H5_F64, 1, &times, &seconds));
   TRY(read_texts(file, "/run/timing/name", &passes));
 
-  bool timed = false; /* of methods that measure what each effect takes */
+  bool timed = false; /* for methods that measure the time of each effect */
   for (size_t i = 0; i < shares; i++) timed |= share[i] > 0.0;
   for (int on = 1; on >= 0; on--) {
     if (!on)
@@ -107,7 +107,7 @@ cleanup:
   return status;
 }
 
-/* One attribute as a row, whatever it is: a number, a few numbers, or text. */
+/* Writes one attribute as a row: a number, a few numbers, or text. */
 static void attribute_row(struct h5_file *file, const char *object, const char *name,
                           FILE *stream) {
   double numbers[3];
@@ -147,7 +147,7 @@ cleanup:
   return status;
 }
 
-/* A model may be made of thousands of slices. */
+/* Inputs that are listed; a model may be made from thousands of slices. */
 enum { INPUTS_SHOWN = 12 };
 
 enum status page_provenance(const char *name, const char *path, FILE *stream) {

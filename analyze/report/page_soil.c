@@ -1,4 +1,4 @@
-/* Soil with pores below the sites: its share of the flux, and k over its permeability. */
+/* Soil with pores below the site size: its share of the flux, and k over its permeability. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,7 +11,7 @@
 static const char group[] = "/run/micro";
 
 struct curve {
-  size_t count; /* 0: none was asked for */
+  size_t count; /* 0: the run has none */
   double *factor, *k, *flux, *slope;
 };
 

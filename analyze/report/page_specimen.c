@@ -12,10 +12,10 @@
 #include "common/model_file.h"
 #include "common/units.h"
 
-#define PICTURE_SIDE 256 /* most pixels of a slice */
+#define PICTURE_SIDE 256 /* largest number of pixels per side of a slice */
 
-/* A field [ny][nx] as a picture, y upwards, black at `low`, white at `high`, at most PICTURE_SIDE
- * pixels a side. */
+/* A field [ny][nx] as a picture, y upwards, black at `low`, white at `high`, with at most
+ * PICTURE_SIDE pixels per side. */
 static enum status picture(FILE *stream, const float *field, size_t nx, size_t ny, double low,
                            double high, const char *alt) {
   enum status status = STATUS_OK;
@@ -46,7 +46,7 @@ static void row(FILE *stream, const char *name, double value, const char *unit) 
   fprintf(stream, "<tr><th>%s</th><td>%.5g%s%s</td></tr>\n", name, value, unit[0] ? " " : "", unit);
 }
 
-/* Per mm, with its 95 % half width where the file knows one. */
+/* Specific surface per mm, with its 95 % half width if the file has one. */
 static void row_of_surface(FILE *stream, struct h5_file *file) {
   const double surface = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface");
   const double error = 1e-3 * h5_attribute_or_nan(file, "/model", "specific_surface_error");
@@ -74,7 +74,7 @@ static void write_percolation(FILE *stream, struct h5_file *file) {
   fputs("</td></tr>\n", stream);
 }
 
-/* A list in /quality, with its length; NULL where the file has none. Free with memory_free. */
+/* Reads a list in /quality and its length; NULL if the file has none. Free with memory_free. */
 static double *quality_list(struct h5_file *file, const char *name, size_t *count) {
   double *values = NULL;
   char path[64];
@@ -85,14 +85,14 @@ static double *quality_list(struct h5_file *file, const char *name, size_t *coun
   return values;
 }
 
-/* Bars of values[i] percent over texts, as an SVG of its own. */
+/* A bar chart of values[i] percent with texts below, as an SVG. */
 struct bar {
   double percent;
   char text[24];
 };
 static void write_bars(FILE *stream, const struct bar *bars, size_t n, const char *caption) {
   const double width = 420.0, height = 150.0, foot = 34.0, head = 14.0;
-  const double side = 12.0; /* room for the names of the outer bars */
+  const double side = 12.0; /* space for the labels of the outer bars */
   double most = 0.0, step = width / (double)n;
   for (size_t i = 0; i < n; i++) most = fmax(most, bars[i].percent);
   if (!(most > 0.0)) return;
@@ -100,8 +100,8 @@ static void write_bars(FILE *stream, const struct bar *bars, size_t n, const cha
           "<figure class=\"bars\"><svg viewBox=\"%g 0 %g %g\" width=\"%g\" font-size=\"10\" "
           "text-anchor=\"middle\" fill=\"currentColor\">",
           -side, width + 2.0 * side, height, width + 2.0 * side);
-  /* Letters of 10 are at most 6 wide: names stand as close as the longest allows. A share is not
-   * wider than its bar, or it would lie over a taller neighbour. */
+  /* Characters of size 10 are at most 6 wide; labels are as dense as the longest one allows. A
+   * number wider than its bar is shortened, because it might overlap a taller neighbour. */
   const bool narrow = 0.8 * step < 6.0 * 6.0;
   size_t longest = 2;
   for (size_t i = 0; i < n; i++)
@@ -129,7 +129,8 @@ static void write_bars(FILE *stream, const struct bar *bars, size_t n, const cha
 
 enum { BARS = 16 };
 
-/* Widths of the pores: bins of the file, one a voxel, those behind the last bar in it. */
+/* Distribution of pore widths: the bins of the file, one per voxel, with all larger ones in the
+ * last bar. */
 static void write_widths(FILE *stream, struct h5_file *file) {
   struct bar bars[BARS] = {0};
   size_t count = 0, n = 0;
@@ -146,8 +147,7 @@ static void write_widths(FILE *stream, struct h5_file *file) {
   memory_free(&shares);
 }
 
-/* Spread of the void ratio from one window to the next, for each size of which there are several.
- */
+/* Variation of the void ratio between windows, for each window size with several windows. */
 static void write_windows(FILE *stream, struct h5_file *file) {
   static const char *const NAMES[] = {"window", "windows", "void_ratio", "void_ratio_deviation"};
   double *values[4] = {NULL};
@@ -165,9 +165,10 @@ static void write_windows(FILE *stream, struct h5_file *file) {
     snprintf(bars[n++].text, sizeof bars[0].text, "%.4g \xC2\xB5m", 1e6 * values[0][i]);
   }
   if (n > 0)
-    write_bars(stream, bars, n,
-               "Representative volume: spread (%) of the void ratio from one window of this size to "
-               "the next");
+    write_bars(
+        stream, bars, n,
+        "Representative volume: spread (%) of the void ratio from one window of this size to "
+        "the next");
   for (int i = 0; i < 4; i++) memory_free(&values[i]);
 }
 
@@ -181,8 +182,8 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   row(stream, "Spacing", 1e6 * model->spacing[0], "&micro;m");
   row(stream, "Void ratio, measured on the specimen", model->void_ratio_measured, "");
   const double walls = facts->void_ratio_walls;
-  const bool within = fabs(walls - model->void_ratio) > 1e-6; /* NAN: no */
-  /* Voxels of labels are cut at the walls that were smoothed through them, not at the labels. */
+  const bool within = fabs(walls - model->void_ratio) > 1e-6; /* false if NAN */
+  /* Voxels of labels are cut at the smoothed walls, not at the labels. */
   row(stream,
       !within                      ? "Void ratio of the model"
       : facts->rule == RULE_LABELS ? "Void ratio by voxels of the smoothed labels"
@@ -216,7 +217,7 @@ static void write_table(FILE *stream, struct h5_file *file, const struct voxel_m
   fputs("</div>\n", stream);
 }
 
-/* Datasets of /calibration: at the model's resolution, then the scan's own where it is stored. */
+/* Datasets of /calibration: at the resolution of the model, then at that of the scan if stored. */
 #define CURVES 5
 static const char *const curves[CURVES] = {"threshold", "void_ratio", "histogram",
                                            "void_ratio_original", "histogram_original"};
@@ -231,7 +232,7 @@ static enum status read_calibration(struct h5_file *file, const struct voxel_mod
     char name[64];
     snprintf(name, sizeof name, "/calibration/%s", curves[i]);
     if (!h5_exists(file, name)) {
-      if (i == 0) return STATUS_OK; /* no thresholds, no curve */
+      if (i == 0) return STATUS_OK; /* without thresholds there is no curve */
       continue;
     }
     TRY(h5_read(file, name, H5_F64, 1, &count, &values));
@@ -268,7 +269,7 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
   double measured = json_number_value(json_object_get(calibration, "void_ratio_measured"));
   double chosen = json_number_value(json_object_get(calibration, "threshold_chosen"));
   double highest = json_number_value(json_object_get(calibration, "void_ratio_shown")), end = 0.0;
-  fputs("$c << EOD\n", plot); /* the curves in the order of `curves` */
+  fputs("$c << EOD\n", plot); /* columns in the order of `curves` */
   for (size_t i = 0; i < n; i++) {
     for (size_t c = 0; c < CURVES; c++) {
       double v = array_number(calibration, curves[c], i);
@@ -314,7 +315,8 @@ void page_calibration_plot(const json_t *calibration, FILE *plot) {
   fputs("\nunset multiplot\n", plot);
 }
 
-/* The middle slice of the scan, where the file keeps one: grey, and cut at the scan's threshold. */
+/* The middle slice of the scan, if the file has one: grey values, and cut at the scan's
+ * threshold. */
 static enum status scan_pictures(FILE *stream, struct h5_file *file,
                                  const struct page_model *facts) {
   enum status status = STATUS_OK;
@@ -325,7 +327,7 @@ static enum status scan_pictures(FILE *stream, struct h5_file *file,
   double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
   double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
   TRY(h5_read(file, "/calibration/slice", H5_F32, 2, size, &grey));
-  if (facts->rule == RULE_LABELS) { /* its greys are no scan's */
+  if (facts->rule == RULE_LABELS) { /* the grey values are not those of a scan */
     TRY(picture(stream, grey, size[1], size[0], pore, grain,
                 "The middle slice: distance to the walls that were drawn through the labels"));
     goto cleanup;

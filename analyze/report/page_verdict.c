@@ -8,7 +8,7 @@
 #include "analyze/product.h"
 #include "common/units.h"
 
-static const double wanted = 0.05; /* the error that the advice aims at */
+static const double error_wanted = 0.05; /* relative error that the advice aims at */
 
 static const char *string(const json_t *object, const char *key) {
   const char *text = json_string_value(json_object_get(object, key));
@@ -22,9 +22,10 @@ static const struct run *run_of(const struct run *runs, size_t n, const json_t *
   return NULL;
 }
 
-/* A result from a group of `darcy` or a series of `converge`; its first run names the spacing. */
-static void add(json_t *results, const struct run *runs, size_t n, const json_t *fit,
-                const char *name, const char *note) {
+/* Adds a result from a group of `darcy` or a series of `converge`; the spacing is that of its first
+ * run. */
+static void add_result(json_t *results, const struct run *runs, size_t n, const json_t *fit,
+                       const char *name, const char *note) {
   const json_t *rows = json_object_get(fit, "runs");
   const struct run *run = run_of(runs, n, json_array_get(rows, 0));
   double k = json_number_or_nan(fit, "k_m_per_s"),
@@ -33,9 +34,9 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
   double permeability = json_number_or_nan(fit, "intrinsic_permeability_m2");
   if (!isfinite(k) || run == NULL) return;
   if (json_array_size(rows) == 1 && isfinite(run->k_low) && isfinite(run->k_high)) {
-    if (k != 0) permeability *= run->k / k; /* the run's own best estimate and interval */
+    if (k != 0) permeability *= run->k / k; /* the best estimate and interval of the run itself */
     k = run->k;
-    /* What was found of its history is in the fit's error alone. */
+    /* The error of the fit also includes what the history of the run shows. */
     const double own = fmax(run->k_high - k, k - run->k_low) / k;
     low = run->k_low;
     high = run->k_high;
@@ -55,7 +56,7 @@ static void add(json_t *results, const struct run *runs, size_t n, const json_t 
                          json_object_get(fit, "dlnk_dvoid_ratio")));
 }
 
-static bool holds(const json_t *fit, const json_t *row) {
+static bool contains_run(const json_t *fit, const json_t *row) {
   size_t i;
   const json_t *other;
   json_array_foreach(json_object_get(fit, "runs"), i, other) {
@@ -64,9 +65,9 @@ static bool holds(const json_t *fit, const json_t *row) {
   return false;
 }
 
-/* The run of a series whose own lattices tell k better than the extrapolation over all its
- * spacings; NULL if none does. */
-static const json_t *better_alone(const json_t *series, const json_t *groups) {
+/* The run of a series whose own lattices give k with a smaller error than the extrapolation over
+ * all spacings; NULL if none does. */
+static const json_t *better_single_run(const json_t *series, const json_t *groups) {
   double least = json_number_or_nan(series, "k_relative_error");
   const json_t *group, *best = NULL;
   size_t i;
@@ -77,7 +78,7 @@ static const json_t *better_alone(const json_t *series, const json_t *groups) {
     if (json_array_size(rows) != 1 || !(error < least) ||
         !isfinite(json_number_or_nan(parts, "resolution")) ||
         strcmp(string(parts, "resolution_from"), "lattices") != 0 ||
-        !holds(series, json_array_get(rows, 0)))
+        !contains_run(series, json_array_get(rows, 0)))
       continue;
     least = error;
     best = group;
@@ -85,14 +86,14 @@ static const json_t *better_alone(const json_t *series, const json_t *groups) {
   return best;
 }
 
-/* Whether all runs of a group stand in a series that has a k. */
+/* Whether all runs of a group are in a series that has a k. */
 static bool covered(const json_t *group, const json_t *series) {
   size_t g, s;
   const json_t *row, *one;
   json_array_foreach(json_object_get(group, "runs"), g, row) {
     bool found = false;
     json_array_foreach(series, s, one) {
-      found |= isfinite(json_number_or_nan(one, "k_m_per_s")) && holds(one, row);
+      found |= isfinite(json_number_or_nan(one, "k_m_per_s")) && contains_run(one, row);
     }
     if (!found) return false;
   }
@@ -105,7 +106,8 @@ bool verdict_one_body(const struct run *a, const struct run *b) {
          fabs(b->fluid_count / b->bulk_count * a->bulk_count / a->fluid_count - 1.0) < 0.03;
 }
 
-/* Puts first, of the results of the first one's body, that which is known best. */
+/* Moves the result with the smallest error to the front, among those of the same body as the
+ * first. */
 static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   const struct run *own = run_of(runs, n, json_array_get(results, 0));
   size_t i, best = 0;
@@ -124,7 +126,7 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   json_array_insert_new(results, 0, first);
 }
 
-/* ", 0.0013 Pa s, 1000 kg/m^3" of a run among some in other fluids, else "". */
+/* ", 0.0013 Pa s, 1000 kg/m^3" for a run if the runs have different fluids, else "". */
 static void name_fluid(const struct run *runs, size_t n, const char *path, char text[80]) {
   bool unlike = false;
   text[0] = '\0';
@@ -135,9 +137,9 @@ static void name_fluid(const struct run *runs, size_t n, const char *path, char 
       snprintf(text, 80, ", %.4g Pa s, %.4g kg/m^3", runs[i].viscosity, runs[i].density);
 }
 
-/* Results of one name, as of runs that differ in their fluid alone, are told apart by it and by
- * their run. */
-static void tell_apart(json_t *results, const struct run *runs, size_t n) {
+/* Results with the same name, as of runs that differ only in their fluid, are distinguished by
+ * their fluids and files. */
+static void distinguish_names(json_t *results, const struct run *runs, size_t n) {
   json_t *names = json_array(), *result;
   size_t i;
   json_array_foreach(results, i, result) {
@@ -166,9 +168,10 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
   size_t i;
   json_array_foreach(series, i, fit) {
     char name[300];
-    const json_t *alone = better_alone(fit, groups);
+    const json_t *alone = better_single_run(fit, groups);
     if (alone != NULL) {
-      add(results, runs, n, alone, string(alone, "name"),
+      add_result(
+          results, runs, n, alone, string(alone, "name"),
           "From the lattices of this run, which tell more than the runs' spacings together.");
       continue;
     }
@@ -177,31 +180,33 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
         name, sizeof name, "%s of %zu (%.60s, %.60s walls)",
         extrapolated ? "Extrapolated to spacing 0, from the spacings" : "At the finest spacing",
         json_array_size(json_object_get(fit, "runs")), string(fit, "method"), string(fit, "wall"));
-    add(results, runs, n, fit, name,
-        extrapolated ? "Richardson extrapolation; the error holds the grid convergence index."
-        : json_is_true(json_object_get(fit, "spacings_too_near"))
-            ? "The spacings are too near each other to tell the error of the resolution."
-            : "The spacings do not converge well enough to extrapolate; the error is three "
-              "times what they differ by.");
+    add_result(results, runs, n, fit, name,
+               extrapolated
+                   ? "Richardson extrapolation; the error holds the grid convergence index."
+               : json_is_true(json_object_get(fit, "spacings_too_near"))
+                   ? "The spacings are too near each other to tell the error of the resolution."
+                   : "The spacings do not converge well enough to extrapolate; the error is three "
+                     "times what they differ by.");
   }
   json_array_foreach(groups, i, fit) {
     if (!covered(fit, series))
-      add(results, runs, n, fit, string(fit, "name"),
-          json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients." : "");
+      add_result(results, runs, n, fit, string(fit, "name"),
+                 json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients."
+                                                                   : "");
   }
   if (json_array_size(results) > 1) put_best_first(results, runs, n);
-  tell_apart(results, runs, n);
+  distinguish_names(results, runs, n);
   return results;
 }
 
-/* ---- what it is good for ---- */
+/* ---- assessment ---- */
 
-/* Bounds of k in m/s, for water; the last takes what the noise of a run left below 0. */
+/* Lower bounds of k in m/s, for water. The last one includes negative k due to noise. */
 struct class_of_k {
   double least;
   const char *name;
 };
-/* DIN 18130-1 (1998), table 1; the test itself is now ISO 17892-11. */
+/* DIN 18130-1 (1998), table 1; the test itself is specified in ISO 17892-11. */
 static const struct class_of_k din[] = {{1e-2, "very strongly permeable"},
                                         {1e-4, "strongly permeable"},
                                         {1e-6, "permeable"},
@@ -233,13 +238,13 @@ static const char *good_for(double k, double relative) {
   if (k == 0)
     return "nothing leads through: at these voxels no pore joins the ends along the force";
   if (!(relative >= 0.0)) return "its error is not known";
-  if (relative <= wanted) return "good enough to compare with a test on the specimen";
+  if (relative <= error_wanted) return "good enough to compare with a test on the specimen";
   if (relative <= 0.25) return "good enough to compare specimens, and to choose among formulas";
   if (relative < 1.0) return "good enough for its class and its order of magnitude";
   return "no more than an order of magnitude: do not publish it";
 }
 
-/* The part that takes most, and what lessens it. */
+/* The parts of the error, and what reduces each of them. */
 static const struct {
   const char *part, *remedy;
 } remedies[] = {{"resolution", ""},
@@ -253,10 +258,10 @@ static const struct {
                 {"averaging", "run longer"},
                 {"steadiness", "run longer"}};
 
-/* Nearer to the wanted error than this the other parts leave a lattice nothing that can be paid. */
-#define LATTICE_MOST 0.97
+/* If the other parts reach this share of the wanted error, no affordable lattice can meet it. */
+#define OTHER_PARTS_MAX 0.97
 
-/* Of a run that was stopped: nothing else is to be done first. */
+/* Advice for a run that was stopped: it has to be completed first. */
 static bool judge_interrupted(json_t *result, const struct run *run) {
   if (run->status == NULL || strcmp(run->status, "interrupted") != 0 ||
       strcmp(run->path, string(result, "path")) != 0)
@@ -267,7 +272,8 @@ static bool judge_interrupted(json_t *result, const struct run *run) {
   return true;
 }
 
-/* `scanned`: the scan's voxel (m; NAN: unknown), below which a model tells nothing new. */
+/* `scanned`: voxel size of the scan (m; NAN: unknown), below which a finer model has no more
+ * information. */
 static void judge_advice(json_t *result, double scanned) {
   const json_t *parts = json_object_get(result, "error_budget");
   const char *needs = string(parts, "resolution_needs");
@@ -293,15 +299,15 @@ static void judge_advice(json_t *result, double scanned) {
   if (isnan(resolution))
     snprintf(text, sizeof text,
              "The error of resolution is not known: run two more spacings and analyze converge.");
-  else if (hypot(resolution, rest) <= wanted)
+  else if (hypot(resolution, rest) <= error_wanted)
     text[0] = '\0';
-  else if (rest >= LATTICE_MOST * wanted && rest < wanted && !scan)
+  else if (rest >= OTHER_PARTS_MAX * error_wanted && rest < error_wanted && !scan)
     snprintf(
         text, sizeof text,
         "For 5 %%: %s%s; %s alone takes it only just below, to %s %% at best, where the %s binds.",
         remedies[largest].remedy, more ? " more precisely" : "",
         model ? "a model with smaller voxels" : "a finer lattice", percent_format(rest, all), part);
-  else if (rest >= LATTICE_MOST * wanted)
+  else if (rest >= OTHER_PARTS_MAX * error_wanted)
     snprintf(text, sizeof text,
              most > 0.95 * rest ? "For 5 %%: %s%s%s (%s %% by the %s alone)."
                                 : "For 5 %%: %s%s%s (%s %% by the %s, %s %% by all that no finer "
@@ -313,8 +319,8 @@ static void judge_advice(json_t *result, double scanned) {
              remedies[largest].remedy, more ? " more precisely" : "", percent_format(most, one),
              part, percent_format(rest, all));
   else {
-    /* The index falls as the spacing squared. */
-    const double finer = sqrt(resolution / sqrt(wanted * wanted - rest * rest));
+    /* The index is proportional to the spacing squared. */
+    const double finer = sqrt(resolution / sqrt(error_wanted * error_wanted - rest * rest));
     const double spacing = 1e6 * json_number_or_nan(result, "spacing_m");
     const int fine_digits = finer < 1.05 ? 3 : 2;
     char fine[32], own[32];
@@ -336,9 +342,9 @@ static void judge_advice(json_t *result, double scanned) {
   json_object_set_new(result, "advice", json_string(text));
 }
 
-/* k of three formulas for n, the porosity, and S, the surface of the grains by bulk volume; their
- * grain size is d = 6 (1 - n) / S, that of spheres of the same surface. None with soil below the
- * voxel: its pores are in n, its grains not in S. */
+/* k by three formulas from the porosity n and the grain surface S per bulk volume. The grain size
+ * is that of spheres with the same surface, d = 6 (1 - n) / S. Not with soil below the voxel size,
+ * whose pores are included in n but its grains not in S. */
 static void judge_formulas(json_t *result, const struct run *run, const struct page_model *model) {
   const double n = model->porosity, s = model->specific_surface;
   const double weight = GRAVITY_STANDARD * run->density / run->viscosity;

@@ -1,5 +1,4 @@
-/* The head of the page: what k is, how well it is known, what that is good for, and what other
- * formulas would say. */
+/* The head of the page: k, its uncertainty, an assessment, and k by other formulas. */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_VERDICT_H
 #define TOSUI_ANALYZE_REPORT_PAGE_VERDICT_H
 
@@ -11,26 +10,26 @@
 #include "analyze/report/page_model.h"
 #include "analyze/run_file.h"
 
-/* The results of the runs, one for each body, fluid, method and wall: runs that differ in spacing
- * alone are one result. `darcy` and `converge` are those analyses' JSON, NULL where they are not.
- * A new array of {"name", "note", "path", "k_m_per_s", "k_low_m_per_s", "k_high_m_per_s",
- * "k_relative_error", "intrinsic_permeability_m2", "spacing_m", "error_budget",
- * "dlnk_dvoid_ratio"}, the first the page's own; empty without a k. */
+/* Results of the runs, one for each body, fluid, method and wall; runs that differ only in spacing
+ * give one result. `darcy` and `converge` are the JSON of these analyses, or NULL. A new array of
+ * {"name", "note", "path", "k_m_per_s", "k_low_m_per_s", "k_high_m_per_s", "k_relative_error",
+ * "intrinsic_permeability_m2", "spacing_m", "error_budget", "dlnk_dvoid_ratio"}, of which the page
+ * shows the first; empty without a k. */
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge);
 
-/* Whether two runs are of one body at whatever spacing: equal lengths but for rounding, and
- * porosity.
- */
+/* Whether two runs have the same body, at any spacing: equal lengths but for rounding, and equal
+ * porosity. */
 bool verdict_one_body(const struct run *a, const struct run *b);
 
-/* Adds to the first result what it is good for: "good_for", "class_din", "class_casagrande",
- * "advice", "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
+/* Adds an assessment to the first result: "good_for", "class_din", "class_casagrande", "advice",
+ * "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* The card, with the tensor of its body if a run holds one, and a table of further results.
- * `data`: JSON of the analyses by their names, `verdict` among them; without a result of that the
- * card of `seepage` or `moisture` of the first run, if it is there, or why there is none. */
+/* Writes the card of the first result, with the tensor of its body if a run has one, and a table of
+ * further results. `data`: JSON of the analyses by their names, including `verdict`. Without a
+ * result it is the card of `seepage` or `moisture` of the first run, or the reason why there is no
+ * result. */
 enum status verdict_write(const json_t *data, const struct subject *subject, FILE *stream);
 
 #endif

@@ -1,4 +1,4 @@
-/* The verdict as HTML. */
+/* The assessment as HTML. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,16 +16,16 @@ static void write_string(const json_t *object, const char *key, FILE *stream) {
   if (text != NULL) html_text(stream, text);
 }
 
-/* Less is not told: of a rate that was given, or the round-off of an average. */
-#define EXACT 1e-6
+/* Relative errors below this are not shown: those of prescribed rates, or rounding of averages. */
+#define RELATIVE_ERROR_MIN 1e-6
 
-/* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)", small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
+/* "0.1540 &plusmn; 0.0021 cm/s (1.4 %)"; small and large numbers as (1.54 &plusmn; 0.02) 10^-3. */
 static void quantity(FILE *out, double value, double relative, const char *unit) {
   char scaled[80];
   int power = value != 0.0 ? (int)floor(log10(fabs(value))) : 0;
   if (value == 0) relative = 0;
   fputs("<span class=\"quantity\">", out);
-  if (value != 0 && !(relative >= EXACT && isfinite(relative))) {
+  if (value != 0 && !(relative >= RELATIVE_ERROR_MIN && isfinite(relative))) {
     const int digits = isfinite(relative) ? 5 : 4;
     if (power >= -2 && power < 5)
       fprintf(out, "%.*g %s", digits, value, unit);
@@ -46,7 +46,7 @@ static void quantity(FILE *out, double value, double relative, const char *unit)
   fputs("</span>", out);
 }
 
-/* "0.030 cm/s, 0.026 to 0.034 (95 %)", or with a power of ten behind. */
+/* "0.030 cm/s, 0.026 to 0.034 (95 %)", or with a power of ten. */
 static void interval(FILE *out, double value, double low, double high, const char *unit) {
   const double half = 0.5 * (high - low);
   if (value == 0 && !(half > 0)) {
@@ -70,7 +70,7 @@ static void interval(FILE *out, double value, double low, double high, const cha
   fputs(" (95&nbsp;%)</span>", out);
 }
 
-/* The parts of the error as bars on one scale, largest part first to the eye. */
+/* The parts of the error as bars on a common scale. */
 static void write_budget(const json_t *result, FILE *out) {
   const json_t *budget = json_object_get(result, "error_budget");
   static const struct {
@@ -183,8 +183,8 @@ static void write_others(const json_t *results, const struct subject *subject, F
   fputs("</tbody></table></div>\n", out);
 }
 
-/* What the page gives of a seepage run, by the best that is known: what wells and drains take, the
- * flux of a plane, that of the flow net. */
+/* The flow of a seepage run, from the most accurate source: outflow by wells and drains, else the
+ * flux of a plane, else the flow net. */
 static void find_flow(const json_t *seepage, double *flow, double *error, const char **where,
                       const char **plane) {
   const json_t *through = json_object_get(seepage, "through"), *sink;
@@ -205,12 +205,12 @@ static void find_flow(const json_t *seepage, double *flow, double *error, const 
   *error = json_number_or_nan(seepage, "flow_error95_m2_per_s");
   if (through == NULL) return;
   *where = "through the soil, at the plane ";
-  *plane = json_string_value(json_object_get(through, "plane")); /* set with every "through" */
+  *plane = json_string_value(json_object_get(through, "plane")); /* present in every "through" */
   *flow = json_number_or_nan(through, "flux_m2_per_s");
   *error = json_number_or_nan(through, "error95");
 }
 
-/* Of an exit gradient or a prism, where it is less than that found before. */
+/* Takes over the factor of safety of an exit gradient or a prism if it is the smallest so far. */
 static void find_factor(const json_t *entry, double *factor, double *least, bool *resolved) {
   const double own = json_number_or_nan(entry, "factor_of_safety");
   if (!(own < *factor)) return;
@@ -219,14 +219,13 @@ static void find_factor(const json_t *entry, double *factor, double *least, bool
   *resolved = json_is_true(json_object_get(entry, "resolved"));
 }
 
-/* Where there is no k: what flows through the soil, and how far its surface is from being lifted.
- */
+/* Without a k: the flow through the soil, and the safety of its surface against uplift. */
 static void write_seepage(const json_t *seepage, FILE *out) {
   const json_t *prism;
   const char *where, *plane;
   size_t i;
   double flow, error;
-  double factor = INFINITY, least = NAN; /* the smallest, and the least that its error allows */
+  double factor = INFINITY, least = NAN; /* the smallest, and its least value within the error */
   bool resolved = false;
   find_factor(json_object_get(seepage, "exit"), &factor, &least, &resolved);
   json_array_foreach(json_object_get(seepage, "heave"), i, prism) {
@@ -235,13 +234,13 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   find_flow(seepage, &flow, &error, &where, &plane);
   const double uptake = json_number_or_nan(seepage, "soil_uptake_m2_per_s");
   const double drift = plane[0] == '\0' ? json_number_or_nan(seepage, "flow_drift_m2_per_s")
-                                        : NAN; /* in the error */
+                                        : NAN; /* already included in the error */
   const bool none = fabs(uptake) > 0.5 * flow || drift > 0.5 * flow;
   fputs("<p class=\"k\">", out);
   if (none) {
     fputs("No steady flow <span class=\"interval\">through the soil", out);
   } else {
-    quantity(out, flow, error / fabs(flow), "m&sup2;/s"); /* 0: of a given rate */
+    quantity(out, flow, error / fabs(flow), "m&sup2;/s"); /* 0 for a prescribed rate */
     fprintf(out, " <span class=\"interval\">%s", where);
     html_text(out, plane);
   }
@@ -271,7 +270,7 @@ static void write_seepage(const json_t *seepage, FILE *out) {
   fputs(".</p>\n", out);
 }
 
-/* A flow in soil that is not full: how much water, and how high it stands. */
+/* A flow in unsaturated soil: amount of water, and highest water table. */
 static void write_moisture(const json_t *moisture, FILE *out) {
   const json_t *table = json_object_get(moisture, "water_table"), *level;
   const json_t *x = json_object_get(table, "x_m"), *levels = json_object_get(table, "level_m");
@@ -298,8 +297,8 @@ static void write_moisture(const json_t *moisture, FILE *out) {
   fputs(".</p>\n", out);
 }
 
-/* Of several runs without a k the card is of the first. */
-static void name_the_shown(const struct subject *subject, FILE *out) {
+/* With several runs without a k only the first is shown: names it and the others. */
+static void write_run_note(const struct subject *subject, FILE *out) {
   if (subject->n < 2) return;
   fputs("<p class=\"note\">Of ", out);
   html_text(out, subject->runs[0].name);
@@ -311,7 +310,7 @@ static void name_the_shown(const struct subject *subject, FILE *out) {
   fputs(subject->n > 2 ? " pages of their own.</p>\n" : " a page of its own.</p>\n", out);
 }
 
-/* The tensor of the run that a result is of, else of one of the same body. */
+/* Finds the tensor of the run of a result, or of another run with the same body. */
 static enum status find_tensor(const json_t *result, const struct subject *subject,
                                struct tensor *tensor, bool *found) {
   enum status status = STATUS_OK;
@@ -351,7 +350,7 @@ enum status verdict_write(const json_t *data, const struct subject *subject, FIL
               : "<p>Nothing drives a flow through the whole body, or it has not settled, so there "
                 "is no permeability to give.</p>",
           out);
-    name_the_shown(subject, out);
+    write_run_note(subject, out);
     fputs("</article></section>\n", out);
     return STATUS_OK;
   }
@@ -379,9 +378,9 @@ enum status verdict_write(const json_t *data, const struct subject *subject, FIL
   fputs("</p><p class=\"note\">", out);
   write_string(result, "note", out);
   fputs("</p>\n", out);
-  if (k > 0.0) write_budget(result, out); /* a body that nothing leads through has no error of k, */
+  if (k > 0.0) write_budget(result, out); /* without flow k has no error */
   fputs("</div><div>", out);
-  if (k > 0.0) write_orientation(result, out); /* and no class of soil */
+  if (k > 0.0) write_orientation(result, out); /* and the soil has no class */
   fputs("</div></div>\n", out);
   TRY(find_tensor(result, subject, &tensor, &has_tensor));
   if (has_tensor) tensor_html(&tensor, out);

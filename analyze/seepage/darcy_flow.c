@@ -8,14 +8,14 @@
 
 enum kind { CELL_CLOSED, CELL_SOIL, CELL_HELD, CELL_WATER, CELL_AIR };
 
-/* What stays the same on all grids: of the run's cells. */
+/* Properties of the run's cells, common to both grids. */
 struct soil_cells {
   const struct head_field *field;
   unsigned char *kind;
   double *conductivity[2]; /* m/s along x, z */
 };
 
-/* Whether a drain holds the head of a cell. */
+/* Whether a drain prescribes the head of a cell. */
 static bool is_held(const struct head_field *f, size_t c) {
   const double x[2] = {head_field_x(f, c % f->nx), head_field_z(f, c / f->nx)};
   for (size_t r = 0; r < f->region_count; r++) {
@@ -27,14 +27,16 @@ static bool is_held(const struct head_field *f, size_t c) {
   return false;
 }
 
-/* i = q / K + b q |q| (Forchheimer 1901), at the speed that the run has there. */
+/* Secant conductivity of i = q / K + b q
+ * q
+ *  (Forchheimer 1901) at the local speed of the run. */
 static double conductivity_of(const struct head_field *f, size_t c, int axis) {
   const struct head_region *soil = &f->regions[f->soil[c]];
   const double speed = hypot(f->velocity[0][c], f->velocity[1][c]);
   return 1 / (1 / soil->conductivity[axis] + soil->forchheimer * speed);
 }
 
-static enum status mark(const struct head_field *f, struct soil_cells *cells) {
+static enum status classify_cells(const struct head_field *f, struct soil_cells *cells) {
   enum status status = STATUS_OK;
   const size_t n = f->nx * f->nz;
   cells->field = f;
@@ -55,21 +57,22 @@ cleanup:
   return status;
 }
 
-/* Cells of free water from a face of soil to where its head is read: clear of the smeared edge. */
-#define CLEAR 3
+/* Distance from a face of soil, in cells of free water, at which the water's head is read: outside
+ * of the smeared edge. */
+#define HEAD_DISTANCE_CELLS 3
 
-/* Head that what lies beside soil cell c, along an axis on one side, holds at the face between; NAN:
- * none. Water holds its own; where water comes out into air or a film the face has no pressure, and
- * is `free`. */
-static double held_by(const struct soil_cells *cells, size_t c, int axis, int side, double face_z,
-                      bool *free) {
+/* Head prescribed at the face of soil cell c towards `side` on an axis by what is beside it; NAN if
+ * none. Water prescribes its own head. A face where water may only come out, into air or a film of
+ * water, is `free`: its pressure is 0. */
+static double boundary_head(const struct soil_cells *cells, size_t c, int axis, int side,
+                            double face_z, bool *free) {
   const struct head_field *f = cells->field;
   size_t i = c % f->nx, k = c / f->nx;
   double head = -INFINITY;
-  for (int n = 0; n < CLEAR; n++) {
+  for (int n = 0; n < HEAD_DISTANCE_CELLS; n++) {
     size_t *at = axis == 0 ? &i : &k;
     if (side < 0 ? *at == 0 : *at + 1 == (axis == 0 ? f->nx : f->nz)) break;
-    *at += (size_t)side; /* wraps to one less */
+    *at += (size_t)side; /* wraps around for side -1 */
     const size_t b = k * f->nx + i;
     if (cells->kind[b] == CELL_AIR && n == 0) {
       *free = true;
@@ -82,32 +85,34 @@ static double held_by(const struct soil_cells *cells, size_t c, int axis, int si
   return isfinite(head) ? fmax(head, face_z) : NAN;
 }
 
-/* Head that a window holds at the side of the domain beside soil cell c, as the run's heads reach
- * it; NAN: that side is closed there. */
-static double held_by_side(const struct soil_cells *cells, size_t c, int axis, int side) {
+/* Head prescribed by a window in the side of the domain beside soil cell c, extrapolated from the
+ * heads of the run; NAN if the side is closed there. */
+static double window_head(const struct soil_cells *cells, size_t c, int axis, int side) {
   const struct head_field *f = cells->field;
   const double at[2] = {head_field_x(f, c % f->nx) + (axis == 0 ? 0.5 * side * f->dx : 0),
                         head_field_z(f, c / f->nx) + (axis == 1 ? 0.5 * side * f->dz : 0)};
-  const size_t inner = axis == 0 ? c - (size_t)side : c - (size_t)side * f->nx; /* wraps to more */
+  /* Wraps around for side -1. */
+  const size_t inner = axis == 0 ? c - (size_t)side : c - (size_t)side * f->nx;
   if (!head_field_is_open(f, at[0], at[1])) return NAN;
   if ((axis == 0 ? f->nx : f->nz) < 2 || cells->kind[inner] != CELL_SOIL) return f->head[c];
   return 1.5 * f->head[c] - 0.5 * f->head[inner];
 }
 
-/* A face between cell (i, k) of the grid and the next along an axis, or behind it (side -1).
- * Between two soils their resistances add: the harmonic mean (Patankar 1980, 4.2-3). */
+/* The face of cell (i, k) of the grid towards `side` on an axis. Between two soils the resistances
+ * add up: harmonic mean (Patankar 1980, 4.2-3). */
 struct face {
   double weight; /* conductance, m/s */
-  double head;   /* m, that is held beyond it; NAN: the next cell is soil too */
-  bool free;     /* water may come out there, and none go in */
+  double head;   /* prescribed beyond the face, m; NAN if the next cell is soil too */
+  bool free;     /* water may come out here, but none may go in */
 };
 
-/* On the grid whose cells are 1 / parts of the run's along each axis. */
+/* A grid with cells of 1 / parts of the size of the run's cells. */
 struct grid {
   const struct soil_cells *cells;
   size_t parts;
   struct grid_laplace laplace;
-  unsigned char *shut; /* one bit for each face of a cell: free faces that water would go in by */
+  /* One bit for each face of a cell: free faces that are closed because water would go in. */
+  unsigned char *closed;
 };
 
 static unsigned bit_of(int axis, int side) {
@@ -123,7 +128,7 @@ static struct face face_of(const struct grid *grid, size_t i, size_t k, int axis
   const double shape = axis == 0 ? f->dz / f->dx : f->dx / f->dz;
   const double own = cells->conductivity[axis][c];
   if (side < 0 ? place == 0 : place == last) {
-    const double outside = held_by_side(cells, c, axis, side);
+    const double outside = window_head(cells, c, axis, side);
     return (struct face){isnan(outside) ? 0 : 2 * shape * own, outside, false};
   }
   const size_t to = axis == 0 ? k / parts * f->nx + (i + (size_t)side) / parts
@@ -133,11 +138,10 @@ static struct face face_of(const struct grid *grid, size_t i, size_t k, int axis
     return (struct face){2 * shape * own * other / (own + other),
                          cells->kind[to] == CELL_HELD ? f->head[to] : NAN, false};
   }
-  const double z =
-      ((double)k + (axis == 0 ? 0.5 : side > 0 ? 1.0 : 0.0)) * f->dz / (double)parts;
+  const double z = ((double)k + (axis == 0 ? 0.5 : side > 0 ? 1.0 : 0.0)) * f->dz / (double)parts;
   bool free = false;
-  const double head = held_by(cells, c, axis, side, z, &free);
-  const bool open = !isnan(head) && !(grid->shut[k * grid->laplace.nx + i] & bit_of(axis, side));
+  const double head = boundary_head(cells, c, axis, side, z, &free);
+  const bool open = !isnan(head) && !(grid->closed[k * grid->laplace.nx + i] & bit_of(axis, side));
   return (struct face){open ? 2 * shape * own : 0, open ? head : NAN, free};
 }
 
@@ -146,8 +150,8 @@ static bool is_soil(const struct grid *grid, size_t i, size_t k) {
   return cells->kind[k / grid->parts * cells->field->nx + i / grid->parts] == CELL_SOIL;
 }
 
-/* Whether a face holds a head. */
-static bool fill(struct grid *grid) {
+/* Assembles the equations; returns whether any face prescribes a head. */
+static bool assemble(struct grid *grid) {
   struct grid_laplace *g = &grid->laplace;
   bool any = false;
   memset(g->held, 0, g->nx * g->nz * sizeof *g->held);
@@ -171,8 +175,8 @@ static bool fill(struct grid *grid) {
   return any;
 }
 
-/* Shuts free faces that water goes in by; how many. */
-static size_t shut_free_faces(struct grid *grid, const double *x) {
+/* Closes free faces through which water goes in; returns their number. */
+static size_t close_inflow_faces(struct grid *grid, const double *x) {
   size_t count = 0;
   for (size_t n = 0; n < grid->laplace.nx * grid->laplace.nz; n++)
     for (int axis = 0; axis < 2; axis++)
@@ -181,12 +185,12 @@ static size_t shut_free_faces(struct grid *grid, const double *x) {
         if (!is_soil(grid, i, k)) continue;
         const struct face face = face_of(grid, i, k, axis, side);
         if (!face.free || !(face.weight > 0) || x[n] >= face.head) continue;
-        grid->shut[n] = (unsigned char)(grid->shut[n] | bit_of(axis, side)), count++;
+        grid->closed[n] = (unsigned char)(grid->closed[n] | bit_of(axis, side)), count++;
       }
   return count;
 }
 
-/* Adds up what flows through the faces of the run's cells. */
+/* Sums the fluxes through the faces of the run's cells. */
 static void add_fluxes(const struct grid *grid, const double *x, struct face_flux *flux) {
   const struct grid_laplace *g = &grid->laplace;
   const size_t nx = grid->cells->field->nx, parts = grid->parts;
@@ -210,13 +214,14 @@ static void add_fluxes(const struct grid *grid, const double *x, struct face_flu
     }
 }
 
-/* Of the residual; fluxes are then known to some 1e-4. */
-#define GOAL 1e-7
+/* Of the residual, relative; fluxes are then accurate to about 1e-4. */
+#define RESIDUAL_GOAL 1e-7
 
-/* Times that free faces are found anew. */
-#define ROUNDS_MOST 8
+/* Iterations in which inflowing free faces are closed. */
+#define FREE_FACE_ROUNDS_MAX 8
 
-/* From heads `first` on the run's cells; `known`: something holds a head. */
+/* Solves on one grid, starting from heads `first` on the run's cells. *known: some head is
+ * prescribed. */
 static enum status solve(const struct soil_cells *cells, size_t parts, const double *first,
                          struct face_flux *flux, double **head, bool *known) {
   enum status status = STATUS_OK;
@@ -226,7 +231,7 @@ static enum status solve(const struct soil_cells *cells, size_t parts, const dou
   struct grid_laplace *g = &grid.laplace;
   double *x = NULL;
   TRY(grid_laplace_create(parts * f->nx, parts * f->nz, g));
-  TRY(memory_allocate(&grid.shut, g->nx * g->nz, sizeof *grid.shut, "heads of soil"));
+  TRY(memory_allocate(&grid.closed, g->nx * g->nz, sizeof *grid.closed, "heads of soil"));
   TRY(memory_allocate(&x, g->nx * g->nz, sizeof *x, "heads of soil"));
   TRY(memory_allocate(head, f->nx * f->nz, sizeof **head, "heads of soil"));
   TRY(memory_allocate(&flux->u, (f->nx + 1) * f->nz, sizeof *flux->u, "flow through soil"));
@@ -235,11 +240,11 @@ static enum status solve(const struct soil_cells *cells, size_t parts, const dou
     const size_t i = n % g->nx, k = n / g->nx;
     if (is_soil(&grid, i, k)) x[n] = first[k / parts * f->nx + i / parts];
   }
-  for (int round = 0; round < ROUNDS_MOST; round++) {
-    *known = fill(&grid);
+  for (int round = 0; round < FREE_FACE_ROUNDS_MAX; round++) {
+    *known = assemble(&grid);
     if (!*known) break;
-    TRY(grid_laplace_solve(g, GOAL, x));
-    if (shut_free_faces(&grid, x) == 0) break;
+    TRY(grid_laplace_solve(g, RESIDUAL_GOAL, x));
+    if (close_inflow_faces(&grid, x) == 0) break;
   }
   for (size_t n = 0; n < g->nx * g->nz; n++)
     (*head)[n / g->nx / parts * f->nx + n % g->nx / parts] += each * x[n];
@@ -248,13 +253,14 @@ static enum status solve(const struct soil_cells *cells, size_t parts, const dou
   add_fluxes(&grid, x, flux);
 cleanup:
   grid_laplace_free(g);
-  memory_free(&grid.shut);
+  memory_free(&grid.closed);
   memory_free(&x);
   return status;
 }
 
-/* Where water ends in soil, or under air, the surface is known to half a cell, on both grids alike:
- * of the height that water flows in there, times the share of columns that have such a surface. */
+/* Relative uncertainty of a flux because the position of a free surface in soil is known to half a
+ * particle spacing only, on both grids alike: relative to the wet height of the column, averaged
+ * over all columns. */
 static double surface_share(const struct soil_cells *cells) {
   const struct head_field *f = cells->field;
   double columns = 0, free = 0;
@@ -288,7 +294,7 @@ enum status darcy_flow_find(const struct head_field *f, struct darcy_flow *flow)
   struct soil_cells cells = {0};
   *flow = (struct darcy_flow){.known = is_darcy(f), .field = f};
   if (!flow->known) return STATUS_OK;
-  TRY(mark(f, &cells));
+  TRY(classify_cells(f, &cells));
   flow->surface = surface_share(&cells);
   for (size_t n = 0; n < 2 && flow->known; n++)
     TRY(solve(&cells, n + 1, n == 0 ? f->head : flow->level[0].head, &flow->level[n].flux,
@@ -312,8 +318,8 @@ struct darcy_value darcy_value_of(double coarse, double fine) {
   return (struct darcy_value){2 * fine - coarse, 1.5 * fabs(fine - coarse)};
 }
 
-/* With what the surface leaves open of a flux. */
-static struct darcy_value flux_of(const struct darcy_flow *flow, const double grids[2]) {
+/* Extrapolated flux, including the uncertainty of the free surface. */
+static struct darcy_value extrapolated_flux(const struct darcy_flow *flow, const double grids[2]) {
   struct darcy_value flux = darcy_value_of(grids[0], grids[1]);
   flux.error = hypot(flux.error, flow->surface * flux.value);
   return flux;
@@ -328,7 +334,7 @@ struct darcy_value darcy_flow_cell(const struct darcy_flow *flow, int axis, size
     mean[n] = axis == 0 ? 0.5 * (flux->u[left] + flux->u[left + 1])
                         : 0.5 * (flux->w[c] + flux->w[c + nx]);
   }
-  return flux_of(flow, mean);
+  return extrapolated_flux(flow, mean);
 }
 
 struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, double place) {
@@ -343,10 +349,10 @@ struct darcy_value darcy_flow_through(const struct darcy_flow *flow, int axis, d
   for (int n = 0; n < 2; n++)
     for (size_t m = 0; m < along; m++)
       for (size_t s = 0; s < 2; s++)
-        sum[n] += (s == 0 ? 1 - t : t) *
-                  (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
-                             : flow->level[n].flux.w[(low + s) * f->nx + m]);
-  return flux_of(flow, sum);
+        sum[n] +=
+            (s == 0 ? 1 - t : t) * (axis == 0 ? flow->level[n].flux.u[m * (f->nx + 1) + low + s]
+                                              : flow->level[n].flux.w[(low + s) * f->nx + m]);
+  return extrapolated_flux(flow, sum);
 }
 
 static bool is_in_drain(const struct head_field *f, size_t c, const char *name) {
@@ -360,7 +366,7 @@ static bool is_in_drain(const struct head_field *f, size_t c, const char *name) 
   return false;
 }
 
-struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *name) {
+struct darcy_value darcy_flow_into_drain(const struct darcy_flow *flow, const char *name) {
   if (!flow->known) return (struct darcy_value){NAN, NAN};
   const struct head_field *f = flow->field;
   double sum[2] = {0};
@@ -374,7 +380,7 @@ struct darcy_value darcy_flow_taken(const struct darcy_flow *flow, const char *n
     }
     cells++;
   }
-  return cells > 0 ? flux_of(flow, sum) : (struct darcy_value){NAN, NAN};
+  return cells > 0 ? extrapolated_flux(flow, sum) : (struct darcy_value){NAN, NAN};
 }
 
 struct darcy_value darcy_flow_head(const struct darcy_flow *flow, const double at[2]) {

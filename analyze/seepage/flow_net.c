@@ -5,17 +5,18 @@
 #include "analyze/seepage/grid_laplace.h"
 #include "common/memory.h"
 
-/* The velocities of a mean over particles are no perfect curl: psi is the one whose differences
- * between the corners of the cells are the fluxes through their faces as nearly as can be (least
- * squares), with none through walls and closed sides. Its normal equations are Laplace's on the
- * graph of the corners. Free water takes no part: it moves about by more than what seeps. */
+/* Velocities averaged over particles are not exactly divergence-free. psi is the least squares
+ * solution whose differences between the corners of the cells approximate the fluxes through their
+ * faces, with no flux through walls and closed sides. Its normal equations are Laplace's equation
+ * on the graph of the corners. Free water is excluded: its motion is larger than the seepage. */
 
-/* A face between two corners: flux psi[to] - psi[from]; weight 0 where it is not known. */
+/* A face between two corners: flux psi[to] - psi[from]; weight 0 if it is unknown. */
 struct face {
   double flux, weight;
 };
 
-/* Between cell a and cell b, SIZE_MAX beyond a side; `open`: that side is. */
+/* The face between cells a and b; SIZE_MAX is beyond the side of the domain, which may be
+ * `open`. */
 static struct face face_of(const struct head_field *f, size_t a, size_t b, int axis, bool open,
                            double scale) {
   double sum = 0;
@@ -33,8 +34,8 @@ static struct face face_of(const struct head_field *f, size_t a, size_t b, int a
   return (struct face){n > 0 ? scale * sum / n : 0, n > 0};
 }
 
-/* What flows through the faces as the source of the grid of corners. A face upward from corner
- * (i, k) has u dz, one along the row -w dx. */
+/* Enters the fluxes through the faces as sources of the grid of corners. The edge upwards from
+ * corner (i, k) has the flux u dz, that along the row -w dx. */
 static void find_faces(const struct head_field *f, struct grid_laplace *net) {
   for (size_t k = 0; k < net->nz; k++)
     for (size_t i = 0; i < net->nx; i++) {
@@ -57,7 +58,7 @@ static void find_faces(const struct head_field *f, struct grid_laplace *net) {
     }
 }
 
-/* Corners with wet soil beside them. */
+/* Whether a corner has wet soil beside it. */
 static bool is_wet(const struct head_field *f, size_t i, size_t k) {
   for (size_t b = k > 0 ? k - 1 : 0; b <= k && b < f->nz; b++)
     for (size_t a = i > 0 ? i - 1 : 0; a <= i && a < f->nx; a++)
@@ -102,7 +103,7 @@ void flow_net_contour(const double *values, size_t nx, size_t nz, double dx, dou
         at[n][1] = ((double)k + offset + corner[c][1] + t * (corner[c + 1][1] - corner[c][1])) * dz;
         n++;
       }
-      for (int c = 0; c + 1 < n; c += 2) /* a saddle has two pieces */
+      for (int c = 0; c + 1 < n; c += 2) /* a saddle has two segments */
         fprintf(stream, "%.6g %.6g\n%.6g %.6g\n\n", at[c][0], at[c][1], at[c + 1][0], at[c + 1][1]);
     }
 }

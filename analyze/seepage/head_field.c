@@ -101,7 +101,7 @@ bool head_field_is_open(const struct head_field *f, double x, double z) {
   return false;
 }
 
-/* Later regions overwrite earlier ones; water and soil share their place. */
+/* Later regions replace earlier ones. Soil may contain water, so that water does not replace it. */
 static enum status mark_cells(struct head_field *f) {
   enum status status = STATUS_OK;
   const size_t cells = f->nx * f->nz;
@@ -122,15 +122,15 @@ cleanup:
   return status;
 }
 
-/* Sums of moving least squares at one cell (Lancaster, Salkauskas 1981, Math. Comp. 37, 141): a
- * plane through the particles around. */
+/* Sums of a moving least squares fit at one cell (Lancaster, Salkauskas 1981, Math. Comp. 37, 141):
+ * a plane through the nearby particles. */
 struct sums {
   double basis[6];    /* 1 x z xx xz zz */
   double value[3][3]; /* of head, v_x, v_z times 1 x z */
   double filled;
 };
 
-/* Whether a wall stands between two places: what is behind it has nothing to say. */
+/* Whether a wall is between two points; particles behind a wall are not used. */
 static bool is_hidden(const struct head_field *f, const double from[2], const double to[2]) {
   const double length = hypot(to[0] - from[0], to[1] - from[1]);
   const int steps = (int)ceil(length / (0.25 * fmin(f->dx, f->dz)));
@@ -144,14 +144,14 @@ static bool is_hidden(const struct head_field *f, const double from[2], const do
   return false;
 }
 
-/* Support of a particle over its size: some 20 neighbours. */
-#define REACH 2.4
-/* Less water than this around a cell's centre is none. */
-#define FILLED_LEAST 0.35
+/* Support radius of the fit over the particle size: about 20 neighbours. */
+#define SUPPORT_RATIO 2.4
+/* Volume fraction of water around a cell's centre below which the cell counts as dry. */
+#define FILLED_MIN 0.35
 
 static void scatter(const struct head_field *f, const double x[2], double size,
                     const double value[3], struct sums *sums) {
-  const double h = REACH * size;
+  const double h = SUPPORT_RATIO * size;
   const size_t i0 = (size_t)fmax(0, floor((x[0] - h) / f->dx));
   const size_t k0 = (size_t)fmax(0, floor((x[1] - h) / f->dz));
   for (size_t k = k0; k < f->nz && head_field_z(f, k) < x[1] + h; k++)
@@ -167,12 +167,13 @@ static void scatter(const struct head_field *f, const double x[2], double size,
         for (int c = p; c < 3; c++) s->basis[m++] += w * b[p] * b[c];
       for (int v = 0; v < 3; v++)
         for (int p = 0; p < 3; p++) s->value[v][p] += w * b[p] * value[v];
-      s->filled += w * 4 / M_PI / (REACH * REACH); /* integral of w over the support: pi h^2 / 4 */
+      s->filled += w * 4 / M_PI /
+                   (SUPPORT_RATIO * SUPPORT_RATIO); /* integral of w over the support: pi h^2 / 4 */
     }
 }
 
-/* Value at the cell's centre of the fit that is exact for linear fields; its mean where too few
- * particles are around. */
+/* Fitted value at the cell's centre, exact for linear fields; the weighted mean if there are too
+ * few particles. */
 static double fit(const struct sums *s, int v) {
   const double *m = s->basis, *y = s->value[v];
   const double c00 = m[3] * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
@@ -182,7 +183,7 @@ static double fit(const struct sums *s, int v) {
   return (c00 * y[0] + c01 * y[1] + c02 * y[2]) / determinant;
 }
 
-/* Adds a snapshot; NAN for good where it has no water. */
+/* Adds a snapshot. A cell without water in any of the snapshots stays NAN. */
 static enum status add_snapshot(const struct run *run, const char *name, struct head_field *f) {
   enum status status = STATUS_OK;
   struct snapshot snapshot = {0};
@@ -208,7 +209,7 @@ static enum status add_snapshot(const struct run *run, const char *name, struct 
   }
   double speed = 0, soil = 0;
   for (size_t c = 0; c < f->nx * f->nz; c++) {
-    const bool wet = sums[c].filled > FILLED_LEAST;
+    const bool wet = sums[c].filled > FILLED_MIN;
     const double v[2] = {wet ? fit(&sums[c], 1) : NAN, wet ? fit(&sums[c], 2) : NAN};
     f->head[c] += wet ? fit(&sums[c], 0) : NAN;
     for (int a = 0; a < 2; a++) f->velocity[a][c] += v[a];

@@ -9,7 +9,7 @@ double lifting_critical(double grain_density, double density, double porosity) {
   return (grain_density / density - 1) * (1 - porosity); /* 1 / (1 + e) = 1 - porosity */
 }
 
-/* Head in soil at an elevation between two cells of a column, NAN elsewhere. */
+/* Head in the soil of a column at an elevation, by linear interpolation; NAN outside of soil. */
 static double head_at(const struct head_field *f, size_t i, double z) {
   const double row = z / f->dz - 0.5;
   if (!(row >= 0)) return head_field_is_soil(f, i, 0) ? f->head[i] : NAN;
@@ -19,8 +19,8 @@ static double head_at(const struct head_field *f, size_t i, double z) {
   return (1 - t) * f->head[k * f->nx + i] + t * f->head[above * f->nx + i];
 }
 
-/* Head over the upper face of soil whose topmost cell is k: of the water there, clear of the
- * smeared edge, else its elevation. */
+/* Head at the upper face of soil whose topmost cell is k: of the water above, read outside of the
+ * smeared edge, or the elevation if there is none. */
 static double head_over(const struct head_field *f, size_t i, size_t k) {
   for (size_t up = 3; up >= 1; up--) {
     const size_t c = (k + up) * f->nx + i;
@@ -33,30 +33,32 @@ static double head_over(const struct head_field *f, size_t i, size_t k) {
   return (double)(k + 1) * f->dz;
 }
 
-/* Whether cell k is the topmost of soil under water or air. */
+/* Whether cell k is the topmost cell of soil below water or air. */
 static bool is_top(const struct head_field *f, size_t i, size_t k) {
   const size_t above = (k + 1) * f->nx + i;
   return head_field_is_soil(f, i, k) && k + 1 < f->nz && f->soil[above] == REGION_NONE &&
          f->wall[above] == REGION_NONE;
 }
 
-/* The exit gradient is the mean over so many sizes of the soil's particles below its upper face: a
- * layer so deep is lifted where that is critical (Terzaghi 1922), and a gradient at one depth would
- * leave out a foot just above or below it. */
-#define EXIT_SIZES 2.0
+/* Depth over which the exit gradient is averaged, in particle sizes of the soil: a layer of this
+ * thickness is lifted if its mean gradient is critical (Terzaghi 1922). A gradient at a single
+ * depth would miss a wall's foot just above or below it. */
+#define EXIT_DEPTH_PARTICLES 2.0
 
-/* Of a wall in soil that the particles resolve. */
-#define SIZES_DEEP 4.0
+/* Depth of a prism that the particles resolve, in particle sizes of the soil. */
+#define PRISM_PARTICLES_MIN 4.0
 
 struct exit_gradient {
-  double mean;  /* of the layer; NAN: there is no soil so deep */
-  double deep;  /* at its lower end, over one size: clear of the face, which the kernel smears */
-  double cells; /* what means of cells, and straight lines between them, leave open of `mean` */
+  double mean; /* over the layer; NAN if the soil is not deep enough */
+  /* At its lower end, over one particle size: away from the face, which the kernel smears. */
+  double deep;
+  double cells; /* uncertainty of `mean` due to cell averages and linear interpolation */
 };
 
-/* Straight lines between two rows are off by h'' dz^2 / 8 at most and means of cells by a third of
- * that: of the second difference a sixth, m. */
-static double left_by_cells(const struct head_field *f, size_t i, double z) {
+/* Uncertainty in m of an interpolated head: linear interpolation between two rows has an error of
+ * at most h'' dz^2 / 8, and cell averages a third of that, together a sixth of the second
+ * difference. */
+static double interpolation_error(const struct head_field *f, size_t i, double z) {
   double most = 0;
   const size_t first = (size_t)fmax(1, floor(z / f->dz - 0.5));
   for (size_t k = first; k <= first + 1; k++) {
@@ -71,10 +73,10 @@ static double left_by_cells(const struct head_field *f, size_t i, double z) {
 
 static struct exit_gradient exit_gradient(const struct head_field *f, size_t i, size_t k) {
   const double size = f->dz / sqrt(f->regions[f->soil[k * f->nx + i]].porosity);
-  const double depth = EXIT_SIZES * size, z = (double)(k + 1) * f->dz - depth;
+  const double depth = EXIT_DEPTH_PARTICLES * size, z = (double)(k + 1) * f->dz - depth;
   const double lower = head_at(f, i, z - 0.5 * size), upper = head_at(f, i, z + 0.5 * size);
   return (struct exit_gradient){(head_at(f, i, z) - head_over(f, i, k)) / depth,
-                                (lower - upper) / size, left_by_cells(f, i, z) / depth};
+                                (lower - upper) / size, interpolation_error(f, i, z) / depth};
 }
 
 static void find_exit(const struct head_field *f, double grain_density, struct lifting_exit *e) {
@@ -95,7 +97,7 @@ static void find_exit(const struct head_field *f, double grain_density, struct l
                                  .k = k,
                                  .x = head_field_x(f, i),
                                  .z = (double)(k + 1) * f->dz,
-                                 .depth = EXIT_SIZES * f->dz / sqrt(porosity),
+                                 .depth = EXIT_DEPTH_PARTICLES * f->dz / sqrt(porosity),
                                  .gradient = fmax(own.mean, own.deep),
                                  .deep = own.deep,
                                  .critical = critical,
@@ -103,8 +105,9 @@ static void find_exit(const struct head_field *f, double grain_density, struct l
     }
 }
 
-/* A layer with a wall's foot in it is lifted above the foot first, by more than its mean. */
-static void judge_exit(const struct head_field *f, struct lifting *l) {
+/* If the foot of a wall is within the layer, the soil above the foot is lifted first, by a gradient
+ * above the layer's mean: the exit is then not resolved. */
+static void check_exit_resolution(const struct head_field *f, struct lifting *l) {
   struct lifting_exit *e = &l->exit;
   for (size_t n = 0; e->found && n < l->prism_count; n++) {
     const struct lifting_prism *p = &l->prisms[n];
@@ -114,8 +117,9 @@ static void judge_exit(const struct head_field *f, struct lifting *l) {
   }
 }
 
-/* Whether a box of a wall stands on another one at its face to that side: its foot is no end. */
-static bool goes_on(const struct head_field *f, const struct head_region *w, int side) {
+/* Whether a box of a wall stands on another wall at its face on that side, so that the wall does
+ * not end there. */
+static bool continues_below(const struct head_field *f, const struct head_region *w, int side) {
   const double x = side < 0 ? w->low[0] + 0.5 * f->dx : w->high[0] - 0.5 * f->dx;
   const double z = w->low[1] - 0.5 * f->dz;
   if (!(x > 0 && z > 0)) return false;
@@ -123,12 +127,13 @@ static bool goes_on(const struct head_field *f, const struct head_region *w, int
   return i < f->nx && k < f->nz && f->wall[k * f->nx + i] != REGION_NONE;
 }
 
-/* The prism beside a wall that ends in soil; false where there is none, or the water goes down. */
+/* The prism beside a wall that ends in soil; false if there is none or the water flows
+ * downwards. */
 static bool find_prism(const struct head_field *f, double grain_density, size_t wall, int side,
                        struct lifting_prism *prism) {
   const struct head_region *w = &f->regions[wall];
   const double face = side < 0 ? w->low[0] - 0.5 * f->dx : w->high[0] + 0.5 * f->dx;
-  if (!(face > 0) || !(w->low[1] > 0) || goes_on(f, w, side)) return false;
+  if (!(face > 0) || !(w->low[1] > 0) || continues_below(f, w, side)) return false;
   const size_t first = (size_t)(face / f->dx), base = (size_t)(w->low[1] / f->dz);
   size_t top = base, columns = 0;
   if (!head_field_is_soil(f, first, base)) return false;
@@ -150,7 +155,7 @@ static bool find_prism(const struct head_field *f, double grain_density, size_t 
   *prism = (struct lifting_prism){
       .wall = wall,
       .side = side,
-      .resolved = depth >= SIZES_DEEP * size,
+      .resolved = depth >= PRISM_PARTICLES_MIN * size,
       .depth = depth,
       .width = (double)columns * f->dx,
       .gradient = (below - above) / (double)columns / depth,
@@ -160,8 +165,8 @@ static bool find_prism(const struct head_field *f, double grain_density, size_t 
   return true;
 }
 
-/* Pressure on each wet face between a wall's cell and one of water or soil; at the face, by the
- * head of the cell before it. The boxes of one wall of the scene are one. */
+/* Adds the pressure on each face of a wall's cell that borders wet soil or water: at the face, by
+ * the head of the adjacent cell. The boxes of one wall of the scene are summed. */
 static void load_wall(const struct head_field *f, size_t i, size_t k, struct lifting *lifting) {
   static const int step[4][2] = {{-1, 0}, {1, 0}, {0, -1}, {0, 1}};
   struct lifting_load *load = NULL;
@@ -170,7 +175,7 @@ static void load_wall(const struct head_field *f, size_t i, size_t k, struct lif
     if (f->regions[lifting->loads[n].wall].number == f->regions[wall].number)
       load = &lifting->loads[n];
   for (int n = 0; n < 4; n++) {
-    const size_t a = i + (size_t)step[n][0], b = k + (size_t)step[n][1]; /* wraps below 0 */
+    const size_t a = i + (size_t)step[n][0], b = k + (size_t)step[n][1]; /* wraps around below 0 */
     if (a >= f->nx || b >= f->nz || isnan(f->head[b * f->nx + a])) continue;
     const double z = head_field_z(f, k) + 0.5 * step[n][1] * f->dz;
     const double pressure = fmax(0, f->density * f->gravity * (f->head[b * f->nx + a] - z));
@@ -195,7 +200,7 @@ enum status lifting_find(const struct head_field *f, double grain_density, struc
       if (!strcmp(f->regions[r].type, "wall") &&
           find_prism(f, grain_density, r, side, &l->prisms[l->prism_count]))
         l->prism_count++;
-  judge_exit(f, l);
+  check_exit_resolution(f, l);
   for (size_t k = 0; k < f->nz; k++)
     for (size_t i = 0; i < f->nx; i++)
       if (f->wall[k * f->nx + i] != REGION_NONE) load_wall(f, i, k, l);
@@ -218,24 +223,26 @@ static double gradient_of(const struct lifting *l, const struct lifting_prism *l
   return NAN;
 }
 
-/* What a value is off one that is known on two grids. */
-static double off(double value, double coarse, double fine) {
+/* Uncertainty of a value: its deviation from Darcy's law on two grids, plus the uncertainty of
+ * that. */
+static double deviation_from_law(double value, double coarse, double fine) {
   const struct darcy_value law = darcy_value_of(coarse, fine);
   return fabs(value - law.value) + law.error;
 }
 
-/* The run's gradient below the layer, and from there up to the face as the law has it. A bar of
- * half of the value or more says nothing. */
-static void hold_exit(const struct exit_gradient by_law[2], struct lifting_exit *e) {
+/* The exit gradient is the gradient of the run below the layer, scaled to the whole layer by the
+ * ratio of the two in Darcy's law. With an error of half of the value or more it is not
+ * resolved. */
+static void set_exit_error(const struct exit_gradient by_law[2], struct lifting_exit *e) {
   const double mean = darcy_value_of(by_law[0].mean, by_law[1].mean).value;
   const double deep = darcy_value_of(by_law[0].deep, by_law[1].deep).value;
   if (mean > 0 && deep > 0 && e->deep > 0) e->gradient = e->deep * mean / deep;
-  e->error = off(e->gradient, by_law[0].mean, by_law[1].mean) + by_law[1].cells;
+  e->error = deviation_from_law(e->gradient, by_law[0].mean, by_law[1].mean) + by_law[1].cells;
   if (!(e->error < 0.5 * e->gradient)) e->resolved = false;
 }
 
-enum status lifting_hold_against(const struct darcy_flow *darcy, double grain_density,
-                                 struct lifting *l) {
+enum status lifting_set_errors(const struct darcy_flow *darcy, double grain_density,
+                               struct lifting *l) {
   enum status status = STATUS_OK;
   struct head_field law[2];
   struct lifting by_law[2] = {0};
@@ -243,7 +250,7 @@ enum status lifting_hold_against(const struct darcy_flow *darcy, double grain_de
   double *head[2] = {NULL, NULL};
   if (!darcy->known) return STATUS_OK;
   const struct head_field *f = darcy->field;
-  for (int g = 0; g < 2; g++) { /* grids */
+  for (int g = 0; g < 2; g++) { /* both grids */
     law[g] = *f;
     TRY(memory_allocate(&head[g], f->nx * f->nz, sizeof **head, "heads of soil"));
     for (size_t c = 0; c < f->nx * f->nz; c++)
@@ -252,17 +259,20 @@ enum status lifting_hold_against(const struct darcy_flow *darcy, double grain_de
     TRY(lifting_find(&law[g], grain_density, &by_law[g]));
     if (l->exit.found) gradient[g] = exit_gradient(&law[g], l->exit.i, l->exit.k);
   }
-  if (l->exit.found) hold_exit(gradient, &l->exit);
+  if (l->exit.found) set_exit_error(gradient, &l->exit);
   for (size_t n = 0; n < l->prism_count; n++) {
     struct lifting_prism *p = &l->prisms[n];
-    if (p->resolved) p->error = off(p->gradient, gradient_of(&by_law[0], p), gradient_of(&by_law[1], p));
+    if (p->resolved)
+      p->error =
+          deviation_from_law(p->gradient, gradient_of(&by_law[0], p), gradient_of(&by_law[1], p));
   }
   for (size_t n = 0; n < l->load_count;
-       n++) { /* the same walls in the same order: the same cells are wet */
+       n++) { /* the same walls in the same order, because the same cells are wet */
     struct lifting_load *own = &l->loads[n];
     const struct lifting_load *a = &by_law[0].loads[n], *b = &by_law[1].loads[n];
-    for (int c = 0; c < 2; c++) own->force_error[c] = off(own->force[c], a->force[c], b->force[c]);
-    own->uplift_error = off(own->uplift, a->uplift, b->uplift);
+    for (int c = 0; c < 2; c++)
+      own->force_error[c] = deviation_from_law(own->force[c], a->force[c], b->force[c]);
+    own->uplift_error = deviation_from_law(own->uplift, a->uplift, b->uplift);
   }
 cleanup:
   for (int g = 0; g < 2; g++) {
@@ -276,7 +286,7 @@ double lifting_resolving_spacing(const struct lifting *l) {
   double spacing = INFINITY;
   for (size_t n = 0; n < l->prism_count; n++) {
     const struct lifting_prism *p = &l->prisms[n];
-    if (!p->resolved) spacing = fmin(spacing, p->depth / SIZES_DEEP * sqrt(p->porosity));
+    if (!p->resolved) spacing = fmin(spacing, p->depth / PRISM_PARTICLES_MIN * sqrt(p->porosity));
   }
   return isfinite(spacing) ? spacing : NAN;
 }

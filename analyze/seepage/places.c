@@ -6,7 +6,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-/* Row of [n][width] numbers under a name; false where it is not there. */
+/* Reads the row of [n][width] numbers that belongs to a name; false if there is none. */
 static bool find(const struct run *run, const char *group, const char *numbers, size_t width,
                  const char *name, double *row) {
   struct h5_file *file = NULL;

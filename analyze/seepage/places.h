@@ -1,4 +1,4 @@
-/* Where the planes and gauges of a run are. */
+/* Positions of the planes and gauges of a run. */
 #ifndef TOSUI_ANALYZE_SEEPAGE_PLACES_H
 #define TOSUI_ANALYZE_SEEPAGE_PLACES_H
 
@@ -6,9 +6,9 @@
 
 #include "analyze/run_file.h"
 
-/* Axis (0 x, 1 y, 2 z) and place (m) of a plane; false where the run does not keep it. */
+/* Axis (0 x, 1 y, 2 z) and position (m) of a plane; false if the run file does not contain it. */
 bool place_of_plane(const struct run *run, const char *name, int *axis, double *place);
-/* Place (m) of a gauge; false where the run does not keep it. */
+/* Position (m) of a gauge; false if the run file does not contain it. */
 bool place_of_gauge(const struct run *run, const char *name, double place[3]);
 
 #endif

@@ -5,7 +5,7 @@
 
 #include "analyze/seepage/places.h"
 
-/* Whether water may come in or go out between two places along an axis (0 x, 1 z). */
+/* Whether water may enter or leave between two positions on an axis (0 x, 1 z). */
 static bool is_open_between(const struct head_field *f, int axis, double a, double b) {
   for (size_t r = 0; r < f->region_count; r++)
     if ((!strcmp(f->regions[r].type, "inflow") || head_region_is_source(&f->regions[r])) &&
@@ -14,7 +14,7 @@ static bool is_open_between(const struct head_field *f, int axis, double a, doub
   return false;
 }
 
-/* Flux through row or column n of the cells; what of its wet length is soil and what is water. */
+/* Flux through row or column n of cells, and its wet lengths in soil and in free water. */
 static double section(const struct head_field *f, int axis, size_t n, double *soil, double *water) {
   const size_t along = axis == 0 ? f->nz : f->nx;
   const double length = axis == 0 ? f->dz : f->dx;
@@ -35,7 +35,7 @@ double plane_balance(const struct run *run, const struct head_field *f, const ch
   double place = 0, soil, water, sum = 0, squares = 0, count = 0;
   if (in_water != NULL) *in_water = false;
   if (!place_of_plane(run, name, &axis, &place) || (axis != 0 && axis != 2)) return NAN;
-  if (axis == 2) axis = 1; /* of the field: x, z */
+  if (axis == 2) axis = 1; /* index in head_field: x, z */
   const size_t sections = axis == 0 ? f->nx : f->nz;
   const double step = axis == 0 ? f->dx : f->dz;
   for (size_t n = 0; n < sections; n++) {
@@ -47,7 +47,7 @@ double plane_balance(const struct run *run, const struct head_field *f, const ch
   }
   if (count < 3) return NAN;
   const double reference = sum / count;
-  const double scatter =
-      2 * sqrt(fmax(0, squares / count - reference * reference) / fmax(1, count / SECTIONS_ALIKE));
+  const double scatter = 2 * sqrt(fmax(0, squares / count - reference * reference) /
+                                  fmax(1, count / SECTIONS_CORRELATED));
   return hypot(mean - reference, scatter);
 }

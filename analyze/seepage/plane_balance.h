@@ -1,19 +1,19 @@
-/* How far the flux of a plane is from what the balance of mass says it has to be. */
+/* Error of the flux through a plane by conservation of mass. */
 #ifndef TOSUI_ANALYZE_PLANE_BALANCE_H
 #define TOSUI_ANALYZE_PLANE_BALANCE_H
 
 #include "analyze/seepage/head_field.h"
 
-/* Sections that lie in the support of one kernel are fits to the same particles and err alike: about
- * so many. */
-#define SECTIONS_ALIKE 5.0
+/* Number of neighbouring sections within the support of one kernel, about. They are fitted to the
+ * same particles, so that their errors are correlated. */
+#define SECTIONS_CORRELATED 5.0
 
-/* Of the plane of that name, whose flux is `mean` (m^2/s for each metre along y): in steady flow as
- * much goes through it as through the sections beside it that lie in soil alone, up to the next open
- * side. The difference to their mean, with the scatter of theirs (95 %); in free water particles are
- * shifted too, and a plane there is off by more than its mean over time shows. NAN: there is no such
- * section, or the run does not keep its planes. `in_water` (may be NULL): part of the plane lies in
- * free water. */
+/* Error (95 %) of the flux `mean` (m^2/s per metre along y) through the plane with that name. In
+ * steady flow the flux is the same through all parallel sections wholly in soil, up to the next
+ * inlet or outlet. The error is the difference from their mean, combined with their scatter. In
+ * free water particles are also shifted, so that the error of a plane there exceeds the scatter of
+ * its mean over time. NAN if there are no such sections or the run file does not contain its
+ * planes. `in_water` (may be NULL): part of the plane is in free water. */
 double plane_balance(const struct run *run, const struct head_field *field, const char *name,
                      double mean, bool *in_water);
 

@@ -9,13 +9,14 @@
 #include "common/json_number.h"
 #include "common/statistics.h"
 
-/* Share of the head's fall in soil; heads that go on by less are told by their +- alone. */
-#define HEADS_DRIFT 0.02
+/* Drift of heads that is reported, as a share of the head difference in the soil. A smaller one is
+ * only included in the error. */
+#define HEAD_DRIFT_MIN 0.02
 
-/* What a series that still goes one way leaves open: the means of its quarters all rise or all
- * fall, by more than chance. From the middle to the end it goes half of its way on, and as much
- * again as the whole way is taken to be still to come. 0: no drift. Under four values tell from
- * the first to the last. */
+/* Uncertainty of a series that still changes in one direction: the means of its quarters all rise
+ * or all fall, by more than the scatter. From the middle to the end of the series it changes by
+ * half of the total change, and a further total change is assumed to be still to come. 0 without a
+ * drift. With fewer than four values the difference of the first and last is used. */
 static double drift_of(const double *values, size_t n, double error) {
   double quarter[4] = {0};
   const size_t each = n / 4;
@@ -44,8 +45,8 @@ static void late_mean(const struct run *run, const struct history_column *column
   *drift = drift_of(column->values + first, column->rows - first, *error);
 }
 
-/* What velocities in the soil that still go one way leave open of the flow: those that the run
- * recorded between two heads, else those of the snapshots. */
+/* Adds the uncertainty of the flow from a drift of the velocities in the soil: those recorded
+ * between two heads if there are any, else those of the snapshots. */
 static void add_drift(struct seepage *s) {
   const struct head_field *f = &s->field;
   const struct history_column *column = run_column(s->run, "velocity_through_soil", 1);
@@ -60,16 +61,16 @@ static void add_drift(struct seepage *s) {
   s->flow_error += s->drift;
 }
 
-/* What a value is off Darcy's law on cells, and that law's own uncertainty; 0 where it is not
- * known. Particles smear the edges of soil, which no scatter in time shows. */
+/* Deviation of a value from Darcy's law on cells, plus the uncertainty of that; 0 if unknown. It
+ * includes the error of the smeared edges of soil, which the scatter in time does not show. */
 static double put_darcy(const struct darcy_value darcy, double mean, json_t *entry) {
   if (!isfinite(darcy.value)) return 0;
   json_put_number(entry, "darcy", darcy.value);
   return fabs(mean - darcy.value) + darcy.error;
 }
 
-/* The error of a plane's flux, 95 %: what it is off Darcy's law on cells, else what the balance of
- * mass leaves open, and a drift; a word where neither is known. */
+/* Error of the flux through a plane, 95 %: its deviation from Darcy's law on cells, or from the
+ * balance of mass if that is unknown, and its drift. A note if neither is known. */
 static double flux_error(const struct seepage *s, const char *plane, double mean, double error,
                          double drift, json_t *entry, const char **note) {
   bool in_water;
@@ -88,8 +89,8 @@ static double flux_error(const struct seepage *s, const char *plane, double mean
   return error + drift;
 }
 
-/* The planes wholly in soil whose flux and its error are known: the one that is known best among
- * those that measure the most. */
+/* Chooses among the planes wholly in soil with a known error: the one with the smallest error of
+ * those with the largest flux. */
 static const char *find_through(const json_t *fluxes, double *flux, double *error) {
   const char *best = NULL, *name;
   const json_t *entry;
@@ -111,19 +112,19 @@ static double largest_in_soil(const json_t *fluxes) {
   double most = 0;
   const char *name;
   const json_t *entry;
-  json_object_foreach((json_t *)fluxes, name, entry)
-    if (json_is_true(json_object_get(entry, "in_soil")))
-      most = fmax(most, fabs(json_number_or_nan(entry, "mean")));
+  json_object_foreach((json_t *)fluxes, name,
+                      entry) if (json_is_true(json_object_get(entry, "in_soil"))) most =
+      fmax(most, fabs(json_number_or_nan(entry, "mean")));
   return most;
 }
 
-/* What flows through the soil: by a plane where one says, and then the flow net is off by as much
- * as it differs from that; else by the flow net. */
+/* Reports the flow through the soil: by a plane if possible, in which case the difference from it
+ * is added to the error of the flow net; else by the flow net. */
 static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FILE *summary) {
   double flux, error;
   const char *plane = find_through(fluxes, &flux, &error);
   if (plane == NULL) {
-    /* One in soil whose own error is not known contradicts the net all the same. */
+    /* A plane in soil contradicts the flow net even if its own error is unknown. */
     flux = largest_in_soil(fluxes);
     if (flux > 0.5 * s->flow) s->flow_error = hypot(s->flow_error, s->flow - flux);
   } else {
@@ -142,7 +143,8 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
     return;
   }
   value_with_error(text, sizeof text, s->flow, s->flow_error, "+-");
-  fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it%s\n", text, s->drop,
+  fprintf(summary, "flow net   %s m^2/s through soil, head falls by %.4g m in it%s\n", text,
+          s->drop,
           isfinite(s->flow_error) ? "" : "; its +- is not known: every section has free water");
   json_put_number(json, "soil_uptake_m2_per_s", s->uptake);
   json_put_number(json, "flow_drift_m2_per_s", s->drift);
@@ -153,25 +155,27 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
             s->uptake > 0 ? "fills with" : "drains of", fabs(s->uptake));
 }
 
-/* What the head of a gauge in soil is off Darcy's law. */
-static double gauge_off(const struct seepage *s, const char *name, double mean, json_t *entry) {
+/* Deviation of the head of a gauge in soil from Darcy's law. */
+static double gauge_deviation(const struct seepage *s, const char *name, double mean,
+                              json_t *entry) {
   double at[3];
   if (!place_of_gauge(s->run, name, at)) return 0;
   return put_darcy(darcy_flow_head(&s->darcy, (double[]){at[0], at[2]}), mean, entry);
 }
 
-/* What a drain takes is off Darcy's law, and that law's own uncertainty: of two solutions that have
- * nothing in common but the heads that the scene gives. */
-static double taken_off(const struct seepage *s, const char *name, double mean, json_t *entry) {
-  const struct darcy_value law = darcy_flow_taken(&s->darcy, name);
+/* Deviation of the flow into a drain from Darcy's law, combined with the uncertainty of that. The
+ * two solutions are independent but for the heads of the scene. */
+static double drain_deviation(const struct seepage *s, const char *name, double mean,
+                              json_t *entry) {
+  const struct darcy_value law = darcy_flow_into_drain(&s->darcy, name);
   if (!isfinite(law.value)) return 0;
   json_put_number(entry, "darcy", law.value);
   return hypot(mean - law.value, law.error);
 }
 
-/* A free surface in soil is that of the particles, which is known to half of one (a sixth of it at
- * the median of dams with exact levels, a quarter at most). */
-static double level_off(const struct seepage *s, const char *name, double level) {
+/* Error of a free surface in soil: half a spacing. For dams with exact levels the error was at most
+ * a quarter of a particle, with a median of a sixth. */
+static double level_error(const struct seepage *s, const char *name, double level) {
   const struct head_field *f = &s->field;
   double at[3];
   if (!place_of_gauge(s->run, name, at)) return 0;
@@ -182,17 +186,18 @@ static double level_off(const struct seepage *s, const char *name, double level)
   return 0;
 }
 
-/* Of heads that still go one way, beside wells and drains: m; 0 where they do not. */
+/* Largest drift of heads, m, in runs with wells and drains; 0 if it is negligible. */
 static double heads_drift(const struct seepage *s, const json_t *heads) {
   double most = 0;
   const char *name;
   const json_t *entry;
   json_object_foreach((json_t *)heads, name, entry) most =
       fmax(most, json_number_or_nan(entry, "drift_error"));
-  return s->sinks && most > HEADS_DRIFT * s->drop ? most : 0;
+  return s->sinks && most > HEAD_DRIFT_MIN * s->drop ? most : 0;
 }
 
-/* Columns whose names begin so, as means: a line in the summary, an object in the JSON. */
+/* Reports the means of the columns whose names have a prefix: a line in the summary, an object in
+ * the JSON. */
 static void show_columns(const struct seepage *s, const char *prefix, const char *word,
                          double scale, const char *unit, json_t *json, FILE *summary) {
   const struct run *run = s->run;
@@ -201,7 +206,7 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     double mean, error, drift;
     if (strncmp(column->name, prefix, strlen(prefix)) != 0 || column->components != 1) continue;
     late_mean(run, column, &mean, &error, &drift);
-    if (isnan(mean)) continue; /* a gauge that has no level */
+    if (isnan(mean)) continue; /* a gauge without a level */
     mean *= scale, error *= scale, drift *= scale;
     json_t *entry = json_object();
     json_put_number(entry, "mean", mean);
@@ -214,18 +219,20 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
     if (!strcmp(word, "flux"))
       half = flux_error(s, column->name + strlen(prefix), mean, 2 * error, drift, entry, &note);
     if (!strcmp(word, "taken"))
-      half = hypot(2 * error, taken_off(s, column->name + strlen(prefix), mean, entry)) + drift;
+      half =
+          hypot(2 * error, drain_deviation(s, column->name + strlen(prefix), mean, entry)) + drift;
     if (!strcmp(word, "level")) {
-      half = hypot(2 * error, level_off(s, column->name + strlen(prefix), mean)) + drift;
+      half = hypot(2 * error, level_error(s, column->name + strlen(prefix), mean)) + drift;
       json_put_number(entry, "error95", half);
     }
     if (!strcmp(word, "head")) {
-      half = hypot(2 * error, gauge_off(s, column->name + strlen(prefix), mean, entry)) + drift;
+      half =
+          hypot(2 * error, gauge_deviation(s, column->name + strlen(prefix), mean, entry)) + drift;
       json_put_number(entry, "error95", half);
     }
     char text[80];
     if (isnan(half)) note = ", too few values in time for a +-";
-    if (half <= 1e-12 * fabs(mean)) half = 0; /* a rate that was given */
+    if (half <= 1e-12 * fabs(mean)) half = 0; /* a prescribed rate */
     if (!strcmp(word, "taken")) json_put_number(entry, "error95", half);
     if (half == 0 || isnan(half))
       snprintf(text, sizeof text, "%.4g", mean);
@@ -242,8 +249,8 @@ const char *seepage_judge(double factor) {
   return factor < 1 ? "the soil is lifted" : factor < 1.5 ? "little is in hand" : "it stays";
 }
 
-/* A gradient with its error, its critical value and the factor of safety between: a line's end, and
- * an entry. The judgement is that of the least factor that the error allows. */
+/* A gradient with its error, its critical value and the factor of safety: text of a line, and JSON.
+ * The assessment is for the smallest factor within the error. */
 static void show_gradient(double gradient, double error, double critical, bool resolved,
                           json_t *entry, char text[128], char factor[80]) {
   const double least = critical / (gradient + (isfinite(error) ? error : 0));
@@ -267,17 +274,17 @@ static void show_gradient(double gradient, double error, double critical, bool r
     snprintf(factor, 80, "factor %.3g, %s", critical / gradient, seepage_judge(least));
 }
 
-/* Water that does not stand at the head that its window holds. */
+/* Reports water that is not at the head of its window. */
 static void show_asked(const struct seepage *s, json_t *json, FILE *summary) {
   const struct asked_heads *a = &s->asked;
-  if (a->met) return;
+  if (a->reached) return;
   json_object_set_new(json, "window_off",
                       json_pack("{s:I,s:o,s:o}", "inflow", (json_int_t)a->window, "head_m",
-                                json_number(a->found), "asked_m", json_number(a->asked)));
+                                json_number(a->found), "asked_m", json_number(a->prescribed)));
   fprintf(summary,
           "window     the water before regions[%zu] stands at %.4g m, not at its head of %.4g m, "
           "%s; a head a whole number of spacings high is met\n",
-          a->window, a->found, a->asked,
+          a->window, a->found, a->prescribed,
           s->darcy.known ? "which the +- hold" : "which no +- here holds");
 }
 
@@ -304,7 +311,7 @@ static void show_exit(const struct seepage *s, json_t *json, FILE *summary) {
             resolves);
 }
 
-/* As the scene calls it, else as it counts it: into an entry and a text. */
+/* Identifies a wall by its name, or by its number in the scene: in JSON and as text. */
 static void put_wall(const struct seepage *s, size_t wall, json_t *entry, char text[64]) {
   const struct head_region *region = &s->field.regions[wall];
   json_object_set_new(entry, "wall", json_integer((json_int_t)region->number));
@@ -399,7 +406,7 @@ static void put_phreatic(const struct seepage *s, json_t *json) {
   json_object_set_new(json, "phreatic_line", json_pack("{s:o,s:o}", "x_m", x, "level_m", level));
 }
 
-/* JSON, CSV of the cells, summary and picture of the flow net. */
+/* Writes JSON, CSV of the cells, summary and the plot of the flow net. */
 static enum status analyze(const struct subject *subject, const struct options *options,
                            struct product *product) {
   const struct run *run = &subject->runs[0];

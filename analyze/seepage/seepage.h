@@ -1,5 +1,5 @@
-/* What an engineer asks of a seepage run: flow, exit gradients, heave, forces on walls, flow net.
- */
+/* Results of a seepage run for an engineer: flow, exit gradients, heave, forces on walls, flow
+ * net. */
 #ifndef TOSUI_ANALYZE_SEEPAGE_SEEPAGE_H
 #define TOSUI_ANALYZE_SEEPAGE_SEEPAGE_H
 
@@ -14,35 +14,35 @@ struct seepage {
   const struct run *run;
   struct head_field field;
   struct asked_heads asked;
-  struct head_field law;   /* the field with the heads that are asked for; owns nothing */
-  struct darcy_flow darcy; /* of `law`; not known while soil fills or drains */
+  struct head_field law;   /* the field with the prescribed heads; owns nothing */
+  struct darcy_flow darcy; /* for `law`; not known while the soil fills or drains */
   double grain_density;
-  bool sinks;        /* wells or drains: what flows into them has no stream function */
-  double *psi;       /* m^2/s, at corners; NAN with sinks, as is all of the flow below */
-  double flow;       /* m^2/s: most of psi between two places in soil */
-  double flow_error; /* of it, 95 %: velocities less psi, the surface, uptake, drift */
-  double drift;      /* m^2/s: what velocities that still go one way leave open of it */
-  double uptake;     /* m^2/s: that the soil fills with, below 0 drains of; NAN: not known */
-  double drop;       /* m: of head in the soil */
-  double low;        /* m: least head in soil */
+  bool sinks;        /* wells or drains: with them there is no stream function */
+  double *psi;       /* m^2/s, at corners; NAN with sinks, as are the flows below */
+  double flow;       /* m^2/s: largest difference of psi in the soil */
+  double flow_error; /* 95 %: deviation of velocities from psi, free surface, uptake, drift */
+  double drift;      /* m^2/s: uncertainty because velocities still change in one direction */
+  double uptake;     /* m^2/s: rate at which the soil fills, negative if it drains; NAN: unknown */
+  double drop;       /* m: difference of the heads in the soil */
+  double low;        /* m: lowest head in the soil */
   struct lifting lifting;
-  double *phreatic; /* [nx] m; NAN where there is no surface */
+  double *phreatic; /* [nx] m; NAN without a free surface */
 };
 
-/* grain_density in kg/m^3, NAN: 2650. Free with seepage_free, also after a failure. */
+/* grain_density in kg/m^3; 2650 if NAN. Free with seepage_free, also after a failure. */
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *seepage);
 void seepage_free(struct seepage *seepage);
 
-/* Whether the soil fills or drains so fast that what flows in it is no flow through it. */
+/* Whether the soil fills or drains so fast that its inflow is not a flow through it. */
 bool seepage_is_filling(double flow, double error, double uptake);
 
-/* Whether water seeps in a run so that a flow net says something: head falls in its soil by more
- * than a spacing. False also where there is no such field. */
+/* Whether a flow net of the run is meaningful: the heads in its soil differ by more than a spacing.
+ * False also if the run has no such field. */
 enum status seepage_applies(const struct run *run, bool *applies);
-/* What a factor of safety against being lifted means, in a few words. */
+/* Assessment of a factor of safety against uplift, in a few words. */
 const char *seepage_judge(double factor);
 
-/* seepage_plot.c: gnuplot's body of the flow net. */
+/* seepage_plot.c: the gnuplot commands of the flow net. */
 void seepage_plot(const struct seepage *seepage, struct product *product);
 
 #endif

@@ -18,7 +18,7 @@ static void find_phreatic(struct seepage *s) {
     for (size_t k = f->nz; k-- > 0;) {
       const size_t c = k * f->nx + i;
       if (isnan(f->head[c])) continue;
-      /* Water up to the lid has no surface. */
+      /* Water up to a wall above has no free surface. */
       if (k + 1 < f->nz && f->wall[c + f->nx] == REGION_NONE) s->phreatic[i] = f->head[c];
       break;
     }
@@ -35,7 +35,7 @@ static void find_head_range(struct seepage *s) {
   s->drop = fmax(0, high - s->low);
 }
 
-/* Range of psi in the soil. */
+/* Difference of the extreme values of psi in the soil. */
 static void find_flow(struct seepage *s) {
   const struct head_field *f = &s->field;
   double least = INFINITY, most = -INFINITY;
@@ -50,19 +50,21 @@ static void find_flow(struct seepage *s) {
   s->flow = fmax(0, most - least);
 }
 
-/* What psi misses of the flow through sections of soil. */
-struct missed {
-  double squares, count;
-  double most;    /* flow of Darcy's law on cells where it is largest */
-  double darcy;   /* what psi differs from that section's, by its values there */
-  double surface; /* the most that flows through half a cell where the water ends in soil */
+/* Deviation of psi from the flow through sections of soil. */
+struct deviation {
+  double squares, count; /* squared flow not represented by psi; number of rows and columns */
+  double most;           /* largest flow through a section by Darcy's law on cells */
+  double darcy;          /* difference between psi and Darcy's law in that section */
+  double surface;        /* largest flow through half a cell below a free surface in soil */
 };
 
-/* Row (axis 1) or column (0) n of cells, from wall to wall: what flows through those of soil by
- * their velocities less what does by psi at their corners. What goes down before a wall and up
- * behind it would cancel in the whole row, and both are one section. None where free water is among them; and the flux of
- * half a cell at the water's surface, as that may lie there or here. */
-static void add_missed(const struct seepage *s, int axis, size_t n, struct missed *missed) {
+/* Adds the sections of row (axis 1) or column (axis 0) n of cells. A section extends from wall to
+ * wall, because the flow down on one side of a wall and up on the other would cancel in the whole
+ * row. Its deviation is the flow by the velocities of its cells minus the flow by psi at their
+ * corners; sections with free water are skipped. Also the flux of half a cell below a free surface,
+ * which is the uncertainty of its position. */
+static void add_deviation(const struct seepage *s, int axis, size_t n,
+                          struct deviation *deviation) {
   const struct head_field *f = &s->field;
   const size_t along = axis == 0 ? f->nz : f->nx, corners = f->nx + 1;
   const double length = axis == 0 ? f->dz : f->dx;
@@ -73,8 +75,8 @@ static void add_missed(const struct seepage *s, int axis, size_t n, struct misse
     if (m == along || f->wall[c] != REGION_NONE) {
       if (!water && sum != 0) {
         squares += sum * sum, stretches++;
-        if (fabs(by_darcy) > missed->most) /* not NAN: not known */
-          missed->most = fabs(by_darcy), missed->darcy = fabs(by_psi - by_darcy);
+        if (fabs(by_darcy) > deviation->most) /* false if NAN, which is unknown */
+          deviation->most = fabs(by_darcy), deviation->darcy = fabs(by_psi - by_darcy);
       }
       sum = by_psi = by_darcy = 0, water = false;
       continue;
@@ -89,26 +91,27 @@ static void add_missed(const struct seepage *s, int axis, size_t n, struct misse
     by_psi += step, by_darcy += darcy_flow_cell(&s->darcy, axis, c).value;
     if (axis == 0 && k + 1 < f->nz && isnan(f->head[c + f->nx]) &&
         f->wall[c + f->nx] == REGION_NONE)
-      missed->surface = fmax(missed->surface, 0.5 * fabs(length * f->velocity[axis][c]));
+      deviation->surface = fmax(deviation->surface, 0.5 * fabs(length * f->velocity[axis][c]));
   }
-  if (stretches > 0) missed->squares += squares / stretches, missed->count++;
+  if (stretches > 0) deviation->squares += squares / stretches, deviation->count++;
 }
 
 static double net_error(const struct seepage *s) {
   const struct head_field *f = &s->field;
-  struct missed missed = {0};
+  struct deviation deviation = {0};
   for (int axis = 0; axis < 2; axis++)
-    for (size_t n = 0; n < (axis == 0 ? f->nx : f->nz); n++) add_missed(s, axis, n, &missed);
-  if (!(missed.count > 0)) return NAN;
-  const double alike = fmax(1, missed.count / SECTIONS_ALIKE);
-  /* Where all water goes through one section the net's flow is that section's. */
-  const double darcy = fmin(missed.darcy, fabs(s->flow - missed.most));
-  return hypot(hypot(2 * sqrt(missed.squares / missed.count / alike), missed.surface), darcy);
+    for (size_t n = 0; n < (axis == 0 ? f->nx : f->nz); n++) add_deviation(s, axis, n, &deviation);
+  if (!(deviation.count > 0)) return NAN;
+  const double alike = fmax(1, deviation.count / SECTIONS_CORRELATED);
+  /* If all water goes through one section, the flow of the net is that of the section. */
+  const double darcy = fmin(deviation.darcy, fabs(s->flow - deviation.most));
+  return hypot(hypot(2 * sqrt(deviation.squares / deviation.count / alike), deviation.surface),
+               darcy);
 }
 
-/* Where soil fills, streamlines end at its front; where the flow is steady the water's surface is
- * one of them. So what the soil takes up is the flow by psi through faces between wet and dry
- * soil. Under rain water steadily comes in there: NAN. */
+/* Rate at which the soil takes up water, as the flow by psi through faces between wet and dry soil.
+ * While soil fills, streamlines end at the front; in steady flow the free surface is a streamline.
+ * NAN with rain, which enters there in steady flow. */
 static double find_uptake(const struct head_field *f, const double *psi) {
   const size_t corners = f->nx + 1;
   double sum = 0;
@@ -126,7 +129,7 @@ static double find_uptake(const struct head_field *f, const double *psi) {
   return sum;
 }
 
-/* A tenth: less is told by the error alone. */
+/* A smaller uptake is only included in the error. */
 bool seepage_is_filling(double flow, double error, double uptake) {
   return fabs(uptake) > 0.1 * flow && fabs(uptake) > 0.5 * error;
 }
@@ -158,12 +161,13 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   TRY(asked_heads_find(f, &s->asked));
   s->law = *f;
   s->law.head = s->asked.head;
-  if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(&s->law, &s->darcy)); /* NAN: sinks */
+  /* NAN with sinks. */
+  if (!(fabs(s->uptake) > 0.1 * s->flow)) TRY(darcy_flow_find(&s->law, &s->darcy));
   s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_phreatic(s);
   TRY(lifting_find(f, s->grain_density, &s->lifting));
-  TRY(lifting_hold_against(&s->darcy, s->grain_density, &s->lifting));
+  TRY(lifting_set_errors(&s->darcy, s->grain_density, &s->lifting));
 cleanup:
   if (status != STATUS_OK) seepage_free(s);
   return status;

@@ -1,4 +1,4 @@
-/* The picture of a flow net: soil, walls, water, equipotentials and streamlines. */
+/* The plot of a flow net: soil, walls, water, equipotentials and streamlines. */
 #include <math.h>
 #include <string.h>
 
@@ -7,14 +7,14 @@
 #include "analyze/seepage/seepage.h"
 #include "common/memory.h"
 
-#define DROPS 10      /* of head, from equipotential to equipotential */
-#define TUBES_MOST 30 /* between streamlines */
-#define TUBES_LEAST 2
-/* Pixels: its letters can be read where a telephone shows the picture 360 wide; a page enlarges it.
- */
+#define DROPS 10     /* number of head steps between equipotentials */
+#define TUBES_MAX 30 /* number of flow tubes between streamlines */
+#define TUBES_MIN 2
+/* Width in pixels: the text is readable if a telephone shows the plot 360 pixels wide; a page
+ * enlarges it. */
 #define WIDTH 560
 
-/* Rows of cells without a gap as boxes: middle x, middle z, half width, half height. */
+/* Rows of contiguous cells as boxes: middle x, middle z, half width, half height. */
 static void write_boxes(const struct head_field *f, const char *name, int kind, FILE *stream) {
   fprintf(stream, "$%s << EOD\n", name);
   for (size_t k = 0; k < f->nz; k++)
@@ -33,7 +33,7 @@ static void write_boxes(const struct head_field *f, const char *name, int kind, 
   fputs("EOD\n", stream);
 }
 
-/* The tubes between streamlines: as wide as drops are long where one soil fills the net, so that
+/* Number of flow tubes: as wide as the head steps are long if a single soil fills the net, so that
  * its meshes are square. */
 static int tubes_of(const struct seepage *s) {
   const struct head_field *f = &s->field;
@@ -44,7 +44,7 @@ static int tubes_of(const struct seepage *s) {
     k = f->regions[r].permeability;
   }
   const double tubes = s->flow / (k * s->drop / DROPS);
-  return tubes >= TUBES_LEAST && tubes <= TUBES_MOST ? (int)round(tubes) : 6;
+  return tubes >= TUBES_MIN && tubes <= TUBES_MAX ? (int)round(tubes) : 6;
 }
 
 static void write_lines(const struct seepage *s, int tubes, FILE *stream) {
@@ -53,7 +53,7 @@ static void write_lines(const struct seepage *s, int tubes, FILE *stream) {
   double *head = NULL, *psi = NULL, least = INFINITY;
   if (memory_allocate(&head, f->nx * f->nz, sizeof *head, "a picture") != STATUS_OK ||
       memory_allocate(&psi, corners, sizeof *psi, "a picture") != STATUS_OK) {
-    error_clear(); /* without lines then */
+    error_clear(); /* then without lines */
     memory_free(&head);
     tubes = 0;
   }
@@ -109,7 +109,8 @@ void seepage_plot(const struct seepage *s, struct product *product) {
   plot_text(stream, title);
   fprintf(stream,
           " noenhanced\nset size ratio -1\nset xrange [0:%.6g]\nset yrange [0:%.6g]\n"
-          "set xlabel 'x (m)'\nset ylabel 'z (m)'\nset key outside below horizontal samplen 2 width -2\n"
+          "set xlabel 'x (m)'\nset ylabel 'z (m)'\nset key outside below horizontal samplen 2 "
+          "width -2\n"
           "set style fill solid noborder\n"
           "plot $water with boxxyerror linecolor rgb '#d6eaf8' title 'water', "
           "$soil with boxxyerror linecolor rgb '#efe3c8' title 'soil', "

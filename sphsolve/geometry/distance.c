@@ -79,8 +79,8 @@ static double to_box(const double low[3], const double high[3], const double x[3
   return outside > 0 ? sqrt(outside) : inside;
 }
 
-/* To a region's box and its periodic images. A box that reaches a closed side goes on behind it,
- * and one that spans a periodic length has no faces there. */
+/* Signed distance to the box of a region and its periodic images. A box that reaches a closed side
+ * continues behind it, and one that spans a periodic length has no faces there. */
 static double to_region(const struct scene *scene, const struct region *region, const double x[3]) {
   double low[3], high[3], best = INFINITY, slack = 1e-6 * scene->spacing;
   int images[3];

@@ -1,8 +1,8 @@
-/* Wall distances from the grain volume fraction of voxels. A voxel that the surface cuts says where
- * it does: the plane normal to the fraction's gradient (Parker, Youngs 1992) that leaves that share
- * of the voxel in the grain (Scardovelli, Zaleski 2000). Where the next voxels do not hold what
- * such a plane leaves them, as in a field that is blurred over several, the surface lies where the
- * fraction goes through 1/2 between two centres. */
+/* Wall distances from the grain volume fraction of voxels. In a cut voxel the surface is the plane
+ * normal to the gradient of the fraction (Parker, Youngs 1992) that gives the voxel its grain
+ * fraction (Scardovelli, Zaleski 2000). Where neighbouring voxels do not agree with such a plane,
+ * as in a field that is blurred over several voxels, the surface lies where the fraction crosses
+ * 1/2 between two centres. */
 #include <math.h>
 #include <stdint.h>
 
@@ -15,12 +15,13 @@ struct piece {
   float foot[3], normal[3];
 };
 
-/* A fraction that is neither grain nor pore. */
+/* Whether the voxel contains both grain and pore. */
 static bool is_cut(float f) {
   return f > 1e-4f && f < 1 - 1e-4f;
 }
 
-/* Direction in which the fraction grows, from the 26 voxels around; in spacings. */
+/* Unit normal n along the gradient of the fraction, from the 26 neighbours; returns the length of
+ * the gradient. */
 static double normal_of(const struct grid *grid, const float *f, const long x[3], double n[3]) {
   double gradient[3] = {0}, length = 0;
   for (int k = -1; k <= 1; k++)
@@ -28,7 +29,7 @@ static double normal_of(const struct grid *grid, const float *f, const long x[3]
       for (int i = -1; i <= 1; i++) {
         int by[3] = {i, j, k};
         long at = distance_neighbour(grid, x, by);
-        for (int a = 0; at < 0 && a < 3; a++) { /* beyond a side: what lies before it */
+        for (int a = 0; at < 0 && a < 3; a++) { /* outside: the nearest voxel inside */
           int inside[3] = {i, j, k};
           inside[a] = 0;
           at = distance_neighbour(grid, x, inside);
@@ -40,7 +41,7 @@ static double normal_of(const struct grid *grid, const float *f, const long x[3]
       }
   for (int a = 0; a < 3; a++) {
     const bool side = !grid->periodic[a] && (x[a] == 0 || x[a] + 1 == (long)grid->size[a]);
-    n[a] = (side ? 2 : 1) * gradient[a] / grid->spacing[a]; /* a difference of one step, not two */
+    n[a] = (side ? 2 : 1) * gradient[a] / grid->spacing[a]; /* one-sided difference at a side */
     length += n[a] * n[a];
   }
   length = sqrt(length);
@@ -48,10 +49,11 @@ static double normal_of(const struct grid *grid, const float *f, const long x[3]
   return length;
 }
 
-/* How far from what a plane leaves it the next voxel may be: walls bend. */
-#define AGREES 0.2
+/* Largest difference between the fraction of the neighbouring voxel and the one that the plane
+ * gives it; not 0, as walls are curved. */
+#define FRACTION_DIFFERENCE_MAX 0.2
 
-/* The plane of a voxel that is cut, as a piece; false where the next voxels do not agree. */
+/* The plane in a cut voxel as a piece of surface; false if the neighbouring voxel disagrees. */
 static bool plane_of(const struct grid *grid, const float *f, const long x[3],
                      struct piece *piece) {
   const int none[3] = {0, 0, 0};
@@ -73,7 +75,7 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
     else
       high = middle;
   }
-  /* The next voxel on the side where the surface lies from the centre. */
+  /* The neighbouring voxel on the side of the centre where the surface lies. */
   const double level = 0.5 * (low + high);
   const int towards = (share < 0.5 ? 1 : -1) * (n[steepest] > 0 ? 1 : -1);
   int by[3] = {0, 0, 0};
@@ -81,8 +83,8 @@ static bool plane_of(const struct grid *grid, const float *f, const long x[3],
   const long next = distance_neighbour(grid, x, by);
   if (next < 0) return false;
   const double expected = plane_box_below(m, level + (share < 0.5 ? m[steepest] : -m[steepest]));
-  if (fabs(expected - (double)f[next]) > AGREES) return false;
-  const double away = (0.5 - level) * sum; /* along the normal, to the grain */
+  if (fabs(expected - (double)f[next]) > FRACTION_DIFFERENCE_MAX) return false;
+  const double away = (0.5 - level) * sum; /* distance from the centre along the normal */
   for (int a = 0; a < 3; a++) {
     piece->normal[a] = (float)n[a];
     piece->foot[a] = (float)(away * n[a]);
@@ -96,7 +98,7 @@ struct surface {
   uint32_t *piece_of; /* [sites]: 1 + the number of its piece, 0 for none */
   struct piece *pieces;
   size_t count, room;
-  uint32_t planes; /* the first so many are planes of cut voxels */
+  uint32_t planes; /* number of pieces that are planes of cut voxels; they come first */
 };
 
 static enum status add_piece(struct surface *s, size_t site, const struct piece *piece) {
@@ -113,9 +115,9 @@ cleanup:
   return status;
 }
 
-/* Whether the fraction goes through 1/2 between the voxel at x and one of the six beside it. Unless
- * `planes` is NULL: *piece lies at the mean of the places where it does so, linear between centres,
- * over those of the six that have no plane; *planes: all of them have one. */
+/* Whether the fraction crosses 1/2 between the voxel at x and one of its six face neighbours.
+ * Unless `planes` is NULL: *piece lies at the mean of the crossings, interpolated linearly between
+ * centres, over those neighbours that have no plane; *planes: all of them have one. */
 static bool crosses(const struct surface *s, const long x[3], bool *planes, struct piece *piece) {
   const int none[3] = {0, 0, 0};
   const long here = distance_neighbour(&s->grid, x, none);
@@ -145,7 +147,7 @@ static bool crosses(const struct surface *s, const long x[3], bool *planes, stru
   return any;
 }
 
-/* First the planes of cut voxels, then lines where there is none. */
+/* The planes of cut voxels first, then the crossings of 1/2 where there is no plane. */
 static enum status find_pieces(struct surface *s) {
   enum status status = STATUS_OK;
   const size_t *size = s->grid.size;
@@ -169,7 +171,7 @@ cleanup:
   return status;
 }
 
-/* From x to the plane of a piece, and along that plane to its foot. */
+/* Distance from a site to the plane of a piece, and along that plane to its foot. */
 static void to_piece(const struct surface *s, const struct piece *piece, const int by[3],
                      double *plane, double *across) {
   double along = 0, square = 0;
@@ -182,12 +184,13 @@ static void to_piece(const struct surface *s, const struct piece *piece, const i
   *across = sqrt(fmax(square - along * along, 0));
 }
 
-/* In widths of a disc: pieces whose distances differ by less are taken for one surface, as planes
- * of a bent one differ by so much. */
+/* In radii of a disc: pieces whose distances differ by less belong to one surface, as the planes of
+ * a curved surface differ by about this much. */
 #define SAME_SURFACE 0.15
 
-/* Distance from the site x to the surface, unsigned: that to the nearest disc says which surface it
- * is, the piece of it that lies straight before x how far. */
+/* Unsigned distance from the site x to the surface: the nearest disc tells which surface is
+ * nearest; the piece of that surface whose foot is closest to the normal through x gives the
+ * distance. */
 static double to_surface(const struct surface *s, const long x[3], const struct offset *offsets,
                          int n, double limit) {
   const double *spacing = s->grid.spacing;

@@ -1,4 +1,4 @@
-/* What both ways to find wall distances use: the voxels around one, nearest first. */
+/* Voxels around a given one, nearest first: shared by both computations of wall distances. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_DISTANCE_INTERNAL_H
 #define TOSUI_SPHSOLVE_GEOMETRY_DISTANCE_INTERNAL_H
 
@@ -19,8 +19,10 @@ struct offset {
 
 /* Index of the site at x + offset, or -1 outside an axis that does not repeat. */
 long distance_neighbour(const struct grid *grid, const long x[3], const int offset[3]);
-/* All voxels within reach, nearest faces first; returns how many. */
+/* Offsets to all voxels within reach, sorted by the distance to their nearest point; returns their
+ * number. */
 int distance_offsets(const double spacing[3], struct offset offsets[OFFSETS]);
+/* Largest distance (m) that is computed. */
 double distance_reach(const double spacing[3]);
 
 #endif

@@ -12,8 +12,8 @@
 #include "common/ranks.h"
 #include "sphsolve/geometry/distance.h"
 
-/* The sign of a distance follows the kind of its site, so that no method divides by a distance of
- * the wrong side. Of sites [first, end). */
+/* Makes the sign of each distance agree with the kind of its site, for sites [first, end), so that
+ * no method divides by a distance of the wrong sign. */
 static void sign_distances(struct lattice *lattice, size_t first, size_t end) {
   double spacing = cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
   float least = (float)(1e-3 * spacing);
@@ -24,8 +24,8 @@ static void sign_distances(struct lattice *lattice, size_t first, size_t end) {
   }
 }
 
-/* Sites of the planes that each rank fills of a lattice of so many. */
-static enum status planes_of(const size_t size[3], size_t **start) {
+/* First site of each rank, [ranks + 1]: the planes of a lattice divided evenly. */
+static enum status divide_planes(const size_t size[3], size_t **start) {
   const size_t ranks = (size_t)ranks_count();
   const enum status status = memory_allocate(start, ranks + 1, sizeof **start, "the lattice");
   for (size_t r = 0; r <= ranks && status == STATUS_OK; r++)
@@ -33,13 +33,13 @@ static enum status planes_of(const size_t size[3], size_t **start) {
   return status;
 }
 
-/* Wall distances of a model that brings none: from its grain fraction, else from the voxel faces.
- * Collective. */
+/* Wall distances of a model that contains none: from its grain fraction, otherwise from the voxel
+ * faces. Collective. */
 static enum status find_distances(const struct voxel_model *model, float **distance) {
   enum status status = STATUS_OK;
   size_t *start = NULL;
   TRY(node_allocate(distance, model_site_count(model), sizeof **distance, "wall distances"));
-  TRY(planes_of(model->size, &start));
+  TRY(divide_planes(model->size, &start));
   const size_t plane = model->size[0] * model->size[1];
   const size_t first = start[ranks_own()] / plane, end = start[ranks_own() + 1] / plane;
   if (model->grain_fraction != NULL)
@@ -54,9 +54,9 @@ cleanup:
   return status;
 }
 
-/* Where the model is unlike itself. */
-static void find_unlike(const struct scene *scene, const struct voxel_model *model,
-                        struct model_facts *facts) {
+/* Finds the axes along which the model does not match itself at the periodic boundary. */
+static void find_mismatched_axes(const struct scene *scene, const struct voxel_model *model,
+                                 struct model_facts *facts) {
   const double *force = scene->driving;
   facts->unlike[0] = facts->unlike[1] = facts->sides_wrapped;
   facts->unlike[2] = model->periodic[2] && model_cut_pores(model, 2) > 0.0;
@@ -88,7 +88,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   lattice->model.count = model_site_count(&model);
   lattice->model.voxel = cbrt(model.spacing[0] * model.spacing[1] * model.spacing[2]);
   lattice->bulk_count = (double)lattice->model.count;
-  find_unlike(scene, &model, &lattice->model);
+  find_mismatched_axes(scene, &model, &lattice->model);
   size_t pad[3], count = 1;
   bool padded = false;
   for (int a = 0; a < 3; a++) {
@@ -111,7 +111,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
   memory_free(&model.grain_fraction);
   TRY(node_allocate(&lattice->wall_distance, count, sizeof *lattice->wall_distance,
                     "wall distances"));
-  TRY(planes_of(lattice->size, &start));
+  TRY(divide_planes(lattice->size, &start));
   const size_t plane = lattice->size[0] * lattice->size[1];
   const size_t first = start[ranks_own()] / plane, last = start[ranks_own() + 1] / plane;
 #pragma omp parallel for schedule(static)
@@ -119,7 +119,8 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++) {
         size_t at = (k * lattice->size[1] + j) * lattice->size[0] + i, xyz[3] = {i, j, k};
-        /* How deep the site lies in the added walls, and its nearest voxel. */
+        /* Depth of the site in the added walls, distance to the nearest closed side, and the
+         * nearest voxel. */
         double depth = 0, room = INFINITY;
         size_t near[3];
         for (int a = 0; a < 3; a++) {
@@ -175,12 +176,13 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
   return true;
 }
 
-/* Kind and region of a point: the last region that holds it. Soil is a property of space, water is
- * what fills it: a water region fills what it claims, in or out of soil, and a later porous region
- * does not take it away; soil that no water region covers is dry unless it is `saturated`, and
- * where all soil starts full by itself it does not if it says `saturated = false`. */
-static void claim(const struct scene *scene, const double x[3], bool all_saturated, uint8_t *kind,
-                  uint16_t *region) {
+/* Kind and region of a point: those of the last region that contains it. Soil is a property of
+ * space, water is what fills it: a water region fills its volume, inside or outside soil, and a
+ * later porous region does not remove the water. Soil outside water regions is dry unless it is
+ * `saturated`; if all soil is saturated by default, it is wet unless the region says `saturated =
+ * false`. */
+static void classify_point(const struct scene *scene, const double x[3], bool all_saturated,
+                           uint8_t *kind, uint16_t *region) {
   bool water = false;
   *kind = SITE_EMPTY;
   *region = 0;
@@ -215,9 +217,9 @@ static void claim(const struct scene *scene, const double x[3], bool all_saturat
   }
 }
 
-/* Whether all soil starts full of water where the scene does not say: no surface is possible where
- * there is no water region at all, or where the domain is endless along the driving force. */
-static bool saturated_by_nature(const struct scene *scene) {
+/* Whether soil is saturated by default: there can be no free surface if there is no water region,
+ * or if the domain is periodic along the driving force. */
+static bool saturated_by_default(const struct scene *scene) {
   bool water = false;
   for (size_t r = 0; r < scene->region_count; r++)
     water = water || scene->regions[r].type == REGION_WATER;
@@ -226,7 +228,8 @@ static bool saturated_by_nature(const struct scene *scene) {
   return !water;
 }
 
-/* Claims the sites of planes [first, end); whether any of all stays empty. */
+/* Sets the sites of planes [first, end); returns whether any site of the lattice is empty.
+ * Collective. */
 static bool fill_sites(const struct scene *scene, const size_t pad[3], const size_t inner[3],
                        bool all_saturated, size_t first, size_t end, struct lattice *lattice) {
   bool empty = false;
@@ -243,7 +246,7 @@ static bool fill_sites(const struct scene *scene, const size_t pad[3], const siz
         if (outside)
           lattice->kind[at] = SITE_WALL;
         else
-          claim(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
+          classify_point(scene, x, all_saturated, &lattice->kind[at], &lattice->region[at]);
         empty = empty || lattice->kind[at] == SITE_EMPTY;
       }
   return ranks_any(empty);
@@ -283,12 +286,13 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
   lattice->count = count;
   TRY(node_allocate(&lattice->kind, count, 1, "the lattice"));
   TRY(node_allocate(&lattice->region, count, sizeof *lattice->region, "the lattice"));
-  TRY(planes_of(lattice->size, &start));
+  TRY(divide_planes(lattice->size, &start));
   const size_t from = start[ranks_own()], to = start[ranks_own() + 1];
   const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
   bool wall = false;
-  /* With all soil saturated first: if that leaves no site empty, there is no surface and it is. */
-  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_nature(scene))
+  /* With all soil saturated first: if that leaves no site empty, there is no free surface and soil
+   * stays saturated. */
+  if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_default(scene))
     fill_sites(scene, pad, inner, false, first, end, lattice);
   for (size_t at = from; at < to; at++) wall = wall || lattice->kind[at] == SITE_WALL;
   node_share(lattice->kind, start, 1);
@@ -343,7 +347,7 @@ void lattice_free(struct lattice *lattice) {
 enum status lattice_spill_distances(struct lattice *l, const char *beside,
                                     struct lattice_spill *spill) {
   enum status status = STATUS_OK;
-  /* What ranks hold once stays. */
+  /* Arrays shared by several ranks stay in memory. */
   if (l->wall_distance == NULL || ranks_count() > 1) return STATUS_OK;
   if (spill->file.file == NULL) TRY(scratch_open(beside, &spill->file));
   TRY(scratch_write(&spill->file, 0, l->wall_distance, l->count * sizeof *l->wall_distance));
@@ -382,7 +386,7 @@ cleanup:
   return status;
 }
 
-static size_t count_unlike(const uint8_t *a, const uint8_t *b, size_t n) {
+static size_t count_differences(const uint8_t *a, const uint8_t *b, size_t n) {
   uint32_t unlike = 0;
   for (size_t i = 0; i < n; i++) unlike += a[i] != b[i];
   return unlike;
@@ -395,9 +399,9 @@ void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
   for (size_t row = 0; row < rows; row++) {
     const size_t j = row % n[1], k = row / n[1];
     const uint8_t *own = lattice->kind + row * n[0];
-    x += count_unlike(own, own + 1, n[0] - 1) + (own[0] != own[n[0] - 1]);
-    y += count_unlike(own, lattice->kind + (k * n[1] + (j + 1) % n[1]) * n[0], n[0]);
-    z += count_unlike(own, lattice->kind + ((k + 1) % n[2] * n[1] + j) * n[0], n[0]);
+    x += count_differences(own, own + 1, n[0] - 1) + (own[0] != own[n[0] - 1]);
+    y += count_differences(own, lattice->kind + (k * n[1] + (j + 1) % n[1]) * n[0], n[0]);
+    z += count_differences(own, lattice->kind + ((k + 1) % n[2] * n[1] + j) * n[0], n[0]);
   }
   faces[0] = x, faces[1] = y, faces[2] = z;
 }

@@ -8,27 +8,31 @@
 #include "common/model_file.h"
 #include "common/provenance.h"
 
-/* Pores narrower than some standard deviations of the blur show no grey of their own: the
- * threshold that encloses their volume then lies off the middle between the peaks of the greys, and
- * blur has rounded their corners. A pore of circular section lets 1.38 times as much through as a
- * triangular one of the same area (shape factors of Patzek, Silin 2001, J. Colloid Interface Sci.
- * 236: .5 G against .6 G, G = area / perimeter^2); which it is the scan cannot tell. */
+/* Pores narrower than a few standard deviations of the blur do not reach the grey value of their
+ * material: the threshold that encloses their volume lies off the middle between the peaks of the
+ * grey values, and blur has rounded their corners. A pore of circular section has 1.38 times the
+ * conductance of a triangular one of the same area (shape factors of Patzek, Silin 2001, J. Colloid
+ * Interface Sci. 236: .5 G against .6 G, G = area / perimeter^2); the scan cannot tell which it
+ * is. */
 static const double SHAPE = 0.32;  /* ln 1.38 */
-static const double MIDDLE = 0.05; /* off the middle, of the peaks' distance, as in sands */
-static const double OFF = 0.12;    /* over so much more the shape is lost */
+/* Distances of the threshold from the middle, relative to that of the peaks: usual in sands, and
+ * the additional distance at which the shape is entirely unknown. */
+static const double OFF_MIDDLE_USUAL = 0.05;
+static const double OFF_MIDDLE_RANGE = 0.12;
 
-static double shape_lost(struct h5_file *file) {
+static double shape_uncertainty(struct h5_file *file) {
   const double pore = h5_attribute_or_nan(file, "/calibration", "pore_peak");
   const double grain = h5_attribute_or_nan(file, "/calibration", "grain_peak");
   const double threshold = h5_attribute_or_nan(file, "/calibration", "threshold_original");
   const double off = fabs((threshold - pore) / (grain - pore) - 0.5);
-  return isfinite(off) ? SHAPE * fmin(1.0, fmax(0.0, (off - MIDDLE) / OFF)) : 0.0;
+  return isfinite(off) ? SHAPE * fmin(1.0, fmax(0.0, (off - OFF_MIDDLE_USUAL) / OFF_MIDDLE_RANGE))
+                       : 0.0;
 }
 
-/* Voxels longer than wide become cubes by lines between neighbours: a triangle's weights, whose
- * variance is a sixth of the square of its half base. What the short edges have of it anyway is in
- * the blur; along one of three axes it counts a third. */
-static double drawn_between(struct h5_file *file) {
+/* Elongated voxels become cubes by linear interpolation: triangular weights, whose variance is a
+ * sixth of the square of half the base. The contribution of the short edges is already in the blur;
+ * the rest along one of three axes counts a third. */
+static double interpolation_variance(struct h5_file *file) {
   const double longest = h5_attribute_or_nan(file, "/model", "voxel_scanned_longest");
   const double short_squared =
       pow(h5_attribute_or_nan(file, "/model", "voxel_scanned"), 3.0) / longest;
@@ -36,8 +40,9 @@ static double drawn_between(struct h5_file *file) {
   return more > 1e-6 * short_squared ? more / 18.0 : 0.0;
 }
 
-/* A scan in greys that told no blur: one is assumed, and counts as left in, taken out or not. */
-static void assume(struct h5_file *file, struct scan_quality *scan) {
+/* Assumes a blur for a grey-value scan whose blur could not be estimated. It counts as not removed,
+ * even if it was. */
+static void assume_blur(struct h5_file *file, struct scan_quality *scan) {
   const double voxel = h5_attribute_or_nan(file, "/model", "voxel_scanned");
   const double ratio = h5_attribute_or_nan(file, "/calibration", "contrast_to_noise");
   if (!(voxel > 0.0 && ratio > 0.0)) return;
@@ -49,33 +54,38 @@ static void assume(struct h5_file *file, struct scan_quality *scan) {
 }
 
 static struct scan_quality read_scan(struct h5_file *file) {
-  /* Labels have no blur to be measured; what smooths their steps blurs them. */
+  /* Labels have no measurable blur; the smoothing of their steps is their blur. */
   const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
   if (smoothing > 0.0) {
     const double counted = h5_attribute_or_nan(file, "/calibration", "void_ratio_uncertainty");
     return (struct scan_quality){.known = true,
                                  .counted = fmax(0.0, counted),
                                  .resolution = RESOLUTION_DEVIATIONS * smoothing,
-                                 .between = drawn_between(file),
+                                 .between = interpolation_variance(file),
                                  .labels = true};
   }
   const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
+<<<<<<< HEAD
   /* Noise is alike over a voxel at least. */
   const double alike =
       fmax(h5_attribute_or_nan(file, "/model", "voxel_scanned"),
            2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation"));
+=======
+  const double correlation_length =
+      2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
+>>>>>>> main
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
-  struct scan_quality scan = {.blur = blur,
-                              .blur_error =
-                                  h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
-                              .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
-                              .noise_power = pow(fmax(0.0, alike), 3.0) / (ratio * ratio),
-                              .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
-                              .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
+  struct scan_quality scan = {
+      .blur = blur,
+      .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
+      .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
+      .noise_power = pow(fmax(0.0, correlation_length), 3.0) / (ratio * ratio),
+      .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
+      .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
   scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
-  if (!scan.known) assume(file, &scan);
-  scan.shape = shape_lost(file);
-  scan.between = drawn_between(file);
+  if (!scan.known) assume_blur(file, &scan);
+  scan.shape = shape_uncertainty(file);
+  scan.between = interpolation_variance(file);
   scan.smooth_walls = fmax(0.0, h5_attribute_or_nan(file, "/scanner", "smooth_walls"));
   return scan;
 }

@@ -1,4 +1,4 @@
-/* What a model's file says beside its voxels. Read once, with them. */
+/* Metadata of a model file, read once together with its voxels. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_MODEL_FACTS_H
 #define TOSUI_SPHSOLVE_GEOMETRY_MODEL_FACTS_H
 
@@ -8,46 +8,49 @@
 
 #include "common/error.h"
 
-/* What the scan tells of its scanner, SI. */
+/* Quality of the CT scan as estimated from the scan itself, SI units. */
 struct scan_quality {
-  bool known;              /* there is a scan */
-  double blur, blur_error; /* standard deviation as measured; 1 sigma of it */
-  double resolution;       /* period seen at a tenth of its contrast */
-  double noise_power;      /* m^3: variance over contrast^2, times the volume that it is alike in */
-  double smooth_walls;     /* 0: they have relief, to 1: none */
-  double between; /* m^2: variance by what is drawn between slices far apart, of one axis */
-  double shape;   /* relative error of k where pores are too narrow to show their shape */
-  bool labels;    /* segmented before: `resolution`, `between` and `counted` alone are known */
-  double counted; /* 95 % half width of the void ratio by labels, where none was measured */
-  bool assumed;   /* the scan told none of them: a blur of 1.2 voxels */
-  bool removed;   /* the model's surface is that of the scan without its blur */
-  bool averaged;  /* which was taken out of means of several voxels */
+  bool known;              /* scan data are available */
+  double blur, blur_error; /* measured standard deviation; its standard error */
+  double resolution;       /* period at which the transfer function is 10 % */
+  double noise_power;      /* m^3: variance / contrast^2 times correlation volume */
+  double smooth_walls;     /* from 0 (rough walls) to 1 (no roughness) */
+  double between; /* m^2: blur variance due to interpolation between distant slices, per axis */
+  double shape;   /* relative error of k where pores are too narrow to resolve their shape */
+  bool labels;    /* the scan was segmented: only `resolution`, `between` and `counted` are known */
+  double counted; /* 95 % half width of the void ratio from the labels, if none was measured */
+  bool assumed;   /* none of these could be estimated: a blur of 1.2 voxels is assumed */
+  bool removed;   /* the blur was removed from the model's surface */
+  bool averaged;  /* and the surface came from averages over several voxels */
 };
-/* A Gaussian's transfer is a tenth at this period, in standard deviations: 2 pi / sqrt(2 ln 10). */
+/* Period, in standard deviations, at which the transfer function of a Gaussian is 10 %: 2 pi /
+ * sqrt(2 ln 10). */
 #define RESOLUTION_DEVIATIONS 2.9278
 
-/* All 0 without a model. What a file does not know is NAN. */
+/* All 0 without a model. Quantities that the file does not contain are NAN. */
 struct model_facts {
   uint64_t hash;                                 /* of the file */
-  size_t count;                                  /* its voxels, whatever sites a lattice has */
-  double voxel;                                  /* m: edge of a cube as large as one */
-  double voxel_scanned;                          /* m: the same of the scan */
-  double void_ratio_error;                       /* of the model less that measured */
-  double threshold_slope, threshold_uncertainty; /* d threshold / d void ratio; greys */
-  double soil_error;                             /* of ln k of its soil */
-  /* Its sides in x and y (`--sides` of ct2model): wrapped, though no real sample's are; or
-   * mirrored, so that it holds its sample twice along each axis. */
+  size_t count;                 /* number of voxels, whatever the sites of a lattice */
+  double voxel;                 /* m: edge of a cube with the volume of a voxel */
+  double voxel_scanned;         /* m: the same for the scan */
+  double void_ratio_error;      /* void ratio of the model minus the measured one */
+  double threshold_slope;       /* d threshold / d void ratio, grey values */
+  double threshold_uncertainty; /* grey values */
+  double soil_error;            /* standard error of ln k of its soil */
+  /* Sides in x and y (`--sides` of ct2model): wrapped around although no real sample is periodic,
+   * or mirrored, so that the model contains the sample twice along each axis. */
   bool sides_wrapped, sides_mirrored;
-  bool z_mirrored; /* as `--mirror` of ct2model does unless it is told otherwise */
-  /* Axes along which it wraps round and its pores do not meet: x and y where sides are wrapped, z
-   * where its first and last layers are of no periodic body (cut_pores.h). */
+  bool z_mirrored; /* the default of `--mirror` of ct2model */
+  /* Axes along which the model is wrapped around although its pores do not continue: x and y where
+   * the sides are wrapped, z where the first and last layer do not belong to a periodic body
+   * (cut_pores.h). */
   bool unlike[3];
-  bool flow_cut;    /* pores do not meet where it repeats itself along the one axis of its flow */
-  bool mirrored[3]; /* the lattice is mirrored along this axis, and the file's model is not */
+  bool flow_cut; /* pores do not continue across the boundary along the single axis of the flow */
+  bool mirrored[3]; /* the lattice is mirrored along this axis, the model file is not */
   struct scan_quality scan;
 };
 
-/* All but `count`, `voxel`, `unlike`, `flow_cut` and `mirrored`. */
+/* Reads all members except `count`, `voxel`, `unlike`, `flow_cut` and `mirrored`. */
 enum status model_facts_read(const char *path, struct model_facts *facts);
 
 #endif

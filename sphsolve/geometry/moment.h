@@ -1,15 +1,16 @@
-/* Moments m = sum over the neighbours of g r of a gradient sum g (f_b - f_a), and their inverse, by
- * which it becomes exact for linear fields where sites are missing (Bonet, Lok 1999). */
+/* First moment m = sum over the neighbours of g r of a gradient sum g (f_b - f_a), and its inverse.
+ * Multiplied by the inverse, the gradient is exact for linear fields where sites are missing
+ * (Bonet, Lok 1999). */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_MOMENT_H
 #define TOSUI_SPHSOLVE_GEOMETRY_MOMENT_H
 
 #include <math.h>
 #include <string.h>
 
-/* Directions with hardly any neighbour get the weight of this eigenvalue. */
+/* Lower bound of the eigenvalues, for directions with hardly any neighbours. */
 #define MOMENT_FLOOR 0.1
 
-/* Along the wall's normal n the missing sites mirror the inner ones (equal pressure, opposite
+/* Along the wall normal n the missing sites mirror the inner ones (equal pressure, opposite
  * velocity) and need no correction: m = (1 - n n) m (1 - n n) + n n. */
 static inline void moment_free_normal(int axes, const double n[3], double m[3][3]) {
   double along[3] = {0.0}, twice = 0.0;
@@ -22,8 +23,8 @@ static inline void moment_free_normal(int axes, const double n[3], double m[3][3
       m[a][c] += (twice + 1.0) * n[a] * n[c] - n[a] * along[c] - along[a] * n[c];
 }
 
-/* Inverse of a symmetric matrix whose eigenvalues are taken as MOMENT_FLOOR at least, by Jacobi's
- * rotations; m is lost. */
+/* Inverse of a symmetric matrix whose eigenvalues are bounded below by MOMENT_FLOOR, by Jacobi
+ * rotations; m is overwritten. */
 static inline void moment_invert_bounded(int n, double m[3][3], double inverse[3][3]) {
   double v[3][3];
   memset(v, 0, sizeof v);
@@ -52,8 +53,8 @@ static inline void moment_invert_bounded(int n, double m[3][3], double inverse[3
     }
 }
 
-/* The same for 3 x 3, at once where no eigenvalue can be below the floor: then the least is above
- * det/(trace/2)^2. */
+/* The same for 3 x 3 matrices, by the adjugate if no eigenvalue can be below the floor: the
+ * smallest one is above det/(trace/2)^2. */
 static inline void moment_invert(double m[3][3], double inverse[3][3]) {
   const double xx = m[1][1] * m[2][2] - m[1][2] * m[1][2],
                yy = m[0][0] * m[2][2] - m[0][2] * m[0][2],

@@ -7,12 +7,12 @@
 #include "common/side_distance.h"
 #include "sphsolve/geometry/soil.h"
 
-/* Where a mirrored site comes from. */
-static size_t source(size_t i, size_t n) {
+/* Index of the original of a mirrored site. */
+static size_t mirror_source(size_t i, size_t n) {
   return i < n ? i : 2 * n - 1 - i;
 }
 
-/* Distances as they are inside, where nothing is known of what lies beyond a side. */
+/* Wall distances from the inside of the sample only; the neighbourhood beyond a side is unknown. */
 static enum status distances_inside(const struct lattice *wrapped, const bool axes[3],
                                     float **distance) {
   enum status status = STATUS_OK;
@@ -21,9 +21,9 @@ static enum status distances_inside(const struct lattice *wrapped, const bool ax
   side_distance_unwrap(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
-      /* No wall beside it inside: the distance it had, and one spacing at least. */
-      const float own = wrapped->wall_distance[i];
-      (*distance)[i] = copysignf(fmaxf(fabsf(own), (float)wrapped->spacing[0]), own);
+      /* No wall nearby inside: keeps its distance, but at least one spacing. */
+      const float old = wrapped->wall_distance[i];
+      (*distance)[i] = copysignf(fmaxf(fabsf(old), (float)wrapped->spacing[0]), old);
     }
 cleanup:
   return status;
@@ -56,7 +56,8 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
   for (size_t at = 0; at < mirrored->count; at++) {
     const size_t i = at % mirrored->size[0], j = at / mirrored->size[0] % mirrored->size[1];
     const size_t k = at / mirrored->size[0] / mirrored->size[1];
-    const size_t from = (source(k, n[2]) * n[1] + source(j, n[1])) * n[0] + source(i, n[0]);
+    const size_t from =
+        (mirror_source(k, n[2]) * n[1] + mirror_source(j, n[1])) * n[0] + mirror_source(i, n[0]);
     mirrored->kind[at] = wrapped->kind[from];
     mirrored->wall_distance[at] = distance[from];
     lattice_soil_copy(wrapped, from, mirrored, at);
@@ -82,9 +83,9 @@ cleanup:
   return status;
 }
 
-/* From the centre of site i to the nearer side, negative in the wall beyond the last of n; the wall
- * of `all` - n sites ends where the sample begins again. */
-static double room(size_t i, size_t n, size_t all, double spacing) {
+/* Distance from the centre of site i to the nearer side, negative in the wall beyond the n-th site;
+ * the wall of `all` - n sites ends where the periodic sample begins again. */
+static double distance_to_side(size_t i, size_t n, size_t all, double spacing) {
   const double x = (double)i + 0.5, outside = fmin(x - (double)n, (double)all - x);
   return spacing * (i < n ? fmin(x, (double)n - x) : -outside);
 }
@@ -107,8 +108,8 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
   for (size_t at = 0; at < closed->count; at++) {
     const size_t i = at % closed->size[0], j = at / closed->size[0] % closed->size[1];
     const size_t k = at / closed->size[0] / closed->size[1];
-    const double side = fmin(room(i, n[0], closed->size[0], wrapped->spacing[0]),
-                             room(j, n[1], closed->size[1], wrapped->spacing[1]));
+    const double side = fmin(distance_to_side(i, n[0], closed->size[0], wrapped->spacing[0]),
+                             distance_to_side(j, n[1], closed->size[1], wrapped->spacing[1]));
     closed->kind[at] = SITE_WALL;
     closed->wall_distance[at] = (float)side;
     if (side < 0.0) continue;

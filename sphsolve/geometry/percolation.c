@@ -8,20 +8,20 @@
 #include "common/node_memory.h"
 #include "common/ranks.h"
 
-/* Pores as unions of runs, the longest pieces of fluid in a row along x (union of neighbours with
- * path halving, Tarjan, van Leeuwen 1984; of runs, He, Chao, Suzuki 2008, IEEE Trans. Image
- * Process. 17). A run knows how often the way from its parent goes around the box along each axis.
- * Where two runs of one pore meet with another count there is a path around, which flows if its
- * closing vector has a component along the force. */
+/* Pores as unions of runs, i.e. of maximal rows of fluid sites along x (union-find with path
+ * halving, Tarjan, van Leeuwen 1984; of runs, He, Chao, Suzuki 2008, IEEE Trans. Image Process.
+ * 17). A run stores how often the path from its parent winds around the box along each axis. Two
+ * runs of one pore that meet with different winding numbers close a path around the box, which
+ * carries flow if its closing vector has a component along the force. */
 struct runs {
   const struct lattice *lattice;
-  double closing_work[3]; /* driving times the length of the box */
+  double closing_work[3]; /* driving force times the length of the box */
   size_t count;
   size_t *start;        /* [rows + 1]: first run of a row */
   uint32_t (*sites)[2]; /* first and last along x */
-  uint32_t *parent;     /* itself: a root */
-  int32_t (*turns)[3];  /* from the parent */
-  uint8_t *flows;       /* of a root */
+  uint32_t *parent;     /* a root is its own parent */
+  int32_t (*turns)[3];  /* winding numbers relative to the parent */
+  uint8_t *flows;       /* valid for roots */
 };
 
 static bool work_is_done(const struct runs *runs, const int turns[3]) {
@@ -33,8 +33,8 @@ static bool work_is_done(const struct runs *runs, const int turns[3]) {
   return fabs(work) > 1e-9 * scale;
 }
 
-/* The end of the run of fluid that begins at `x`, and the beginning of the next one after that; nx
- * where there is none. */
+/* The end of the run of fluid that begins at `x`, and the first fluid site from `x` on; nx if there
+ * is none. */
 static size_t run_end(const uint8_t *kind, size_t nx, size_t x) {
   while (x < nx && kind[x] == SITE_FLUID) x++;
   return x;
@@ -79,7 +79,7 @@ cleanup:
   return status;
 }
 
-/* The root of a run, and the turns from there. */
+/* Root of a run, and the winding numbers from the root to the run. */
 static size_t find_root(struct runs *runs, size_t n, int turns[3]) {
   memset(turns, 0, 3 * sizeof *turns);
   while (runs->parent[n] != n) {
@@ -94,7 +94,7 @@ static size_t find_root(struct runs *runs, size_t n, int turns[3]) {
   return n;
 }
 
-/* Two runs that touch, `step` turns from the first to the second. */
+/* Joins two touching runs; `step`: winding numbers from the first to the second. */
 static void join(struct runs *runs, size_t first, size_t second, const int step[3]) {
   int low[3], high[3], between[3];
   const size_t a = find_root(runs, first, low), b = find_root(runs, second, high);
@@ -110,21 +110,22 @@ static void join(struct runs *runs, size_t first, size_t second, const int step[
   for (int i = 0; i < 3; i++) runs->turns[child][i] = a < b ? between[i] : -between[i];
 }
 
-/* The runs of two rows, `step` turns apart, that touch; with `corners` across edges too. */
+/* Joins the touching runs of two rows that are `step` turns apart; with `corners` also across
+ * edges. */
 static void join_rows(struct runs *runs, size_t row, size_t other, const int step[3],
                       bool corners) {
   const size_t end = runs->start[row + 1], end_other = runs->start[other + 1];
   const uint32_t last = (uint32_t)runs->lattice->size[0] - 1, reach = corners ? 1 : 0;
   for (size_t i = runs->start[row], j = runs->start[other]; i < end && j < end_other;) {
-    const uint32_t *own = runs->sites[i], *its = runs->sites[j];
-    if (own[0] <= its[1] + reach && its[0] <= own[1] + reach) join(runs, i, j, step);
-    if (own[1] < its[1])
+    const uint32_t *one = runs->sites[i], *two = runs->sites[j];
+    if (one[0] <= two[1] + reach && two[0] <= one[1] + reach) join(runs, i, j, step);
+    if (one[1] < two[1])
       i++;
     else
       j++;
   }
   if (!corners || runs->start[row] == end || runs->start[other] == end_other) return;
-  /* Across the box's edge along x. */
+  /* Across the periodic boundary along x. */
   if (runs->sites[end - 1][1] == last && runs->sites[runs->start[other]][0] == 0)
     join(runs, end - 1, runs->start[other], (const int[3]){step[0] + 1, step[1], step[2]});
   if (runs->sites[runs->start[row]][0] == 0 && runs->sites[end_other - 1][1] == last)
@@ -200,11 +201,11 @@ enum status percolation_close(struct lattice *lattice, const double driving[3], 
   for (size_t s = 0; s < lattice->count && *flows; s++)
     *closed += lattice->kind[s] == SITE_FLUID && flowing[s] != PERCOLATION_FLOWS;
   if (*closed == 0) goto cleanup;
-  /* The lattice is held once on a machine: none writes while another may read it. */
+  /* The ranks of a machine share the lattice: none may write while another may read it. */
   ranks_sum(0);
   for (size_t r = 0; r <= ranks; r++) start[r] = lattice->count * r / ranks;
-  const size_t own = (size_t)ranks_own();
-  for (size_t s = start[own]; s < start[own + 1]; s++)
+  const size_t rank = (size_t)ranks_own();
+  for (size_t s = start[rank]; s < start[rank + 1]; s++)
     if (lattice->kind[s] == SITE_FLUID && flowing[s] != PERCOLATION_FLOWS)
       lattice->kind[s] = SITE_WALL;
   node_share(lattice->kind, start, 1);

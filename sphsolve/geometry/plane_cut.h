@@ -1,10 +1,11 @@
-/* How much of a box lies on one side of a plane (Scardovelli, Zaleski 2000). */
+/* Volume fraction of a box on one side of a plane (Scardovelli, Zaleski 2000). */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_PLANE_CUT_H
 #define TOSUI_SPHSOLVE_GEOMETRY_PLANE_CUT_H
 
 #include <math.h>
 
-/* Share of a unit box below the plane m.x = level; m are positive and add up to 1. */
+/* Volume fraction of a unit box below the plane m.x = level; the components of m are positive and
+ * add up to 1. */
 static inline double plane_box_below(const double m[3], double level) {
   double sum = 0;
   if (level <= 0) return 0;

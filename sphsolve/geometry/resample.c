@@ -9,10 +9,10 @@
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/geometry/throats.h"
 
-/* Where no whole number of sites comes within this share of the spacing asked for, several periods
- * of the body are taken instead of one, up to COPIES_MOST. */
-#define SPACING_OFF 0.05
-#define COPIES_MOST 8
+/* If no whole number of sites comes within this relative error of the requested spacing, several
+ * periods of the body are used instead of one, at most COPIES_MAX. */
+#define SPACING_ERROR_MAX 0.05
+#define COPIES_MAX 8
 
 struct target {
   size_t size[3], copies[3], count;
@@ -33,7 +33,7 @@ bool lattice_is_mirrored(const struct lattice *l) {
   return true;
 }
 
-#define SITES_MOST 1099511627776.0 /* 2^40 */
+#define SITES_MAX 1099511627776.0 /* 2^40 */
 
 static enum status find_target(const struct lattice *fine, double spacing, bool mirrored,
                                struct target *t) {
@@ -44,7 +44,7 @@ static enum status find_target(const struct lattice *fine, double spacing, bool 
     double least = INFINITY;
     t->size[a] = t->copies[a] = 1;
     t->spacing[a] = fine->dimensions == 2 && a == 1 ? fine->spacing[a] : spacing;
-    for (size_t m = 1; fine->size[a] > 1 && m <= COPIES_MOST && least > SPACING_OFF; m++) {
+    for (size_t m = 1; fine->size[a] > 1 && m <= COPIES_MAX && least > SPACING_ERROR_MAX; m++) {
       const double wanted = (double)m * length / spacing;
       if (!(wanted < 1e9)) return FAIL(STATUS_INPUT, "lattice.spacing: %g m is too fine", spacing);
       const double whole = fmax(1.0, round(wanted / (double)unit)) * (double)unit;
@@ -54,7 +54,7 @@ static enum status find_target(const struct lattice *fine, double spacing, bool 
       t->copies[a] = m;
       t->spacing[a] = (double)m * length / whole;
     }
-    if (!size_multiply(t->count, t->size[a], &t->count) || (double)t->count > SITES_MOST)
+    if (!size_multiply(t->count, t->size[a], &t->count) || (double)t->count > SITES_MAX)
       return FAIL(STATUS_INPUT,
                   "lattice.spacing: %g m makes too many sites; that of the model's voxels, %g m, "
                   "fits",
@@ -72,8 +72,8 @@ enum status lattice_resampled_size(const struct lattice *fine, double spacing, s
   return status;
 }
 
-/* Four sites around each new one and their weights: cubic (Lagrange), periodic. What is linear
- * between sites would smooth curved walls away, and with them the second order. */
+/* Four sites around each new one and their weights: cubic Lagrange interpolation, periodic. Linear
+ * interpolation would flatten curved walls and reduce the order of convergence to the first. */
 struct tap {
   size_t index[4];
   float weight[4];
@@ -93,7 +93,8 @@ static void find_taps(size_t from, double from_spacing, size_t to, double to_spa
   }
 }
 
-/* Along the axis of `stride` values: out [outer][to][stride] from in [outer][from][stride]. */
+/* Interpolates along the axis of `stride` values: out [outer][to][stride] from in
+ * [outer][from][stride]. */
 static void resample_axis(const float *in, size_t from, size_t stride, const struct tap *taps,
                           size_t to, size_t outer, float *out) {
 #pragma omp parallel for schedule(static) collapse(2)
@@ -108,7 +109,8 @@ static void resample_axis(const float *in, size_t from, size_t stride, const str
     }
 }
 
-/* Whether the sites are the same ones: the taps would take each by itself, but for rounding. */
+/* Whether both lattices have the same sites; interpolation would then change only rounding
+ * errors. */
 static bool are_same_sites(const struct lattice *fine, const struct lattice *out) {
   for (int a = 0; a < 3; a++)
     if (fine->size[a] != out->size[a] ||
@@ -117,7 +119,8 @@ static bool are_same_sites(const struct lattice *fine, const struct lattice *out
   return true;
 }
 
-/* Of a mirrored lattice the first half of the layers, and the rest as they mirror. */
+/* Of a mirrored lattice only the first half of the layers is interpolated; the rest is its mirror
+ * image. */
 static enum status resample_distances(const struct lattice *fine, bool mirrored,
                                       struct lattice *out) {
   enum status status = STATUS_OK;
@@ -157,7 +160,7 @@ void lattice_mirror_distances(struct lattice *l) {
            plane * sizeof *l->wall_distance);
 }
 
-void lattice_take_kinds(struct lattice *l, float offset, float least) {
+void lattice_set_kinds(struct lattice *l, float offset, float least) {
   size_t pores = 0;
 #pragma omp parallel for schedule(static) reduction(+ : pores)
   for (size_t s = 0; s < l->count; s++) {
@@ -207,7 +210,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
     TRY(memory_allocate(&out->region, out->count, sizeof *out->region, "a lattice"));
   TRY(resample_distances(fine, mirrored, out));
   TRY(interrupt_look());
-  lattice_take_kinds(out, (float)offset, (float)(1e-3 * spacing));
+  lattice_set_kinds(out, (float)offset, (float)(1e-3 * spacing));
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);
@@ -216,8 +219,8 @@ cleanup:
   return status;
 }
 
-/* Of a site whose wall is so many spacings away. */
-static inline double share_of_pore(double away) {
+/* Pore fraction of a site whose wall is `away` spacings away. */
+static inline double pore_fraction(double away) {
   const double share = 0.5 + away, least = share > 0.0 ? share : 0.0;
   return least < 1.0 ? least : 1.0;
 }
@@ -226,19 +229,19 @@ enum { SUMS = 8 };
 double lattice_void_ratio(const struct lattice *l, double moved) {
   double pores = 0.0;
   const double per_h = 1.0 / cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
-  /* Planes are added up in their order, whatever the threads. */
+  /* Planes are summed in a fixed order, whatever the number of threads. */
 #pragma omp parallel for ordered schedule(static, 1)
   for (size_t k = 0; k < l->size[2]; k++) {
     const size_t plane = l->size[0] * l->size[1];
     const float *distance = l->wall_distance + k * plane;
-    /* Several sums, as each has to wait for its last addition. */
+    /* Several partial sums, so that additions do not wait for each other. */
     double sums[SUMS] = {0.0}, sum = 0.0;
     const size_t whole = plane - plane % SUMS;
     for (size_t s = 0; s < whole; s += SUMS)
       for (size_t i = 0; i < SUMS; i++)
-        sums[i] += share_of_pore(((double)distance[s + i] + moved) * per_h);
+        sums[i] += pore_fraction(((double)distance[s + i] + moved) * per_h);
     for (size_t s = whole; s < plane; s++)
-      sum += share_of_pore(((double)distance[s] + moved) * per_h);
+      sum += pore_fraction(((double)distance[s] + moved) * per_h);
     for (size_t i = 0; i < SUMS; i++) sum += sums[i];
 #pragma omp ordered
     pores += sum;
@@ -246,7 +249,7 @@ double lattice_void_ratio(const struct lattice *l, double moved) {
   return pores / (l->bulk_count - pores);
 }
 
-enum status lattice_take_spacing(const struct scene *scene, struct lattice *lattice) {
+enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lattice) {
   struct lattice wanted = {0};
   double sites = 1;
   if (!isfinite(scene->lattice_spacing)) return STATUS_OK;
@@ -259,7 +262,7 @@ enum status lattice_take_spacing(const struct scene *scene, struct lattice *latt
                          scene->lattice_spacing, length, 'x' + a, lattice->spacing[a]);
     sites *= fmax(1, length / scene->lattice_spacing);
   }
-  if (sites > SITES_MOST)
+  if (sites > SITES_MAX)
     return scene_error(scene, AT_LATTICE,
                        "%g m makes too many sites (%.1g); lattice.spacing = \"%.4g um\", that of "
                        "the model's voxels, fits, and finer sites tell nothing new",

@@ -33,15 +33,15 @@ cleanup:
 }
 
 /* The sites of a finer lattice that one site covers along an axis: from `low` to `high`, in fine
- * spacings, with `more` sites beyond on each side; round the box they count from 0 again. */
+ * spacings, extended by `more` sites on each side; indices are periodic. */
 struct covered {
   double low, high;
   size_t first, count, size;
 };
 
-static struct covered cover(size_t i, double spacing, size_t size, double fine_spacing,
-                            size_t more) {
-  /* Whole boxes, so that no index is below 0. */
+static struct covered find_covered(size_t i, double spacing, size_t size, double fine_spacing,
+                                   size_t more) {
+  /* Adds whole periods, so that no index is negative. */
   const size_t boxes = (more + size - 1) / size;
   const double low =
       (double)i * spacing / fine_spacing - (double)more + (double)boxes * (double)size;
@@ -54,15 +54,15 @@ static size_t covered_index(const struct covered *c, size_t n) {
   return (c->first + n) % c->size;
 }
 
-/* The length of the n-th that is covered, in fine spacings. */
+/* Covered length of the n-th site, in fine spacings. */
 static double covered_length(const struct covered *c, size_t n) {
   const double at = (double)(c->first + n);
   return fmin(c->high, at + 1.0) - fmax(c->low, at);
 }
 
-/* False where all of them are walls. */
-static bool take_mean(const struct lattice *fine, const struct covered c[3], struct lattice *out,
-                      size_t site) {
+/* Soil of `site` from the covered fine sites; false if all of them are walls. */
+static bool average_soil(const struct lattice *fine, const struct covered c[3], struct lattice *out,
+                         size_t site) {
   double pores = 0.0, soils = 0.0, porosity = 0.0, logarithm = 0.0;
   for (size_t k = 0; k < c[2].count; k++)
     for (size_t j = 0; j < c[1].count; j++)
@@ -96,12 +96,13 @@ enum status lattice_soil_resample(const struct lattice *fine, struct lattice *ou
       const size_t at[3] = {i, row % out->size[1], row / out->size[1]}; // NOLINT: has rows
       const size_t site = row * out->size[0] + i;
       bool found = out->kind[site] != SITE_FLUID;
-      /* Walls lie between sites: a fluid site may cover walls alone, beside what it is. */
+      /* Walls lie between sites: a fluid site may cover only walls, so its neighbourhood is
+       * searched, too. */
       for (size_t more = 0; more < 3 && !found; more++) {
         struct covered c[3];
         for (int a = 0; a < 3; a++)
-          c[a] = cover(at[a], out->spacing[a], fine->size[a], fine->spacing[a], more);
-        found = take_mean(fine, c, out, site);
+          c[a] = find_covered(at[a], out->spacing[a], fine->size[a], fine->spacing[a], more);
+        found = average_soil(fine, c, out, site);
       }
     }
   }

@@ -7,37 +7,38 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 
-/* In standard deviations of the blur: where its kernel is cut off; up to which distance the blurred
- * fraction of pore gives the distance, and from which on the old distance is kept. */
+/* In standard deviations of the blur: cut-off radius of the kernel; largest distance that is
+ * computed from the blurred pore fraction; distance from which on the old value is kept. */
 #define REACH 4.0
-#define READ_TO 2.5
-#define READ_NO_MORE 3.0
-/* In spacings: a narrower blur is not resolved by the fractions of sites. */
-#define NARROWEST 0.9
-/* Deviation of the step from wall to pore that is blurred, in spacings. A step of a voxel's average,
- * as steep as there is, shows between sites where they lie in it: walls halfway between sites would
- * stand 1.1 times as far off after the blur as before. This one's share at half a spacing's period
- * and less is under a hundredth (exp(-2 pi^2 STEP^2)). */
-#define STEP 0.5
+#define FRACTION_USED_TO 2.5
+#define FRACTION_UNUSED_FROM 3.0
+/* In spacings: a narrower blur is not resolved by the pore fractions of sites. */
+#define DEVIATION_MIN 0.9
+/* Standard deviation, in spacings, of the smooth step from wall to pore that is blurred. The pore
+ * fraction of a voxel is the steepest possible step, but its result depends on where walls lie
+ * between the sites: walls halfway between sites would have 1.1 times their distance after the
+ * blur. The amplitude of this step at periods of half a spacing and less is below 1 % (exp(-2 pi^2
+ * STEP_DEVIATION^2)). */
+#define STEP_DEVIATION 0.5
 enum { TAPS_MOST = 64, MATCH_ROUNDS = 16 };
-/* Relative error of the matched porosity; k moves by some five times as much. */
-#define MATCHED 1e-5
+/* Tolerance: relative error of the porosity; that of k is about five times as large. */
+#define POROSITY_TOLERANCE 1e-5
 
 static double spacing_of(const struct lattice *l) {
   return cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
 }
 
-/* An axis of n values, periodic: where the one `reach` before `i` lies. Of a mirrored axis, where i
- * and n - 1 - i are alike, the first `held` are there. */
+/* Index of the value `reach` before `i` on a periodic axis of n values. Of a mirrored axis, where i
+ * and n - 1 - i are equal, only the first `held` values are stored. */
 static size_t held_at(size_t i, size_t n, size_t held, size_t reach) {
   const size_t j = (i + n * (reach / n + 1) - reach) % n;
   return j < held ? j : n - 1 - j;
 }
 
-/* Values that stay in the fastest cache while the taps are gone through. */
+/* Number of values that stay in the L1 cache while all taps are applied. */
 enum { BLOCK = 1024 };
 
-/* Along x: out [outer][held]. */
+/* Convolution along x: out [outer][held]. */
 static void blur_lines(const float *in, size_t n, size_t held, size_t outer, const float *taps,
                        size_t reach, float *out) {
 #pragma omp parallel for schedule(static)
@@ -53,7 +54,7 @@ static void blur_lines(const float *in, size_t n, size_t held, size_t outer, con
     }
 }
 
-/* Along the axis of `stride` values: out [outer][held][stride]. */
+/* Convolution along the axis of `stride` values: out [outer][held][stride]. */
 static void blur_axis(const float *in, size_t n, size_t held, size_t stride, size_t outer,
                       const float *taps, size_t reach, float *out) {
   const size_t blocks = (stride + BLOCK - 1) / BLOCK;
@@ -73,7 +74,7 @@ static void blur_axis(const float *in, size_t n, size_t held, size_t stride, siz
     }
 }
 
-/* image, work: [planes][size 1][size 0], the first planes of a lattice that is mirrored, or all. */
+/* image, work: [planes][size 1][size 0]; `planes` is half the size for a mirrored lattice. */
 static void blur(const struct lattice *l, double deviation, size_t planes, float **image,
                  float **work) {
   size_t stride = 1;
@@ -110,31 +111,33 @@ static double normal_quantile(double share) {
   return share < 0.5 ? t : -t;
 }
 
-/* The distance of the new surface from the fraction of pore around a site: that of a flat wall with
- * that fraction, as far as the blur reaches, and beyond at least the size of the old distance. */
+/* Wall distance after the blur from the pore fraction `share` around a site: that of a flat wall
+ * with this fraction as far as the blur reaches, and beyond that at least the magnitude of the old
+ * distance. */
 static double distance_of(double share, double width, double old) {
-  const double far = copysign(fmax(fabs(old), READ_TO * width), share - 0.5);
-  if (fmin(share, 1.0 - share) < 0.5 * erfc(READ_NO_MORE / sqrt(2.0))) return far;
+  const double far = copysign(fmax(fabs(old), FRACTION_USED_TO * width), share - 0.5);
+  if (fmin(share, 1.0 - share) < 0.5 * erfc(FRACTION_UNUSED_FROM / sqrt(2.0))) return far;
   const double t = normal_quantile(share);
-  const double part = fmin(fmax((READ_NO_MORE - fabs(t)) / (READ_NO_MORE - READ_TO), 0.0), 1.0);
+  const double part = fmin(
+      fmax((FRACTION_UNUSED_FROM - fabs(t)) / (FRACTION_UNUSED_FROM - FRACTION_USED_TO), 0.0), 1.0);
   return part * t * width + (1.0 - part) * far;
 }
 
-/* Of the volume, with all walls `moved` (m) into the grains; 1 where these are gone. */
+/* Porosity with all walls `moved` (m) into the grains; 1 if no grains are left. */
 static double porosity_of(const struct lattice *l, double moved) {
   return 1.0 - 1.0 / (1.0 + lattice_void_ratio(l, moved));
 }
 
-/* Moves the walls so far, `most` (m) at most, that the porosity is `wanted`: false position, where
- * the value of an end that stays twice is halved ("Illinois": Dowell, Jarratt 1971). */
+/* Moves the walls by at most `most` (m) such that the porosity becomes `wanted`: false position,
+ * where the value at an end that is kept twice is halved ("Illinois": Dowell, Jarratt 1971). */
 static void match_porosity(struct lattice *l, double wanted, double most) {
   double low = -most, high = most, moved = 0.0;
   double below = porosity_of(l, low) - wanted, above = porosity_of(l, high) - wanted;
-  int stayed = 0; /* the low end -1, the high one 1 */
+  int stayed = 0; /* which end was kept last: -1 the low one, 1 the high one */
   for (int round = 0; round < MATCH_ROUNDS && above > below && !interrupt_alone(); round++) {
     moved = (low * above - high * below) / (above - below);
     const double off = porosity_of(l, moved) - wanted;
-    if (fabs(off) <= MATCHED * wanted) break;
+    if (fabs(off) <= POROSITY_TOLERANCE * wanted) break;
     if (off < 0.0) {
       low = moved, below = off;
       if (stayed == 1) above *= 0.5;
@@ -154,14 +157,14 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   float *image = NULL, *work = NULL;
   const double h = spacing_of(out);
   const bool mirrored = lattice_is_mirrored(out);
-  const double width = hypot(deviation, STEP * h); /* of the step when it is blurred */
+  const double width = hypot(deviation, STEP_DEVIATION * h); /* of the step after the blur */
   const size_t planes = mirrored ? (out->size[2] + 1) / 2 : out->size[2];
   const size_t count = out->size[0] * out->size[1] * planes;
   TRY(memory_allocate(&image, count, sizeof *image, "a lattice"));
   TRY(memory_allocate(&work, count, sizeof *work, "a lattice"));
 #pragma omp parallel for schedule(static)
   for (size_t s = 0; s < count; s++)
-    image[s] = 0.5f * erfcf(out->wall_distance[s] / (float)(-M_SQRT2 * STEP * h));
+    image[s] = 0.5f * erfcf(out->wall_distance[s] / (float)(-M_SQRT2 * STEP_DEVIATION * h));
   const double wanted = porosity_of(out, 0.0);
   blur(out, deviation, planes, &image, &work);
   TRY(interrupt_look());
@@ -172,7 +175,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   if (mirrored) lattice_mirror_distances(out);
   match_porosity(out, wanted, width);
   TRY(interrupt_look());
-  lattice_take_kinds(out, 0.0f, (float)(1e-3 * h));
+  lattice_set_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
   memory_free(&image);
   memory_free(&work);
@@ -183,9 +186,9 @@ enum status lattice_blur(const struct lattice *fine, double deviation, const str
                          double *scale, struct lattice *out) {
   enum status status = STATUS_OK;
   struct lattice blurred = {0};
-  /* As coarse as the blur allows: the sites need not be the model's own. */
+  /* As coarse as the blur allows; the sites need not be the model's own. */
   const double spacing = fmax(spacing_of(fine), fmin(spacing_of(level), deviation));
-  const double taken = fmax(deviation, NARROWEST * spacing);
+  const double taken = fmax(deviation, DEVIATION_MIN * spacing);
   *scale = deviation * deviation / (taken * taken);
   TRY(lattice_resample(fine, spacing, 0.0, &blurred));
   TRY(blur_walls(&blurred, taken));

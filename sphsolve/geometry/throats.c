@@ -9,8 +9,8 @@ static uint32_t root_of(uint32_t *parent, uint32_t site) {
   return site;
 }
 
-/* The pore of each fluid site, over faces and round the periodic box, as the first site of it: the
- * union of neighbours with path halving (Tarjan, van Leeuwen 1984). */
+/* Label of the pore of each fluid site, its lowest site index: connected over faces with periodic
+ * boundaries, by union-find with path halving (Tarjan, van Leeuwen 1984). */
 static enum status find_pores(const struct lattice *l, uint32_t **pore) {
   if (l->count > UINT32_MAX)
     return FAIL(STATUS_INPUT, "%zu sites: pores are told apart of 2^32 at most", l->count);
@@ -32,7 +32,7 @@ static enum status find_pores(const struct lattice *l, uint32_t **pore) {
   return STATUS_OK;
 }
 
-/* The site of `fine` that holds the centre of a site of `coarse`. */
+/* The site of `fine` that contains the centre of a site of `coarse`. */
 static size_t site_below(const struct lattice *fine, const struct lattice *coarse, size_t site) {
   const size_t at[3] = {site % coarse->size[0], site / coarse->size[0] % coarse->size[1],
                         site / (coarse->size[0] * coarse->size[1])};
@@ -57,7 +57,7 @@ static int by_whole(const void *a, const void *b) {
   return p->part == q->part ? 0 : p->part < q->part ? -1 : 1;
 }
 
-/* How many parts the wholes have, less one each. */
+/* Number of parts of all wholes, minus one for each whole. */
 static size_t count_cuts(struct piece *piece, size_t count) {
   size_t cuts = 0;
   qsort(piece, count, sizeof *piece, by_whole);

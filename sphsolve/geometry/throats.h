@@ -1,19 +1,20 @@
-/* Throats that a lattice of other sites than the model's voxels closes or opens. */
+/* Throats that are closed or opened when a model is resampled. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_THROATS_H
 #define TOSUI_SPHSOLVE_GEOMETRY_THROATS_H
 
 #include "common/error.h"
 #include "sphsolve/geometry/lattice.h"
 
-/* closed: so many pieces more there are in `coarse` of pores that hang together in `fine` (pieces
- * of a single site, as walls leave them, are not counted); opened: so many pores of `fine` have
- * become one with another. A throat beside which another leads to the same place is not seen. */
+/* closed: number of additional pieces in `coarse` into which connected pores of `fine` fall (pieces
+ * of a single site, as walls leave them, do not count); opened: number of pores of `fine` that
+ * become connected to another one. A throat next to another one that connects the same pores is not
+ * detected. */
 struct throats {
   size_t closed, opened;
 };
 
-/* Two lattices of one periodic body with the same axes; where `coarse` holds the body several
- * times, nothing is counted. */
+/* Compares two lattices of one periodic body with the same axes; if `coarse` contains several
+ * copies of the body, both counts are 0. */
 enum status throats_compare(const struct lattice *fine, const struct lattice *coarse,
                             struct throats *throats);
 

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-#define GRADIENT_MIN 0.9  /* of a distance that is one to a surface: its gradient is 1 */
+#define GRADIENT_MIN                                                                               \
+  0.9 /* smallest gradient of a true distance to one surface: its gradient is 1 */
 #define CURVATURE_MAX 0.5 /* 1/spacing; beyond, the curvature is noise */
 #define NORMAL_MIN 0.5    /* a smaller gradient has no direction */
 

@@ -6,8 +6,10 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 
-#define SLOWEST 20.0 /* a change that decays more slowly counts so many times that of a window */
-#define NOISY 100.0  /* tolerances of error that a series with noise about its mean may have */
+/* Limit of (remaining change / change over one window) for slow decay. */
+#define REMAINING_CHANGE_MAX 20.0
+/* Largest error, in tolerances, of a noisy series with a constant mean. */
+#define NOISE_TOLERANCES_MAX 100.0
 
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]) {
   enum status status = STATUS_OK;
@@ -52,9 +54,9 @@ double monitor_relaxation_deficit(double time, double relaxation) {
   return (exp(-half) - exp(-2 * half)) / half;
 }
 
-/* Noise: the standard deviation of 8 batch means of rows [begin, end) about their regression line
- * (the trend counts as change still to come). It is not divided by the root of their number, since
- * a slow oscillation, which a longer run would not average out, looks the same. */
+/* Noise: standard deviation of 8 batch means of rows [begin, end) about their regression line (the
+ * trend counts as remaining change). It is not divided by the square root of their number, since a
+ * slow oscillation, which a longer run would not average out, looks the same. */
 static double noise_of(const struct monitor *monitor, size_t begin, size_t end) {
   enum { BATCHES = 8 };
   double x[BATCHES], y[BATCHES];
@@ -81,29 +83,32 @@ struct monitor_verdict monitor_judge(const struct monitor *monitor, double toler
     verdict.mean[a] = n > 0 ? monitor->rows[n - 1][a] : 0;
   if (n < 64 || n < least) return verdict;
 
-  /* Means of the last three fifths: from their two differences follows how fast the change decays,
-   * as a geometric series. */
+  /* Means of the last three fifths: the ratio of their two differences gives the decay of the
+   * change, as a geometric series. */
   size_t window = n / 5;
   double m[3];
   for (size_t i = 0; i < 3; i++)
     m[i] = mean_of(monitor, n - (3 - i) * window, n - (2 - i) * window, 0);
   double before = fabs(m[1] - m[0]), now = fabs(m[2] - m[1]);
   double noise = 2 * noise_of(monitor, n - 2 * window, n);
-  /* The sum of that series from here on; where the last difference is within the noise, with the
-   * slowest decay that the noise allows; and where both are, twice the spread of the windows. */
-  double to_come = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
+  /* Remaining change: the sum of that series. If the last difference is within the noise, the
+   * slowest decay compatible with the noise is used; if both differences are, twice the spread of
+   * the windows. */
+  double remaining = 2 * fmax(fmax(before, now), fabs(m[2] - m[0]));
   if (now > noise)
-    to_come = now * (before > now ? fmin(1 / (1 - now / before), SLOWEST) : SLOWEST);
+    remaining = now * (before > now ? fmin(1 / (1 - now / before), REMAINING_CHANGE_MAX)
+                                    : REMAINING_CHANGE_MAX);
   else if (before > now + 2 * noise)
-    to_come = (now + noise) / (1 - (now + noise) / (before - noise));
+    remaining = (now + noise) / (1 - (now + noise) / (before - noise));
   for (int a = 0; a < MONITOR_COMPONENTS; a++) verdict.mean[a] = mean_of(monitor, n - window, n, a);
   double scale = fmax(fabs(verdict.mean[0]), 1e-300);
-  verdict.drift = to_come / scale;
-  verdict.error = sqrt(noise * noise + to_come * to_come) / scale;
-  /* What is left counts as noise only if none of the last three fifths stands apart: a slow wave
-   * has a flat end at its crest, too. */
+  verdict.drift = remaining / scale;
+  verdict.error = sqrt(noise * noise + remaining * remaining) / scale;
+  /* The error counts as noise only if none of the last three fifths differs: a slow wave is also
+   * flat at its crest. */
   double flat = noise + before + now;
-  verdict.steady = verdict.error < tolerance ||
-                   (now <= noise && fmax(flat / scale, verdict.error) < NOISY * tolerance);
+  verdict.steady =
+      verdict.error < tolerance ||
+      (now <= noise && fmax(flat / scale, verdict.error) < NOISE_TOLERANCES_MAX * tolerance);
   return verdict;
 }

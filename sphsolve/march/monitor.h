@@ -1,6 +1,6 @@
-/* Steadiness: how much of the change of a flow is still to come, relative (docs/formats.md). Of a
- * sampled series it is extrapolated, with a mean and an error that counts its noise too; of a flow
- * whose relaxation time is known it follows from that. */
+/* Steadiness: the relative change of a flow that remains (docs/formats.md). For a sampled series it
+ * is extrapolated, with a mean and an error that includes the noise; for a flow with a known
+ * relaxation time it follows from that. */
 #ifndef TOSUI_SPHSOLVE_MARCH_MONITOR_H
 #define TOSUI_SPHSOLVE_MARCH_MONITOR_H
 
@@ -11,7 +11,7 @@
 
 #define MONITOR_COMPONENTS 4
 
-/* Samples at equal intervals; value[0] decides, the others are averaged with it. */
+/* Samples at equal intervals; value[0] decides, the others are only averaged. */
 struct monitor {
   double (*rows)[MONITOR_COMPONENTS];
   size_t count, capacity;
@@ -20,28 +20,29 @@ struct monitor {
 struct monitor_verdict {
   bool steady;
   double mean[MONITOR_COMPONENTS];
-  double error; /* of mean[0], relative, 95 %: its noise and the change still to come */
-  double drift; /* its part that is change still to come */
+  double error; /* relative 95 % error of mean[0]: noise and remaining change */
+  double drift; /* the part due to the remaining change */
 };
 
-/* The next sample. Free with monitor_free. */
+/* Adds a sample. Free with monitor_free. */
 enum status monitor_add(struct monitor *monitor, const double value[MONITOR_COMPONENTS]);
 void monitor_free(struct monitor *monitor);
-/* Steady: the error is below the tolerance, or below 100 of them where what is left is noise about
- * a mean that has stopped moving. `least`: samples before anything may be called steady. */
+/* Steady: the error is below the tolerance, or below 100 tolerances if it is noise about a constant
+ * mean. `least`: number of samples before anything may be called steady. */
 struct monitor_verdict monitor_judge(const struct monitor *monitor, double tolerance, size_t least);
 
-/* Without samples at equal intervals: since when, s, the velocity has stayed near a reference. */
+/* For samples at unequal times: since when (s) the velocity has stayed near a reference. */
 struct monitor_settling {
   double since, reference[3];
 };
-/* Steady: no component has moved by more than `tolerance` of the largest over the last tenth of the
- * time. Of a change that dies as exp(-t/T) less than that is then still to come, after 7 T. */
+/* Steady: over the last tenth of the time no component has changed by more than `tolerance` of the
+ * largest. The remaining part of a change that decays as exp(-t/T) is then smaller than that, after
+ * 7 T. */
 bool monitor_settled(struct monitor_settling *settling, double tolerance, double time,
                      const double velocity[3]);
 
-/* By how much, relative, the mean over the second half of `time` (s) stays below what the value
- * relaxes to as 1 - exp(-t / relaxation). */
+/* Relative difference between the limit of a value that relaxes as 1 - exp(-t / relaxation) and its
+ * mean over the second half of `time` (s). */
 double monitor_relaxation_deficit(double time, double relaxation);
 
 #endif

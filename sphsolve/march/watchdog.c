@@ -2,9 +2,9 @@
 
 #include <math.h>
 
-#define KEEP_USED 0.5   /* of the bounds: a state that uses less is good enough to be kept, */
-#define KEEP_STEPS 1000 /* also in place of a better one that is so many steps old */
-#define KEEP_ALWAYS 0.2 /* a state that uses less is kept whatever there is */
+#define KEEP_USED 0.5   /* fraction of the bounds below which a state is good enough to be kept, */
+#define KEEP_STEPS 1000 /* and may replace a better one that is this many steps old */
+#define KEEP_ALWAYS 0.2 /* a state below this fraction is always kept */
 
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor) {
@@ -43,7 +43,7 @@ void watchdog_keep(struct watchdog *dog, int64_t step, double used) {
 
 bool watchdog_trip(struct watchdog *dog, double time) {
   dog->trip_time = time;
-  dog->seen = false; /* nothing yet of the state gone back to */
+  dog->seen = false; /* no energy is known for the restored state */
   if (!dog->kept || dog->halvings == WATCH_HALVINGS) return false;
   dog->halvings++;
   return true;

@@ -1,7 +1,7 @@
-/* Finds that a march has left its bounds, and decides how to go on: back to the last good state
- * with half the step, three times at most. It sees how much of each bound is used, and no
- * particles: the method measures that at least every WATCH_STEPS steps, keeps the copy and goes
- * back to it. While no bound is left it changes no bit of the run. */
+/* Detects that a time integration has exceeded its bounds and decides how to continue: from the
+ * last good state with half the step, three times at most. It knows the used fraction of each
+ * bound, not the particles: the method measures that at least every WATCH_STEPS steps, keeps the
+ * copy of the state and restores it. While no bound is exceeded, the run is bitwise unchanged. */
 #ifndef TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 #define TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 
@@ -15,34 +15,35 @@
 
 enum watch_bound { WATCH_DENSITY, WATCH_VELOCITY, WATCH_ENERGY, WATCH_RESIDUAL, WATCH_COUNT };
 
-/* How much of each bound is used: 1 and more, or NaN, is out of bounds. */
+/* Used fraction of each bound: 1 or more, or NaN, is out of bounds. */
 struct watch_reading {
   double used[WATCH_COUNT];
 };
 
 struct watchdog {
-  int halvings;          /* in force */
+  int halvings;          /* current number of halvings */
   double trip_time;      /* s: of the last trip */
   bool kept;             /* a good state is kept, of: */
   int64_t kept_step;     /* its step */
-  double kept_used;      /* and how much of the bounds it used */
-  bool seen;             /* the energy has been looked at: */
-  double speed, seen_at; /* its root as a speed, m/s, and the time then, s */
+  double kept_used;      /* and the used fraction of its bounds */
+  bool seen;             /* a previous energy is known: */
+  double speed, seen_at; /* rms speed (m/s) from it, and its time (s) */
 };
 
-/* How much of the energy's bound is used. The power of a force f and of walls is at most M v_rms f,
- * so that the root of the energy grows by no more than f dt (Cauchy, Schwarz) and what walls give;
- * the bound is twice that on twice what there was: an instability multiplies it. `floor`: a speed
- * below which nothing is dangerous. Updates what was seen. */
+/* Used fraction of the energy bound. The power of a force f and of walls is at most M v_rms f, so
+ * that the square root of the energy grows by at most f dt (Cauchy-Schwarz) plus the contribution
+ * of walls; the bound is twice the sum of this and the previous value, which an instability exceeds
+ * quickly. `floor`: a speed below which nothing is critical. Updates the stored speed and time. */
 double watchdog_energy(struct watchdog *dog, double speed, double time, double force,
                        double wall_speed, double floor);
-/* The bound used most, and how much of it is (INFINITY for NaN). */
+/* The bound with the largest used fraction, and this fraction (INFINITY for NaN). */
 enum watch_bound watchdog_worst(const struct watch_reading *reading, double *used);
-/* Whether this state is worth keeping instead of the one there is: it has used no more of the
- * bounds, or the other is old. The caller copies, then calls watchdog_keep. */
+/* Whether this state should replace the kept one: it uses no larger fraction of the bounds, or the
+ * kept one is old. The caller then copies the state and calls watchdog_keep. */
 bool watchdog_wants(const struct watchdog *dog, int64_t step, double used);
+/* Records that the state of `step` was kept, with its used fraction of the bounds. */
 void watchdog_keep(struct watchdog *dog, int64_t step, double used);
-/* Counts a trip. False: there is no good state, or three halvings have not helped. */
+/* Counts a trip. Returns false if there is no good state, or if three halvings have not helped. */
 bool watchdog_trip(struct watchdog *dog, double time);
 const char *watchdog_name(enum watch_bound bound);
 

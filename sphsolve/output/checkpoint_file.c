@@ -56,13 +56,13 @@ cleanup:
   return status;
 }
 
-/* True when the file ends in a seal that fits its bytes. */
+/* True if the file ends in a trailer that matches its bytes. */
 static bool seal_holds(const char *path) {
   uint64_t sealed = 0, found = 0;
   char mark[8];
   FILE *file = fopen(path, "rb");
   if (file == NULL) return false;
-  const long start = fseek(file, -16, SEEK_END) == 0 ? ftell(file) : -1; /* of the seal */
+  const long start = fseek(file, -16, SEEK_END) == 0 ? ftell(file) : -1; /* of the trailer */
   const bool marked = start > 0 && fread(mark, sizeof mark, 1, file) == 1 &&
                       fread(&sealed, sizeof sealed, 1, file) == 1 &&
                       memcmp(mark, seal_mark, sizeof mark) == 0;
@@ -73,8 +73,8 @@ static bool seal_holds(const char *path) {
   return holds;
 }
 
-/* A run that was killed may have left a part, or a whole checkpoint that was yet to be renamed,
- * perhaps with the newest already gone from its place. */
+/* Cleans up after a killed run: it may have left a partial file, or a complete checkpoint that was
+ * not renamed yet, possibly after the newest one was moved away. */
 static void clear_up(const char *newest, const char *fresh) {
   char part[4096 + 6];
   snprintf(part, sizeof part, "%s.part", fresh);
@@ -99,7 +99,7 @@ enum status checkpoint_open(const char *prefix, struct h5_file **file) {
               newest);
 }
 
-/* Whether the file ends in a seal, of whatever bytes. */
+/* Whether the file ends in a trailer, valid or not. */
 static bool is_sealed(const char *path) {
   char mark[8];
   FILE *file = fopen(path, "rb");
@@ -114,7 +114,7 @@ void checkpoint_remove(const char *prefix) {
   char newest[4096], older[4096], fresh[4096];
   if (ranks_own() > 0) return;
   paths(prefix, newest, older, fresh);
-  /* The newest last: while it is there nobody takes the older one. */
+  /* The newest last: the older one is not used as long as it exists. */
   if (is_sealed(older)) unlink(older);
   if (is_sealed(newest)) unlink(newest);
 }

@@ -1,21 +1,22 @@
-/* Checkpoint files: PREFIX.ckpt.hdf and the one before it, PREFIX.ckpt.1.hdf, each an HDF5 file
- * with a trailer that holds the XXH3 of all bytes before it, so that a torn or flipped file is
- * known. */
+/* Checkpoint files: PREFIX.ckpt.hdf and the previous one, PREFIX.ckpt.1.hdf. Each is an HDF5 file
+ * with a trailer that contains the XXH3 hash of all bytes before it, so that an incomplete or
+ * corrupted file is detected. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_CHECKPOINT_FILE_H
 #define TOSUI_SPHSOLVE_OUTPUT_CHECKPOINT_FILE_H
 
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
-/* A new file beside the checkpoints of PREFIX, for checkpoint_commit. */
+/* Creates a new file next to the checkpoints of PREFIX, for checkpoint_commit. */
 enum status checkpoint_create(const char *prefix, struct h5_file **file);
-/* Seals the file and moves it into place; the one before is kept. Takes the file over. */
+/* Appends the trailer, moves the file into place and keeps the previous checkpoint. Takes ownership
+ * of the file. */
 enum status checkpoint_commit(const char *prefix, struct h5_file *file);
-/* The newest whole checkpoint; *file is NULL when there is none at all. Warns when it has to take
- * the older one; fails when both are damaged. */
+/* Opens the newest valid checkpoint; *file is NULL if there is none at all. Warns if it has to use
+ * the older one; fails if both are damaged. */
 enum status checkpoint_open(const char *prefix, struct h5_file **file);
-/* Removes what is left of them, of a run that needs none any more; a file without a seal is not ours
- * and stays. */
+/* Removes the checkpoints of a run that needs none any more; files without a trailer are not
+ * checkpoints and stay. */
 void checkpoint_remove(const char *prefix);
 
 #endif

@@ -119,7 +119,7 @@ double conservation_mass_open(const struct conservation *c) {
   return c->mass[0] - c->mass[1] + gained + passed->rounded;
 }
 
-/* /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
+/* Writes /run/ledger/term, impulse, work and numerical: a row for each term of the scene. */
 static enum status write_budget(const struct budget *budget, struct h5_file *file) {
   enum status status = STATUS_OK;
   const char *group = "/run/ledger", *names[BUDGET_TERMS], *words[BUDGET_TERMS];
@@ -224,11 +224,11 @@ cleanup:
   return status;
 }
 
-/* Terms below this share of the largest are not printed; all are in the file. */
-#define PRINTED 1e-4
-#define LINE 98 /* characters */
+/* Terms below this fraction of the largest one are not printed; all are in the file. */
+#define PRINTED_MIN 1e-4
+#define LINE_MAX_LENGTH 98 /* characters per line */
 
-/* A piece of a line that goes on below where it would become too long. */
+/* Prints a piece of text, on a new line if the current one would become too long. */
 __attribute__((format(printf, 2, 3))) static void print_piece(int *column, const char *format,
                                                               ...) {
   char piece[160];
@@ -236,7 +236,7 @@ __attribute__((format(printf, 2, 3))) static void print_piece(int *column, const
   va_start(list, format);
   const int length_of = vsnprintf(piece, sizeof piece, format, list);
   va_end(list);
-  if (*column + length_of > LINE)
+  if (*column + length_of > LINE_MAX_LENGTH)
     *column = printf("\n             %s", piece) - 1;
   else
     *column += printf(" %s", piece);
@@ -261,7 +261,7 @@ static void print_budget(const struct budget *budget) {
     if (budget_is_on(budget, t)) largest = fmax(largest, length(budget->sums.impulse[t]));
   for (int t = 0; t < BUDGET_TERMS; t++) {
     const double *given = budget->sums.impulse[t];
-    if (budget_is_on(budget, t) && length(given) > PRINTED * largest)
+    if (budget_is_on(budget, t) && length(given) > PRINTED_MIN * largest)
       print_piece(&column, "%s (%.4g, %.4g, %.4g),", words_of(budget, t), given[0], given[1],
                   given[2]);
   }
@@ -275,7 +275,7 @@ static void print_budget(const struct budget *budget) {
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(budget, t)) largest = fmax(largest, fabs(budget->sums.work[t]));
   for (int t = 0; t < BUDGET_TERMS; t++)
-    if (budget_is_on(budget, t) && fabs(budget->sums.work[t]) > PRINTED * largest)
+    if (budget_is_on(budget, t) && fabs(budget->sums.work[t]) > PRINTED_MIN * largest)
       print_piece(&column, "%s %.4g,", words_of(budget, t), budget->sums.work[t]);
   print_piece(&column, "not accounted for %.2g, %s %% of the largest%s", energy_open,
               percent_format(energy_share, text), budget->energy_error > 0 ? "," : "");

@@ -1,5 +1,5 @@
-/* The conservation budget of a run: particles, mass, momentum and energy at the start, what came
- * and went, what is left, and by how much the sum does not close. */
+/* The conservation budget of a run: particles, mass, momentum and energy at the start, all gains
+ * and losses, what remains at the end, and the error of the balance. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
 #define TOSUI_SPHSOLVE_OUTPUT_CONSERVATION_H
 
@@ -10,12 +10,12 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 
-#define CONSERVATION_LOSSES 256 /* kept one by one; all are counted */
+#define CONSERVATION_LOSSES 256 /* recorded individually; all are counted */
 
-/* What momentum and energy come from and go to: X(symbol, name, words, numerical). Each is summed
- * where its effect is computed, from the forces that effect applies; nothing is found as what is
- * left over. A scene has only the terms of its own effects. `numerical`: the equations have no such
- * term, the method does. An effect with a `force` (struct effect) needs no line here. */
+/* Sources and sinks of momentum and energy: X(symbol, name, words, numerical). Each is summed where
+ * its effect is computed, from the forces of this effect; none is found as a remainder. A scene has
+ * only the terms of its own effects. `numerical`: a term of the method, not of the equations. An
+ * effect with a `force` (struct effect) needs no line here. */
 #define BUDGET_LIST                                                                                \
   X(FORCE, "force", "driving force", 0)                                                            \
   X(WALL_PRESSURE, "wall_pressure", "pressure of walls", 0)                                        \
@@ -43,7 +43,7 @@ enum budget_term {
 #define X(symbol, name, words, numerical) BUDGET_##symbol,
   BUDGET_LIST
 #undef X
-      BUDGET_OWN, /* of effects that bring a force of their own (struct effect), and their name */
+      BUDGET_OWN, /* terms of effects with their own force (struct effect) and name */
   BUDGET_TERMS = BUDGET_OWN + 4
 };
 
@@ -52,33 +52,33 @@ struct budget_sums {
   double work[BUDGET_TERMS];       /* J, given to the water */
 };
 
-/* Momentum and energy that the equations keep, and all that changed them. Potential energy is what
- * the driving force has not given yet: its work is BUDGET_FORCE's. */
+/* Momentum and energy, and all changes of them. Potential energy is the work that the driving force
+ * has not yet done: BUDGET_FORCE counts its work. */
 struct budget {
   uint32_t on;                      /* 1u << term */
   double momentum[2][3], energy[2]; /* at the start and at the end */
   struct budget_sums sums;
-  /* What sums at intervals may miss of their integrals over time, of all terms; 0: each step is
-   * summed. */
+  /* Estimated errors of the sums of all terms (kg m/s, J) if these are integrated from samples; 0:
+   * each step is summed. */
   double momentum_error, energy_error;
-  char own[BUDGET_TERMS - BUDGET_OWN][32]; /* names of those from BUDGET_OWN on */
+  char own[BUDGET_TERMS - BUDGET_OWN][32]; /* names of the terms from BUDGET_OWN on */
 };
 
-/* Water that came, left and was lost, kg. `rounded` is what rounding took from entered - left -
- * lost: with it the balance closes to a rounding of the water that is there, however much went
- * through. */
+/* Water that entered, left and was lost, kg. `rounded` is the part of entered - left - lost lost to
+ * rounding: with it the balance closes to the rounding error of the present water, however much has
+ * passed through. */
 struct conservation_passed {
   double entered, left, lost, rounded;
 };
 
-/* Filled by a method; mass in kg. `known` is false where particles do not move (stokes); `steady`
- * is true there, and the balance is that of a flow that does not change. */
+/* Set by a method; mass in kg. `known` is false if particles do not move (stokes); `steady` is then
+ * true, and the balance is that of a steady flow. */
 struct conservation {
   bool known, steady;
-  bool no_particles; /* known: water moves between sites that stay */
-  double flux_open;  /* steady: rms over the planes across the flow of flux / mean flux - 1 */
-  double force_open; /* steady: what walls and pressure leave of the driving force, relative */
-  double power_open; /* steady: what they leave of its work, relative */
+  bool no_particles; /* known: water moves between fixed sites */
+  double flux_open;  /* steady: rms over the cross-sections of flux / mean flux - 1 */
+  double force_open; /* steady: unbalanced part of the driving force, relative */
+  double power_open; /* steady: unbalanced part of its power, relative */
   uint64_t start, entered, left, lost, end; /* particles */
   struct conservation_passed passed;
   /* Each of the first losses: particle, time (s), x, y, z (m), mass (kg). */
@@ -87,40 +87,40 @@ struct conservation {
   double mass[2], momentum[2][3], kinetic_energy[2]; /* at the start and at the end */
   double impulse[3];    /* kg m/s: of gravity and other body forces, integral of m a dt */
   double work;          /* J: of the same, integral of momentum . a dt */
-  struct budget budget; /* on == 0: none is kept */
+  struct budget budget; /* on == 0: not available */
 };
 
-/* One row of the history as the budget needs it. */
+/* Values of a row of the history that the budget needs. */
 struct conservation_row {
   double time, mass, momentum[3], kinetic_energy;
 };
 
-/* Fills what is from the history, whose rows are in the order of time; integrals by the trapezium
+/* Sets the members from the history, whose rows are ordered by time; integrals by the trapezoidal
  * rule between rows. */
 void conservation_integrate(struct conservation *conservation, size_t rows,
                             const struct conservation_row *row, const double acceleration[3]);
-/* start + entered - left - lost - end: 0 when no particle is unaccounted for. */
+/* start + entered - left - lost - end: 0 if all particles are accounted for. */
 int64_t conservation_particles_open(const struct conservation *conservation);
-/* The same of the mass, kg. */
+/* The same for the mass, kg. */
 double conservation_mass_open(const struct conservation *conservation);
 static inline bool budget_is_on(const struct budget *budget, int term) {
   return budget->on >> term & 1;
 }
 const char *budget_name(const struct budget *budget, int term);
-/* How far a budget does not close: end - start - sum of the terms; as a vector and over the
- * largest of the terms and of the change, 0 where all are 0. */
+/* Error of the balance: end - start - sum of the terms. Returned relative to the largest of the
+ * terms and of the change (0 if all are 0), and as `open` in SI units. */
 double budget_momentum_open(const struct budget *budget, double open[3]);
 double budget_energy_open(const struct budget *budget, double *open);
 void budget_add(struct budget_sums *to, const struct budget_sums *sums);
-/* A running budget in a checkpoint, as dataset `name`: `bytes` of it and of the doubles that
- * follow it in the same struct. `on` is the scene's and stays. */
+/* Stores and restores a budget in a checkpoint as dataset `name`: `bytes` of it, which may include
+ * the doubles that follow it in the same struct. `on` is set by the scene and not restored. */
 enum status budget_write(const struct budget *budget, size_t bytes, struct h5_file *file,
                          const char *name);
 enum status budget_read(struct budget *budget, size_t bytes, struct h5_file *file,
                         const char *name);
-/* /run/ledger. */
+/* Writes /run/ledger. */
 enum status conservation_write(const struct conservation *conservation, struct h5_file *file);
-/* A few lines on stdout. */
+/* Prints a few lines to stdout. */
 void conservation_print(const struct conservation *conservation);
 
 #endif

@@ -12,12 +12,12 @@
 #include "common/output_file.h"
 #include "common/provenance.h"
 
-#define VALUE_WIDTH 26 /* of a number in 17 digits and its comma */
-/* s: a crash of the program loses nothing, one of the machine the rows of this time. */
+#define VALUE_WIDTH 26 /* width of a number with 17 digits and its comma */
+/* s: a crash of the program loses nothing, a crash of the machine the rows of this interval */
 #define SYNC_INTERVAL 5.0
 
-/* Cuts the file after the header and at most `most` whole rows, and counts them; 0 bytes are left
- * where the header is not ours. */
+/* Truncates the file after the header and at most `most` complete rows, and counts them; to 0 bytes
+ * if the header differs. */
 static enum status keep_rows(struct history_file *history, size_t most) {
   enum status status = STATUS_OK;
   FILE *file = fopen(history->path, "r");
@@ -51,7 +51,7 @@ cleanup:
   return status;
 }
 
-/* A line that does not fit on the disk is taken back whole. */
+/* Appends text; if the disk is full, the incomplete text is removed again. */
 static enum status append(struct history_file *history, const char *text, size_t size) {
   off_t before = lseek(history->file - 1, 0, SEEK_CUR);
   ssize_t written = output_fails() ? -1 : write(history->file - 1, text, size);

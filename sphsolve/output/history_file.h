@@ -1,6 +1,6 @@
-/* OUT.history.csv: the rows of the history while the run goes on, each written when it is made, so
- * that a crash loses no row. A line holds the values of a row and the XXH3 of the text before its
- * last comma; what a crash tore off does not fit and is dropped. */
+/* OUT.history.csv: the rows of the history during the run, each written when it is made, so that a
+ * crash loses no row. A line contains the values of a row and the XXH3 hash of the text before its
+ * last comma; incomplete lines after a crash fail this check and are dropped. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_HISTORY_FILE_H
 #define TOSUI_SPHSOLVE_OUTPUT_HISTORY_FILE_H
 
@@ -11,22 +11,22 @@
 
 struct history_file {
   int file;     /* descriptor + 1; 0: not open */
-  size_t count; /* whole rows in the file */
-  int width;    /* values in a row */
+  size_t count; /* complete rows in the file */
+  int width;    /* values per row */
   char *path, *header, *line;
-  double synced; /* on the monotonic clock */
+  double synced; /* time of the last sync on the monotonic clock, s */
 };
 
-/* Opens `path` for rows of `width` values under the line `header` (without its end). With `keep`,
- * whole rows that are there stay if they are `count` or more; else the file is begun anew with
- * `rows` [count][width]. */
+/* Opens `path` for rows of `width` values with the line `header` (without line end). With `keep`,
+ * the complete rows of an existing file are kept if there are at least `count` of them; otherwise
+ * the file is written anew with `rows` [count][width]. */
 enum status history_file_open(struct history_file *history, const char *path, const char *header,
                               int width, size_t count, const double *rows, bool keep);
-/* Row number `index`, from 0; one that the file already holds is passed over. */
+/* Writes row number `index`, from 0; does nothing if the file already contains it. */
 enum status history_file_row(struct history_file *history, size_t index, const double *row);
-/* Forgets all rows but the first `count`. */
+/* Removes all rows but the first `count`. */
 enum status history_file_truncate(struct history_file *history, size_t count);
-/* Closes; with `remove` the file goes, since OUT.hdf holds it all. */
+/* Closes the file; `remove` deletes it, as OUT.hdf contains all rows. */
 void history_file_close(struct history_file *history, bool remove);
 
 #endif

@@ -26,7 +26,8 @@ cleanup:
   return status;
 }
 
-/* Soil with pores below the sites: where it is, and what its drag takes, viscosity v^2 / k. */
+/* Soil with pores smaller than the sites: porosity, permeability, and the power of its drag,
+ * viscosity v^2 / k. */
 static enum status write_soil(struct h5_file *file, const struct lattice *lattice, double viscosity,
                               size_t count, const uint64_t *site, const float *velocity) {
   enum status status = STATUS_OK;

@@ -9,9 +9,9 @@
 #include "common/log.h"
 
 #define COLUMNS 56
-#define BESIDE 30 /* what stands before and behind the bar */
+#define BESIDE 30 /* characters before and after the bar */
 
-/* The column of a value on a scale from 0 to `most`; what lies beyond an end is at it. */
+/* Column of a value on a scale from 0 to `most`, limited to the ends. */
 static int column(double value, double most, int columns) {
   return (int)fmin(fmax(floor(columns * value / most), 0.0), columns - 1);
 }

@@ -41,7 +41,8 @@ enum status recorder_add_column(struct recorder *recorder, const char *name, con
   return add_column(recorder, name, unit, components);
 }
 
-/* "-o dense" beside model.file = "dense.hdf" would replace the model by its run. */
+/* Refuses to overwrite inputs: "-o dense" with model.file = "dense.hdf" would replace the model by
+ * its run. */
 static enum status refuse_overwriting(const struct recorder *recorder) {
   enum status status = STATUS_OK;
   static const char *const endings[] = {".hdf",         ".ckpt.hdf",   ".ckpt.1.hdf",
@@ -51,7 +52,7 @@ static enum status refuse_overwriting(const struct recorder *recorder) {
   if (*recorder->scene->model_path) output_protect(recorder->scene->model_path);
   for (size_t i = 0; i < sizeof endings / sizeof *endings; i++) {
     snprintf(path, sizeof path, "%s%s", recorder->prefix, endings[i]);
-    /* A damaged checkpoint that --resume asks for is ours: reading it says what is wrong. */
+    /* A damaged checkpoint may be read with --resume, which reports the damage. */
     if (recorder->resume && strstr(endings[i], ".ckpt") != NULL) continue;
     TRY(output_allow_kind(path, "/model", "a model"));
   }
@@ -91,7 +92,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
   recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
   recorder->last_checkpoint = clock_seconds();
-  /* What cannot be written is found before hours are spent. */
+  /* Unwritable outputs are reported before the computation. */
   TRY(refuse_overwriting(recorder));
   interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
   progress_start(&recorder->progress, "sphsolve", NULL, 100);
@@ -172,7 +173,7 @@ cleanup:
   return status;
 }
 
-/* The columns' names, and last what scene and model the rows are of. */
+/* Header: the names of the columns, and at last the identity of scene and model. */
 static enum status open_history(struct recorder *recorder) {
   enum status status = STATUS_OK;
   char path[4096], *header = NULL;
@@ -256,7 +257,8 @@ cleanup:
   return status;
 }
 
-/* 0 where they are not all at hand: made as they are written, or parted between ranks. */
+/* Hash of the velocities; 0 if they are not all in memory: written piecewise, or distributed over
+ * ranks. */
 static uint64_t flow_hash(const float *velocity, size_t count) {
   return velocity == NULL || ranks_count() > 1 ? 0
                                                : hash_bytes(velocity, 3 * count * sizeof *velocity);
@@ -370,7 +372,8 @@ cleanup:
   return status;
 }
 
-/* The scene's text differs from the checkpoint's: settings that differ are logged, or refused. */
+/* For a scene whose text differs from that of the checkpoint: logs or refuses settings that
+ * differ. */
 static enum status compare_settings(const struct recorder *recorder, struct h5_file *file) {
   enum status status = STATUS_OK;
   char *then = NULL, *now = NULL;
@@ -388,7 +391,8 @@ cleanup:
   return status;
 }
 
-/* Refuses to replace a finished run by one from the start, where more of it was asked for. */
+/* Refuses to replace a finished run by a new one from the start, if --resume asked to continue
+ * it. */
 static enum status refuse_finished(const char *prefix) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -397,7 +401,7 @@ static enum status refuse_finished(const char *prefix) {
   if (access(path, F_OK) != 0) return STATUS_OK;
   if (h5_open_output(path, &file) != STATUS_OK ||
       h5_read_attribute_text(file, "/run", "status", &ended) != STATUS_OK) {
-    error_clear(); /* no run: what may be replaced is asked elsewhere */
+    error_clear(); /* not a run record: checked elsewhere */
     goto cleanup;
   }
   if (!strcmp(ended, "end_time"))

@@ -39,8 +39,8 @@ cleanup:
   return status;
 }
 
-/* The effects, and in /run/timing all that a clock measured, and what threads decide: nothing else
- * differs between two runs of the same inputs but the time in /provenance. */
+/* Writes the effects, and in /run/timing all measured times and all results that depend on threads:
+ * besides the time in /provenance nothing else differs between two runs of the same inputs. */
 static enum status write_effects(struct recorder *recorder, const struct run_result *result,
                                  struct h5_file *file) {
   enum status status = STATUS_OK;
@@ -88,7 +88,7 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   TRY(h5_write_attribute(file, "/run/timing", "threads", H5_I32, 1, &threads));
   TRY(h5_write_attribute(file, "/run/timing", "predicted_seconds", H5_F64, 1,
                          &recorder->plan->seconds));
-  /* Which lists are long at the same time depends on the threads, and so does the peak. */
+  /* The peak depends on the threads, as these decide which lists are long at the same time. */
   const double peak = (double)memory_peak();
   TRY(h5_write_attribute(file, "/run/timing", "memory_peak_bytes", H5_F64, 1, &peak));
   for (size_t i = 0; i < recorder->measured_count; i++)
@@ -106,10 +106,10 @@ static enum status write_count(struct h5_file *file, const char *name, uint64_t 
   return h5_write_attribute(file, "/run", name, H5_U64, 1, &value);
 }
 
-/* m/s along x and z, and b of i = v / K + b v |v|, of soil whose steady flow is that of Darcy's and
- * Forchheimer's law along the axes; else NAN. */
-static void find_law(const struct scene *scene, const struct region *region, double permeability,
-                     double law[3]) {
+/* Coefficients of the steady flow law along x and z: permeabilities in m/s, and b of i = v / K + b
+ * v |v| (Darcy, Forchheimer); NAN for soil that does not follow such a law along the axes. */
+static void find_flow_law(const struct scene *scene, const struct region *region,
+                          double permeability, double law[3]) {
   const double e = region->porosity, *v = region->soil_velocity;
   const bool turned = region->anisotropic && region->anisotropy[2] != 0;
   const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0;
@@ -122,7 +122,7 @@ static void find_law(const struct scene *scene, const struct region *region, dou
                : 0;
 }
 
-/* Regions as the scene has them, for analyses of what happens in soil and at walls. */
+/* Writes the regions of the scene, for the analysis of flow in soil and at walls. */
 static enum status write_regions(const struct scene *scene, struct h5_file *file) {
   enum status status = STATUS_OK;
   const size_t n = scene->region_count, shape[2] = {n, 6};
@@ -153,7 +153,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
         soil ? GRAVITY_STANDARD * e * e * e * d * d / (region->alpha * nu * (1 - e) * (1 - e))
              : NAN;
     law[3 * k] = law[3 * k + 1] = law[3 * k + 2] = NAN;
-    if (soil) find_law(scene, region, permeability[k], law + 3 * k);
+    if (soil) find_flow_law(scene, region, permeability[k], law + 3 * k);
     const bool held = (region->type == REGION_INFLOW && region->boundary == BOUNDARY_HEAD) ||
                       region->type == REGION_DRAIN;
     head[k] = held && region->table.count == 0 ? region->head : NAN;
@@ -180,7 +180,7 @@ cleanup:
   return status;
 }
 
-/* Where the gauges are, or the planes whose fluxes the history has. */
+/* Writes the positions of the gauges, or of the planes whose fluxes are in the history. */
 static enum status write_places(const struct scene *scene, bool planes, struct h5_file *file) {
   enum status status = STATUS_OK;
   const size_t n = planes ? scene->plane_count : scene->gauge_count;
@@ -218,7 +218,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   const bool *by_run = lattice->model.mirrored;
   const int mirrored[3] = {by_run[0], by_run[1], by_run[2]};
   uint64_t size[3] = {lattice->size[0], lattice->size[1], lattice->size[2]};
-  /* What drives the flow of k: the force, or between two heads their fall. */
+  /* The driving force of k: the body force, or the gradient between two heads. */
   const double *g = scene->gravity, *f = result->hydraulic_gradient;
   const double fall = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
@@ -292,7 +292,7 @@ cleanup:
   return status;
 }
 
-/* The columns of a row are as recorder_row writes them. */
+/* Uses the order of columns of recorder_row. */
 static enum status integrate_history(const struct recorder *recorder,
                                      struct conservation *conservation) {
   enum status status = STATUS_OK;
@@ -308,7 +308,7 @@ cleanup:
   return status;
 }
 
-/* Nothing is left to go on with; a run that its end time or budget ended can be given more. */
+/* Whether the run cannot be continued; one that ended by its end time or budget can. */
 static bool run_is_over(const struct run_result *result) {
   static const char *const over[] = {"steady", "converged", "blocked", "budget"};
   for (size_t i = 0; i < sizeof over / sizeof *over; i++)
@@ -316,10 +316,10 @@ static bool run_is_over(const struct run_result *result) {
   return false;
 }
 
-/* Of a run that leaves no record: the one snapshot that its end wrote, with what belongs to it, for
- * beside a missing run it reads as one. What --resume goes on from stays, and so does what tells of
- * the time that a run went through. */
-static void take_back(struct recorder *recorder) {
+/* Removes the output of a run without a record: the single snapshot of its end and its companion
+ * files, which would look like a complete run. Files needed by --resume stay, and so do snapshots
+ * of several times. */
+static void remove_orphan_snapshot(struct recorder *recorder) {
   static const char *const endings[] = {"-0000.hdf", "-image.hdf", ".hdf.series"};
   char path[4096];
   if (ranks_own() > 0 || recorder->snapshot_count != 1 ||
@@ -360,6 +360,6 @@ enum status recorder_finish(struct recorder *recorder, struct run_result *result
   if (run_is_over(result)) checkpoint_remove(recorder->prefix);
 cleanup:
   h5_close(file);
-  if (status == STATUS_RUN) take_back(recorder);
+  if (status == STATUS_RUN) remove_orphan_snapshot(recorder);
   return status;
 }

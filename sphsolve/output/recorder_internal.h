@@ -1,5 +1,5 @@
-/* The record of a run between its parts: what is kept while it goes on (recorder.c) and the file
- * written at its end (recorder_file.c). */
+/* State of the recorder, shared by recorder.c (during the run) and recorder_file.c (the file at its
+ * end). */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
 #define TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
 
@@ -30,16 +30,17 @@ struct recorder {
 
   size_t column_count;
   struct column columns[COLUMN_MAX];
-  int width; /* values in a row */
+  int width; /* values per row */
   size_t row_count, row_capacity;
   double *rows;                /* [row_count][width] */
-  struct history_file history; /* of the rows, opened with the first */
+  struct history_file history; /* file of the rows, opened with the first row */
 
   size_t snapshot_count, snapshot_capacity;
   char **snapshot_names;
   double *snapshot_times;
   double next_snapshot;
-  uint64_t flow_hash; /* of the last one's velocities, and of the image's; 0: unknown */
+  /* Hash of the velocities of the last snapshot, and of the image; 0: unknown. */
+  uint64_t flow_hash;
 
   size_t timing_count, fact_count, measured_count;
   struct named_value timings[NAMED_MAX], facts[NAMED_MAX], measured[NAMED_MAX];
@@ -47,7 +48,7 @@ struct recorder {
   char checkpoint_name[4096];
 
   struct progress progress;
-  double last_checkpoint; /* on the monotonic clock */
+  double last_checkpoint; /* time on the monotonic clock, s */
 };
 
 #endif

@@ -30,7 +30,7 @@ static json_t *error_json(const struct uncertainty *u) {
       json_number(u->blur_assumed));
 }
 
-/* Of the cascade, coarsest first; k in m/s by the factor from m^2. */
+/* Lattices of the cascade, coarsest first; `to_speed`: factor from m^2 to m/s. */
 static json_t *levels_json(const struct uncertainty *u, double to_speed) {
   json_t *list = json_array();
   for (int i = 0; i < u->level_count; i++) {
@@ -44,7 +44,7 @@ static json_t *levels_json(const struct uncertainty *u, double to_speed) {
   return list;
 }
 
-/* How far the conservation budget does not close; null where a method keeps no such budget. */
+/* Errors of the conservation budget; null if the method has no such budget. */
 static json_t *conservation_json(const struct conservation *conservation) {
   double open[3] = {0}, energy_open, momentum = NAN, energy = NAN;
   if (conservation->budget.on != 0) {
@@ -93,7 +93,7 @@ static void print_part(const char *what, double share) {
   if (isfinite(share)) printf("%s %s %%", what, percent_format(share, text));
 }
 
-/* The parts of the error, and how the resolution's was found. */
+/* Prints the parts of the error, and how that of the resolution was found. */
 static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   printf("error     ");
   print_part(" resolution", u->resolution);
@@ -138,12 +138,12 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   }
 }
 
-/* No number is worth saying below it. */
+/* Errors below this are not printed as numbers. */
 #define ERROR_NONE 1e-5
-/* Worth a line: a finer lattice leaves at most so much of the error. */
+/* A finer lattice is recommended if it leaves at most this fraction of the error. */
 #define LATTICE_HELPS 0.9
 
-/* What takes most of the error, and what lessens it. */
+/* Prints the largest part of the error and its remedy. */
 static void print_verdict(const struct uncertainty *u, const char *finer_by) {
   char lattice[80];
   snprintf(lattice, sizeof lattice, "a finer lattice lessens it (%s)", finer_by);
@@ -174,7 +174,7 @@ static void print_verdict(const struct uncertainty *u, const char *finer_by) {
   print_part("verdict    known to", total);
   printf("%s%s; most of it is %s: %s\n", isfinite(u->resolution) ? "" : ", resolution not counted",
          u->sides_unknown > 0 ? ", sides not counted" : "", parts[most].what, parts[most].remedy);
-  /* What the lattice can do all the same. */
+  /* The possible improvement by a finer lattice in spite of this part. */
   struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = 0.0;
   const double left = uncertainty_largest(&rest);
@@ -232,7 +232,7 @@ void run_print(const struct run_result *result, const char *prefix, double wante
     const char *path = result->tensor->columns[a].path;
     if (path[strlen(prefix)] == '-') printf(", %s", path);
   }
-  /* To be copied into a shell. */
+  /* Quoted so that it can be copied into a shell. */
   const char *quote = strpbrk(prefix, " \t\"$`&;|()<>*?[!#~\\") != NULL ? "'" : "";
   printf("\nnext       analyze report %s%s.hdf%s -o %s%s.html%s\n", quote, prefix, quote, quote,
          prefix, quote);

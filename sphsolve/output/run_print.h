@@ -5,11 +5,11 @@
 #include "common/error.h"
 #include "sphsolve/output/recorder.h"
 
-/* One JSON object. */
+/* Prints one JSON object. */
 enum status run_print_json(const struct run_result *result);
-/* For people: k with its error, a verdict, the budget; more with -v. `prefix`: of the files;
- * `wanted`: the error asked for, relative, INFINITY without; `scanned`: k is of a voxel model, and
- * has a share of the scan, known or not. */
+/* Prints text: k with its error, a verdict, the budget; more with -v. `prefix`: of the files;
+ * `wanted`: requested relative error, or INFINITY; `scanned`: k is that of a voxel model and has an
+ * error due to the scan, known or not. */
 void run_print(const struct run_result *result, const char *prefix, double wanted, bool scanned);
 
 #endif

@@ -21,7 +21,7 @@ void result_from_darcy(const struct scene *scene, const double darcy_velocity[3]
   result->intrinsic_permeability = along * scene->fluid.viscosity / scene->fluid.density / driving;
 }
 
-/* What the ranks sent each other: the most and the sum of any of them. */
+/* Maximum over the ranks, and sum, of the communication between ranks. */
 void recorder_count_traffic(struct recorder *recorder) {
   const struct ranks_traffic t = ranks_traffic(); // NOLINT: nothing to read for one rank
   if (!RANKS) return;

@@ -1,5 +1,5 @@
-/* What became of the time step: how many steps each effect limited, and each time the watchdog went
- * back. Stands in /run of OUT.hdf and in checkpoints. */
+/* History of the time step: the number of steps limited by each effect, and each return of the
+ * watchdog to an earlier state. Stored in /run of OUT.hdf and in checkpoints. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_STEP_LOG_H
 #define TOSUI_SPHSOLVE_OUTPUT_STEP_LOG_H
 
@@ -12,8 +12,8 @@
 
 #define STEP_BACK_CAUSE 240
 struct step_back {
-  double time, back_to; /* s: when bounds were left, and of the state gone back to */
-  double dt;            /* s: from then on */
+  double time, back_to; /* s: when bounds were exceeded, and time of the restored state */
+  double dt;            /* s: time step from then on */
   char cause[STEP_BACK_CAUSE];
 };
 
@@ -25,10 +25,12 @@ struct step_log {
   struct step_back *backs;
 };
 
-/* One more step whose length `effect` decided. */
+/* Counts a step whose length `effect` limited. */
 void step_log_limit(struct step_log *log, const char *effect);
+/* Records a return to an earlier state. */
 enum status step_log_back(struct step_log *log, const struct step_back *back);
-/* GROUP/limits/{name,steps}, GROUP/watchdog/{time,back_to,dt,cause}; what is empty is left out. */
+/* Write and read GROUP/limits/{name,steps} and GROUP/watchdog/{time,back_to,dt,cause}; empty ones
+ * are omitted. */
 enum status step_log_write(const struct step_log *log, struct h5_file *file, const char *group);
 enum status step_log_read(struct step_log *log, struct h5_file *file, const char *group);
 void step_log_free(struct step_log *log);

@@ -9,15 +9,15 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-/* Rounds of Jacobi's method; a 3 x 3 matrix needs some five to the last bit. */
+/* Sweeps of Jacobi's method; a 3 x 3 matrix needs about five for machine precision. */
 #define SWEEPS 12
-/* Distances of mirrored sites may differ by what their search rounds. */
+/* In spacings: wall distances of mirrored sites may differ by rounding. */
 #define MIRROR_TOLERANCE 1e-4
 
-/* Of the largest principal value: less is what sums round. */
+/* Relative to the largest principal value: smaller values are rounding errors. */
 #define ROUNDING 1e-10
 
-/* Site `at` seen in the mirror across `axis`. */
+/* Mirror image of site `at` across `axis`. */
 static size_t image(const struct lattice *l, const size_t at[3], int axis) {
   size_t to[3] = {at[0], at[1], at[2]};
   to[axis] = l->size[axis] - 1 - at[axis];
@@ -82,8 +82,8 @@ static void principal(const double matrix[3][3], double values[3], double axes[3
   }
 }
 
-/* To first order dk_p = sum a_i a_j dk_ij: the errors of the diagonal have one cause and are taken
- * as one, those off it as independent of them. */
+/* Error of a principal value, to first order dk_p = sum a_i a_j dk_ij: the errors of the diagonal
+ * have a common cause and are added; those off it are treated as independent. */
 static double principal_error(const double axis[3], double error[3][3]) {
   double together = 0, apart = 0;
   for (int i = 0; i < 3; i++) {
@@ -102,12 +102,12 @@ static void assemble(struct tensor *t) {
       const struct tensor_column *a = &t->columns[i], *b = &t->columns[j];
       const bool zero = i != j && (t->mirrored[i] || t->mirrored[j]);
       const double ij = b->velocity[i], ji = a->velocity[j];
-      /* + 0: no -0; and no less than 0 along itself of a direction that nothing leads along */
+      /* adding 0 avoids -0; a diagonal term is at least 0, also along a direction without a path */
       t->k[i][j] = zero ? 0 : (i == j ? fmax(0, ij) : 0.5 * (ij + ji)) + 0.0;
       down[i][j] = i == j ? b->low * fabs(ij) : 0;
       up[i][j] = i == j ? b->high * fabs(ij) : 0;
       if (i != j && !zero) {
-        /* On one lattice the two are equal (Onsager 1931): what they differ by is an error. */
+        /* On one lattice both terms are equal (Onsager 1931): their difference is an error. */
         const double own = fabs(b->finest * ij - a->finest * ji);
         gap = fmax(isnan(gap) ? 0 : gap, own / mean);
         const double relative = fmax(fmax(a->low, b->low), fmax(a->high, b->high));
@@ -119,7 +119,8 @@ static void assemble(struct tensor *t) {
   t->asymmetry = mean > 0 ? gap : NAN;
   principal((const double(*)[3])t->k, t->principal, t->axes);
   for (int p = 0; p < 3; p++) {
-    /* Friction gives nothing back: what lies below 0, or is rounding of the largest, is 0. */
+    /* Dissipation is positive: negative values, and rounding errors of the largest one, are set to
+     * 0. */
     if (t->principal[p] < ROUNDING * t->principal[0]) t->principal[p] = 0;
     t->principal_low[p] = fmax(0, t->principal[p] - principal_error(t->axes[p], down));
     t->principal_high[p] = t->principal[p] + principal_error(t->axes[p], up);
@@ -145,14 +146,14 @@ void tensor_set_column(const struct scene *scene, const double darcy_velocity[3]
   uncertainty_total(error, &column->low, &column->high);
   if (isnan(column->low)) column->low = column->high = 0;
   column->finest = finest > 0 ? finest : 1;
-  /* nu / g, of the scene's fluid. */
+  /* nu / g of the scene's fluid. */
   tensor->to_area = scene->fluid.viscosity / scene->fluid.density *
                     scene_hydraulic_gradient(scene) / fabs(scene->driving[axis]);
   finish_column(prefix, tensor, column);
 }
 
-/* Whether a record says that it was finished, of this scene and model, on these sites; or knows k
- * as well as is wanted, whatever was asked of it. */
+/* Whether a record is that of a finished run of this scene and model, on these sites; or, with
+ * `wanted`, one whose k has the wanted error, whatever was requested. */
 static bool is_finished(struct h5_file *file, const struct scene *scene,
                         const struct lattice *lattice, double wanted) {
   uint64_t size[3] = {0};
@@ -208,9 +209,9 @@ bool tensor_read_column(const struct scene *scene, const struct lattice *lattice
 
 static const struct {
   const char *name;
-  double per;      /* of a m/s, or of a m^2 */
-  bool area;       /* of the permeability */
-  const char *key; /* in JSON */
+  double per;      /* units per m/s, or per m^2 */
+  bool area;       /* intrinsic permeability */
+  const char *key; /* key in JSON */
 } units[] = {{"cm/s", 100, false, "k_cm_per_s"},
              {"m/s", 1, false, "k_m_per_s"},
              {"m^2", 1, true, "permeability_m2"},

@@ -11,49 +11,51 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/scene/scene.h"
 
-/* What one direction gave. */
+/* Result for one direction of the force. */
 struct tensor_column {
   double velocity[3]; /* Darcy velocity under a unit hydraulic gradient, m/s */
-  double low, high;   /* relative bounds of its k, 95 % */
-  double finest;      /* k of the finest lattice over k: 1 but for an estimate from several */
-  char path[4096];    /* its record; "" while there is none */
+  double low, high;   /* relative 95 % bounds of its k */
+  double finest;      /* k of the finest lattice divided by k: 1 unless k is extrapolated */
+  char path[4096];    /* its record; "" if there is none yet */
 };
 
 struct tensor {
   struct tensor_column columns[3];
-  bool mirrored[3];    /* the body is its own mirror image along the axis, where flow takes it */
-  bool by_run[3];      /* as its run mirrored it, not its model */
-  double to_area;      /* nu / g: intrinsic permeability, m^2, over k, m/s */
+  bool mirrored[3];    /* the body is mirror symmetric along the axis */
+  bool by_run[3];      /* by mirroring in the run, not in the model */
+  double to_area;      /* nu / g: intrinsic permeability (m^2) divided by k (m/s) */
   double voxel;        /* m, geometric mean of the axes */
   double k[3][3];      /* m/s, symmetric; row: flow, column: gradient */
   double low[3][3];    /* m/s: the 95 % interval of each term */
   double high[3][3];   /* m/s */
-  double asymmetry;    /* largest |k_ij - k_ji| over the mean of the diagonal; NAN: all are zero */
+  /* Largest |k_ij - k_ji| divided by the mean of the diagonal; NAN: all are zero. */
+  double asymmetry;
   double principal[3]; /* m/s, largest first */
-  double axes[3][3];   /* their unit vectors, one a row */
+  double axes[3][3];   /* their unit vectors, one per row */
   double principal_low[3], principal_high[3];
-  bool isotropic; /* the principal values do not differ by more than their errors */
+  bool isotropic; /* the principal values are equal within their errors */
 };
 
-/* Whether the body that is driven along `axis` is its own mirror image along it (sites and their
- * distances to the wall): such a force makes no mean flow across itself, so the terms off the
- * diagonal are zero. */
+/* Finds whether the body driven along `axis` is mirror symmetric along it (kinds of sites and wall
+ * distances): such a force causes no mean flow across itself, so the off-diagonal terms are
+ * zero. */
 void tensor_find_mirror(const struct lattice *lattice, int axis, struct tensor *tensor);
-/* The column of a run driven along `axis`: its Darcy velocity (m/s), its error, and k of the finest
- * lattice over its k (NAN: it is k). With the third the rest is found. */
+/* Sets the column of a run driven along `axis`: its Darcy velocity (m/s), its error, and k of the
+ * finest lattice / k (NAN: 1). With the third column the tensor is computed. */
 void tensor_set_column(const struct scene *scene, const double darcy_velocity[3],
                        const struct uncertainty *error, double finest, int axis, const char *prefix,
                        struct tensor *tensor);
-/* The same from a record that PREFIX.hdf holds already, if it is a finished one of just this scene
- * and lattice, and its k is known to the `wanted` error (0: of the lattice's own sites). */
+/* The same from the record in PREFIX.hdf; false unless that is a finished run of the same scene and
+ * lattice with k known to the `wanted` error (0: on the lattice's own sites). */
 bool tensor_read_column(const struct scene *scene, const struct lattice *lattice, double wanted,
                         const char *prefix, int axis, struct tensor *tensor);
+/* Whether all three columns are set. */
 bool tensor_complete(const struct tensor *tensor);
 
-/* To stdout; as a new JSON object. */
+/* Print to stdout, or return a new JSON object. */
 void tensor_print(const struct tensor *tensor);
 json_t *tensor_json(const struct tensor *tensor);
-/* /run/tensor of an open file. */
+/* Writes /run/tensor of an open file. */
 enum status tensor_write(const struct tensor *tensor, struct h5_file *file);
 
 #endif

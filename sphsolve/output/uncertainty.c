@@ -49,7 +49,7 @@ static enum status write_levels(const struct uncertainty *u, double to_speed,
           l->seconds, (double)l->iterations};
       column[i] = values[n];
     }
-    /* What differs from run to run is kept with the timings. */
+    /* Values that differ from run to run are stored with the timings. */
     snprintf(path, sizeof path, "/run/%s/%s", n == SECONDS ? "timing/levels" : "levels", names[n]);
     TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
   }

@@ -1,5 +1,5 @@
-/* What the error of k is made of. Methods and the cascade of lattices fill it; the record, stdout
- * and the report show it. */
+/* The parts of the error of k. Methods and the cascade of lattices set them; the record, stdout and
+ * the report show them. */
 #ifndef TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
 #define TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
 
@@ -11,7 +11,8 @@
 
 #define ERROR_LEVELS_MAX 24
 
-/* What lessens the error of resolution: past a model's own voxels no lattice does. */
+/* What reduces the resolution error; a finer lattice does not help beyond the resolution of the
+ * model's voxels. */
 enum resolution_needs { NEEDS_LATTICE, NEEDS_MODEL, NEEDS_SCAN };
 extern const char *const resolution_needs_names[]; /* "lattice", "model", "scan" */
 
@@ -19,14 +20,15 @@ extern const char *const resolution_needs_names[]; /* "lattice", "model", "scan"
 struct error_level {
   double spacing;        /* m, geometric mean of the axes */
   double permeability;   /* m^2, along the force */
-  double estimate;       /* m^2, from this level and all before it */
-  double low, high;      /* relative, of the estimate's resolution: k (1 - low) .. k (1 + high) */
-  double slope_blur;     /* slope_blur below, as this lattice has it; NAN: not tried */
-  double sites, seconds; /* lattice sites; processor seconds with set-up */
+  double estimate;       /* m^2, from this level and all coarser ones */
+  /* Relative resolution error of the estimate: k (1 - low) .. k (1 + high). */
+  double low, high;
+  double slope_blur;     /* slope_blur (below) on this lattice; NAN: not computed */
+  double sites, seconds; /* number of sites; processor seconds including set-up */
   long iterations;
 };
 
-/* The parts (common/uncertainty_parts.h), and what the resolution's is made of; NAN: unknown. */
+/* The parts (common/uncertainty_parts.h), and details of the resolution error; NAN: unknown. */
 struct uncertainty {
   union {
     struct {
@@ -35,25 +37,27 @@ struct uncertainty {
     struct uncertainty_parts parts;
   };
 
-  double resolution_low, resolution_high; /* the truth lies in k (1 - low) .. k (1 + high) */
-  double model; /* the part of resolution that the model's own voxels have */
+  double resolution_low, resolution_high; /* the true value lies in k (1 - low) .. k (1 + high) */
+  double model; /* part of the resolution error due to the model's voxels */
   enum resolution_needs needs;
-  double order;        /* observed; NAN: not seen */
+  double order;        /* observed order of convergence; NAN: unknown */
   double extrapolated; /* intrinsic permeability, best estimate, m^2 */
-  double finest;       /* and that of the finest lattice */
-  double slope_blur;   /* ln k of the surface blurred once more, less ln k; NAN: not tried */
-  int level_count;     /* lattices that gave a flow; 0: not tried */
+  double finest;       /* that of the finest lattice */
+  double slope_blur;   /* change of ln k by additional blur of the surface; NAN: not computed */
+  int level_count;     /* lattices that were solved; 0: none */
   struct error_level levels[ERROR_LEVELS_MAX]; /* coarsest first */
 };
 
 /* All parts unknown. */
 struct uncertainty uncertainty_none(void);
-/* Roots of the sums of squares of the known parts, down and up; NAN if none is known. */
+/* Lower and upper total error: root of the sum of squares of the known parts; NAN if none is
+ * known. */
 void uncertainty_total(const struct uncertainty *u, double *low, double *high);
-/* The larger of the two. */
+/* The larger of both total errors. */
 double uncertainty_largest(const struct uncertainty *u);
 
-/* As attributes of /run/error, and /run/levels with k in m/s, by that factor from m^2. */
+/* Writes the parts as attributes of /run/error, and /run/levels with k in m/s; `to_speed`: factor
+ * from m^2 to m/s. */
 enum status uncertainty_write(const struct uncertainty *u, double to_speed, struct h5_file *file);
 
 #endif

@@ -6,8 +6,8 @@
 #include "common/balance.h"
 #include "common/memory.h"
 
-/* Cut anew by work where the busiest rank has so much more than the mean. */
-#define IMBALANCE_MOST 1.05
+/* Partition again by work if the load of the busiest rank exceeds the mean by this factor. */
+#define IMBALANCE_MAX 1.05
 #define TAG_ITEMS 8
 
 static size_t units_of(size_t items, size_t unit) {
@@ -31,7 +31,7 @@ enum status ghosts_partition(struct ghosts *g, size_t items, size_t unit, const 
   for (size_t u = 0; u < here; u++) sum += work[u];
   const double most = ranks_max(sum), total = ranks_sum(sum);
   if (known) g->imbalance = total > 0 ? most * (double)ranks / total : 1;
-  if (known && g->imbalance > IMBALANCE_MOST)
+  if (known && g->imbalance > IMBALANCE_MAX)
     TRY(balance_partition(units, partition[own], here, work, partition));
   if (g->partition == NULL)
     TRY(memory_allocate(&g->partition, ranks + 1, sizeof *g->partition, "shares of the ranks"));
@@ -68,7 +68,7 @@ enum status ghosts_plan_exchange(struct ghosts *g, size_t items) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
   size_t n = 0, owner = 0, *counts = NULL;
-  uint32_t *asked = NULL; /* as its owner counts its own */
+  uint32_t *asked = NULL; /* indices in the arrays of the owner */
   memory_free(&g->send);
   memory_free(&g->receive);
   ghosts_free_buffers(g);
@@ -147,7 +147,7 @@ void ghosts_finish(struct ghosts *g) {
 void ghosts_add(struct ghosts *g, uint32_t *sums, size_t count) {
   const size_t ranks = (size_t)ranks_count(), width = count * sizeof *sums;
   ghosts_finish(g);
-  /* The messages of ghosts_post backwards. */
+  /* The messages of ghosts_post in the opposite direction. */
   char *out = g->in, *in = g->out;
   for (size_t k = 0; k < g->receive_start[ranks]; k++)
     memcpy(out + k * width, sums + g->receive[k] * count, width);

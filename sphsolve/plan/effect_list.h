@@ -1,6 +1,6 @@
-/* The effects of a method as an array EFFECTS, ended by NULL, from EFFECTS_REGISTRY. Its files are
- * read three times: for their functions, then, with these behind their include guards, for their
- * descriptors, and for a list of those. */
+/* The effects of a method (EFFECTS_REGISTRY) as an array EFFECTS that ends with NULL. The files are
+ * included three times: for their functions; for their descriptors, which stand after the include
+ * guards; and for the list of the descriptors. */
 #include "sphsolve/plan/effect.h"
 #include EFFECTS_REGISTRY
 #undef EFFECT

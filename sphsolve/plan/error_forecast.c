@@ -7,11 +7,11 @@
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/plan/method.h"
 
-/* Edges per face times the mean width of the pores: a bar across them has 1 and more, a duct none.
- */
-#define EDGED 0.5
+/* Largest number of edges per face, times the mean pore width, of straight walls: bars across the
+ * flow have 1 or more, a duct has none. */
+#define EDGES_PER_FACE_MAX 0.5
 
-/* Whether a wall site has fluid beside it along more than one axis. */
+/* Whether a wall site has fluid neighbours along more than one axis. */
 static bool is_edge(const struct lattice *l, const size_t step[3], size_t site) {
   int axes = 0;
   for (int a = 0; a < 3; a++) {
@@ -29,8 +29,8 @@ struct face_sums {
   double count, half, surface, outer, middle;
 };
 
-/* From site to site the distance changes by the normal's component n_a, and a unit of surface has
- * n_a such faces: d + depth is the surface that belongs to this one. */
+/* Between neighbouring sites the distance changes by the component n_a of the normal, and a unit of
+ * surface has n_a such faces: d + depth is the surface area that belongs to this face. */
 static void add_face(const struct lattice *l, double unit, size_t site, size_t next,
                      struct face_sums *sums) {
   const size_t fluid = l->kind[site] == SITE_FLUID ? site : next, wall = site + next - fluid;
@@ -43,8 +43,8 @@ static void add_face(const struct lattice *l, double unit, size_t site, size_t n
   sums->middle += (d + depth) * 0.5 * (depth - d);
 }
 
-/* Faces of `count` sites from `site` on with as many from `next` on. Few are unlike: eight kinds
- * are compared at once. */
+/* Adds the faces between `count` sites from `site` on and those from `next` on. Few kinds differ,
+ * so eight are compared at once. */
 static void add_faces(const struct lattice *l, double unit, size_t site, size_t next, size_t count,
                       struct face_sums *sums) {
   const uint8_t *own = l->kind + site, *other = l->kind + next;
@@ -83,8 +83,9 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   if (!(surface > 0.0)) return;
   const double fluid = (double)l->fluid_count;
   const bool boxes = !*scene->model_path;
-  /* -d ln S: of grains between balls (2/3) and cylinders (1/2); of pores that run along the force
-   * that of a tube; between boxes what the sites before and behind the walls say. */
+  /* -d ln S per spacing: for grains between that of spheres (2/3) and cylinders (1/2); for pores
+   * along the force that of a tube; for boxes from the number of sites on both sides of the
+   * walls. */
   double shrinks = across ? 0.6 * surface / (l->bulk_count - fluid) : -0.5 * surface / fluid;
   const bool sharp = boxes || sums.half > 0.9 * faces;
   for (size_t site = 0; site < l->count && sharp; site++) {
@@ -93,7 +94,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
     behind += l->kind[site] == SITE_WALL && d > -1.0;
     edges += l->kind[site] == SITE_WALL && is_edge(l, step, site);
   }
-  shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGED;
+  shape->straight = sharp && edges / faces * 4.0 * fluid / surface < EDGES_PER_FACE_MAX;
   if (shape->straight) shrinks = log(before / behind);
   shape->width = shape->open = 4.0 * fluid / surface;
   if (l->micro_porosity != NULL) {
@@ -109,16 +110,17 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   shape->flat = sharp && axes == 1;
 }
 
-/* In terms of q, the slope of ln k per spacing. Constants measured on slits, square ducts, simple
- * cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a side,
- * scanned with noise and without, whose errors are a factor 2 apart at the same q (make tradeoff);
- * held against other flows by `scripts/studies/tradeoff --predictions`. */
-#define CORNERS 0.0065 /* q^3: less flow, in the corners between straight walls */
-#define ANGLE 0.004    /* q: less flow, by walls at an angle to the lattice; mean of all angles */
-#define EDGES 2.6      /* over the mean width: more flow, by edges of voxel faces */
+/* In terms of q, the slope of ln k per spacing. The constants were fitted to slits, square ducts,
+ * simple cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a
+ * side, scanned with and without noise, whose errors differ by a factor of 2 at the same q (make
+ * tradeoff); they are compared with other flows by `scripts/studies/tradeoff --predictions`. */
+#define CORNERS 0.0065 /* q^3: less flow in the corners between straight walls */
+#define ANGLE 0.004    /* q: less flow due to walls oblique to the lattice; mean over all angles */
+#define EDGES 2.6      /* divided by the mean width: more flow due to the edges of voxel faces */
 #define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
-#define ADAMI_PLACE 0.03   /* q: a curved wall half-way between sites is off by so much */
-/* Share of the mean shift: where walls are not flat, wall sites that stand out count more. */
+#define ADAMI_PLACE 0.03   /* q: position error of a curved wall half-way between sites */
+/* Fraction of the mean shift that is effective: protruding wall sites of curved walls count
+ * more. */
 #define FROZEN_SHARE 0.8
 
 struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
@@ -129,7 +131,7 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
   const char *how = "walls from the wall distance";
   double more = 0.0, less = 0.0, both;
   if (!(q > 0.0)) return e;
-  /* What all walls have in common: the pores are narrow. */
+  /* Error common to all wall schemes: narrow pores. */
   if (shape->flat && wall == WALL_SUBVOXEL) {
     more = method->error_flat;
     how = method->error_flat_why;
@@ -144,7 +146,7 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
     less = ANGLE * q + method->error_uneven * q * q;
   }
   if (wall == WALL_FROZEN) {
-    /* As a slit would: (1 + shift/half its width)^3. */
+    /* Change of k of a slit: (1 + shift / half width)^3. */
     const double shift = shape->outer * (shape->sharp ? 1.0 : FROZEN_SHARE);
     more = (1.0 + more) * pow(1.0 + q * shift / 3.0, 3.0) - 1.0;
     how = "frozen walls stand back";

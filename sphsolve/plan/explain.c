@@ -37,15 +37,15 @@ static json_t *ranks_json(const struct ranks_forecast *f) {
                    f->seconds[RANKS_SUMS]);
 }
 
-/* Together with the scan's share, which no lattice lessens. */
+/* Total error including that of the scan, which no lattice reduces. */
 static double with_scan(const struct plan *plan, double resolution) {
   return isfinite(plan->expected_scan) ? hypot(resolution, plan->expected_scan) : resolution;
 }
 
-/* What no forecast knows (cascade_add_sides). */
+/* The effect of the sides is not predictable (cascade_add_sides). */
 #define SIDES_LARGE ", if the sample's sides turn out to change k by over a fifth"
 
-/* What an error costs, before anything is solved. */
+/* Predicted cost of each attainable error, before anything is solved. */
 static void print_levels(const struct plan *plan) {
   struct predicted_level levels[PREDICTED_LEVELS_MAX];
   const struct method *method = plan->context.method;
@@ -73,7 +73,7 @@ static void print_levels(const struct plan *plan) {
   }
 }
 
-/* Polygons, circles and bodies, and what is made of them. */
+/* Polygons, circles and bodies, and the number of boxes that represent them. */
 static void print_regions(const struct scene *scene) {
   size_t regions = 0, shapes = 0, boxes = 0, bodies = 0, of_bodies = 0;
   for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end, regions++)
@@ -89,7 +89,7 @@ static void print_regions(const struct scene *scene) {
            bodies == 1 ? "y" : "ies", of_bodies);
 }
 
-/* What it takes and gives: iterations or steps, time, error. */
+/* Predicted iterations or steps, time and error. */
 static void print_outcome(const struct plan *plan, const struct ranks_forecast *ranks) {
   char text[512];
   if (plan->blocked) {

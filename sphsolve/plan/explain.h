@@ -1,4 +1,4 @@
-/* What `sphsolve explain` prints: the plan, for people and as JSON. */
+/* Output of `sphsolve explain`: the plan as text and as JSON. */
 #ifndef TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
 #define TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
 
@@ -6,7 +6,7 @@
 #include "sphsolve/plan/ranks_forecast.h"
 #include "sphsolve/plan/plan.h"
 
-/* `ranks`, what several of them take, and `recommended` may be NULL. */
+/* `ranks` (the forecast for several ranks) and `recommended` may be NULL. */
 void explain_print(const struct plan *plan, const struct ranks_forecast *ranks);
 enum status explain_print_json(const struct plan *plan, const struct ranks_forecast *ranks,
                                const struct recommendation *recommended);

@@ -1,4 +1,4 @@
-/* The table of methods, and which of them a scene is for. */
+/* The table of methods, and the choice of a method for a scene. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -12,8 +12,9 @@ const struct method *const methods_all[] = {
 #undef METHOD
     NULL};
 
-/* Asked from the last to the first; the first takes what the others leave. */
-static const struct method *taken_by(const struct effect_context *context, char why[EFFECT_WHY]) {
+/* Methods are asked from the last to the first; the first one takes everything else. */
+static const struct method *choose_method(const struct effect_context *context,
+                                          char why[EFFECT_WHY]) {
   size_t i = 0;
   while (methods_all[i + 1] != NULL) i++;
   while (i > 0 && !methods_all[i]->takes(context, why)) i--;
@@ -25,11 +26,10 @@ int plan_wall_layers(const struct scene *scene) {
   char why[EFFECT_WHY];
   struct effect_context context;
   plan_context(scene, NULL, &context);
-  return (scene->method != NULL ? scene->method : taken_by(&context, why))->wall_layers;
+  return (scene->method != NULL ? scene->method : choose_method(&context, why))->wall_layers;
 }
 
-/* A wall may leave its place only where its method allows it; along itself it may move, as a lid
- * does. */
+/* A wall may be displaced only if its method allows it; it may move along itself, as a lid does. */
 static enum status refuse_displacement(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
@@ -55,7 +55,7 @@ static enum status refuse_fields(const struct scene *scene, const struct method 
   return STATUS_OK;
 }
 
-/* What each setting allows alone, but not together. */
+/* Rejects settings that are valid alone but not in combination. */
 static enum status refuse_contradictions(const struct scene *scene,
                                          const struct effect_context *context,
                                          const struct method *method) {
@@ -122,7 +122,7 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
   if (method != NULL)
     snprintf(why, EFFECT_WHY, "the scene says so");
   else
-    method = taken_by(&context, why);
+    method = choose_method(&context, why);
   *chosen = method;
   if ((scene->micro.factor_count > 0 || scene->micro.uncertainty > 1) &&
       lattice->micro_porosity == NULL)

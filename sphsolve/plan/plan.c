@@ -10,8 +10,8 @@
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/plan/reynolds.h"
 
-/* No run takes so many: a scene that needs them has a wrong number or unit. */
-#define STEPS_MOST 1e12
+/* No real run takes this many steps: the scene has a wrong number or unit. */
+#define STEPS_MAX 1e12
 
 static bool has_region(const struct scene *scene, enum region_type type) {
   for (size_t r = 0; r < scene->region_count; r++)
@@ -33,10 +33,10 @@ static double mean_spacing(const struct lattice *lattice) {
   return cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
 }
 
-/* Velocity and Reynolds number of the seepage before anything is solved. Viscous drag: Kozeny
- * (1927), Carman (1937), 5 S^2/n^3 nu v; inertia: Ergun (1952), 1.75/6 S/n^3 v^2 with S = 6 (1 -
- * n)/d, none where no wall stands across the force. S: wall surface per bulk volume; the faces of
- * voxels overstate it by about 3/2. */
+/* Estimates velocity and Reynolds number of the seepage before anything is solved. Viscous drag:
+ * Kozeny (1927), Carman (1937), 5 S^2/n^3 nu v; inertia: Ergun (1952), 1.75/6 S/n^3 v^2 with S = 6
+ * (1 - n)/d, or none if no wall stands across the force. S: wall surface per bulk volume; the faces
+ * of voxels overestimate it by about 3/2. */
 void plan_estimate_seepage(struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *lattice = context->lattice;
@@ -78,7 +78,7 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
   context->has_wall = lattice->wall_count > 0;
 }
 
-enum status plan_look_for_path(struct plan *plan) {
+enum status plan_find_path(struct plan *plan) {
   const struct effect_context *c = &plan->context;
   const bool corners = c->method->joins_corners != NULL && c->method->joins_corners(c);
   bool flows = true;
@@ -108,8 +108,8 @@ void plan_switch(const struct plan *plan, void *settings) {
   }
 }
 
-static double with_program(double bytes) {
-  return PROGRAM_BYTES + (1.0 + HELD_BESIDE) * bytes;
+static double add_program_bytes(double bytes) {
+  return PROGRAM_BYTES + (1.0 + MEMORY_OVERHEAD) * bytes;
 }
 
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
@@ -127,17 +127,18 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   context->method = method;
   context->spacing = lattice->dimensions == 2 ? lattice->spacing[0] : mean_spacing(lattice);
   context->kinematic_viscosity = scene->fluid.viscosity / scene->fluid.density;
-  /* Sides that are closed without sites. */
+  /* Closed sides are walls also for a method that needs no wall sites. */
   for (int a = 0; a < 3 && method->wall_layers == 0; a++)
     context->has_wall = context->has_wall || !scene->periodic[a];
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
     const struct scan_quality *scan = &lattice->model.scan;
-    /* Soil narrows the pores, but its own surface is none that the blur moves: between both. */
+    /* Soil narrows the pores, but the blur does not move its surface: the geometric mean of both
+     * widths. */
     const double width = sqrt(plan->shape.width * plan->shape.open) * context->spacing;
     const double n = (double)lattice->fluid_count / lattice->bulk_count;
-    if (isfinite(width) && scan->known) /* d ln k / d e by Kozeny and Carman */
+    if (isfinite(width) && scan->known) /* d ln k / d e from Kozeny and Carman */
       plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
                                   scan->counted * (1.0 - n) * (3.0 / n - 1.0));
   }
@@ -158,12 +159,12 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   }
   TRY(method->cost(plan, threads));
   plan->bytes_total =
-      with_program(fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
-                        MODEL_BYTES * (double)lattice->model.count));
-  plan->bytes_sides = with_program(plan->bytes_sides);
+      add_program_bytes(fmax(fmax(plan->bytes_method + plan->bytes_copy, plan->bytes_split),
+                             MODEL_BYTES * (double)lattice->model.count));
+  plan->bytes_sides = add_program_bytes(plan->bytes_sides);
   if (!(plan->bytes_sides > plan->bytes_total)) plan->bytes_sides = 0.0;
   plan->seconds += PROGRAM_SECONDS;
-  if (plan->steps > STEPS_MOST)
+  if (plan->steps > STEPS_MAX)
     TRY(scene_error(
         scene, AT_METHOD,
         "%.3g steps would be needed; a density, viscosity, force, velocity, sound speed "

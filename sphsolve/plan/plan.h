@@ -1,6 +1,6 @@
-/* What a scene calls for, decided before anything is allocated: method, effects on and why, memory,
- * time step and the effect that limits it, steps, predicted time and error. A pure function of
- * scene and lattice; `explain` prints it and run obeys it. */
+/* The plan of a run, made before anything is allocated: method, effects and the reasons for them,
+ * memory, time step and the effect that limits it, steps, predicted time and error. It depends only
+ * on scene and lattice; `explain` prints it, and the run follows it. */
 #ifndef TOSUI_SPHSOLVE_PLAN_PLAN_H
 #define TOSUI_SPHSOLVE_PLAN_PLAN_H
 
@@ -15,21 +15,21 @@
 
 #define EFFECT_MAX 40
 
-/* The program with its libraries: peak memory and time of a scene of a few sites. */
+/* Peak memory and run time of the program with its libraries for a scene of a few sites. */
 #define PROGRAM_BYTES 16e6
-/* What files hold while they are written, and the allocator between its blocks: of runs of 64 to
- * 240 MB the machine's count was 3 to 6 % of theirs above it. */
-#define HELD_BESIDE 0.065
-/* What reading a model takes a voxel: its solid, wall distance and grain fraction; then the first
- * two twice, in the file's form and the lattice's; then the lattice and the labels of its pores. */
+/* Additional memory of file buffers and of the allocator, relative: of runs of 64 to 240 MB the
+ * operating system reported 3 to 6 % more. */
+#define MEMORY_OVERHEAD 0.065
+/* Bytes per voxel for reading a model: solid, wall distance and grain fraction; then the first two
+ * twice, in the file's form and the lattice's; then the lattice and its pore labels. */
 #define MODEL_BYTES 10.0
 #define PROGRAM_SECONDS 0.02
 
-/* What an effect may look at to decide. The numbers are those of the chosen method. */
+/* Input for the decisions of effects. The numbers are those of the chosen method. */
 struct effect_context {
   const struct scene *scene;
   const struct lattice *lattice;
-  const struct method *method; /* NULL while one is looked for */
+  const struct method *method; /* NULL while a method is being chosen */
   enum kernel kernel;
   double smoothing_length;    /* m */
   double support;             /* m */
@@ -38,8 +38,8 @@ struct effect_context {
   double kinematic_viscosity; /* m^2/s */
   double driving;             /* |g + a - grad P / rho|, m/s^2 */
   double velocity_scale;      /* m/s, estimated */
-  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0 unknown */
-  double inertia;             /* fraction of the force that inertia takes up, by the same */
+  double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0: unknown */
+  double inertia;             /* fraction of the force balanced by inertia, likewise */
   char sound_why[EFFECT_WHY]; /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow, has_rain, has_absorbing;
 };
@@ -51,7 +51,7 @@ struct planned_effect {
   double dt_max; /* s; INFINITY: none */
 };
 
-/* What the user asks k to be or to cost; 0: not asked. */
+/* The accuracy or run time that the user requests; 0: not requested. */
 struct accuracy_goal {
   double error;   /* relative */
   double seconds; /* wall time */
@@ -61,11 +61,12 @@ struct accuracy_goal {
 struct predicted_level {
   double spacing; /* m */
   double sites;
-  double error;   /* relative, of k from all lattices up to this, as a run will state it */
-  bool few;       /* too few lattices for --error to end with; --time may */
-  double seconds; /* processor time of all up to this, and more where plan.seconds_sides has it */
+  double error;   /* relative error of k from all lattices up to this one, as a run reports it */
+  bool few;       /* too few lattices to finish with --error; enough for --time */
+  double seconds; /* processor time of all lattices up to this one */
+  /* Additional processor time if the effect of the sides is large (see struct plan). */
   double seconds_sides;
-  double bytes;   /* at most until it is solved, with what the program itself takes */
+  double bytes; /* largest memory up to its solution, including the program itself */
 };
 #define PREDICTED_LEVELS_MAX 24
 
@@ -74,49 +75,48 @@ struct plan {
   int threads;
   struct effect_context context;
   size_t effect_count;
-  struct planned_effect effects[EFFECT_MAX]; /* those of the method, on and off */
+  struct planned_effect effects[EFFECT_MAX]; /* all effects of the method, on or off */
   double dt;                                 /* s; NAN: chosen each step; 0: steady method */
   double dt_limit;                           /* s */
   const char *dt_limited_by;
-  int dt_power;                   /* of the spacing, that dt_limit falls with; 0: not known */
+  int dt_power;                   /* power of the spacing in dt_limit; 0: unknown */
   const char *dt_by;              /* what decides a constant dt */
   double bytes_fluid, bytes_wall; /* per fluid and per wall site, everything included */
-  double bytes_total;             /* at most, at any time, with what the program itself takes */
-  /* The method's own; what a state to go back to takes beside it while one is kept; and, when the
-   * method has given back all it held, what splits the error of k. On disk: what a run may keep
-   * beside its results while it lasts. */
+  double bytes_total;             /* largest total memory, including the program itself */
+  /* Memory of the method itself; of a stored state to return to; of the separation of the error of
+   * k, after the method has freed its memory; and disk space for temporary files next to the
+   * results during a run. */
   double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
   double steps, seconds;          /* predicted */
-  /* Where the effect of the sides is large, as no forecast knows: seconds more, at most; bytes in
-   * all, in place of bytes_total, or 0: no more than that. */
+  /* If the effect of the sides is large, which cannot be predicted: additional seconds at most;
+   * total bytes in place of bytes_total, or 0 if that is not exceeded. */
   double seconds_sides, bytes_sides;
-  struct error_forecast expected; /* error of the headline number */
-  bool blocked;                   /* no pore leads through (plan_look_for_path): k is 0 */
-  double expected_scan;           /* what the scanner adds to it; NAN: not known */
+  struct error_forecast expected; /* error of the main result */
+  bool blocked;                   /* no pore leads through the model (plan_find_path): k is 0 */
+  double expected_scan;           /* additional error due to the scanner; NAN: unknown */
   char method_why[EFFECT_WHY];
 };
 
-/* Wall layers the lattice needs outside a closed domain, as far as the scene alone tells. */
+/* Wall layers that the lattice needs outside a closed domain, from the scene alone. */
 int plan_wall_layers(const struct scene *scene);
-/* Chooses the method ("auto") and refuses what a method cannot do. */
+/* Chooses the method ("auto") and rejects a scene that the method cannot solve. */
 enum status plan_method(const struct scene *scene, const struct lattice *lattice,
                         const struct method **method, char why[EFFECT_WHY]);
-/* `threads` for the predicted time. */
+/* Makes the plan; `threads` is used for the predicted time. */
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan);
-/* Sets plan->blocked, as a run will find it, by following the pores; no time or error is expected
- * then. */
-enum status plan_look_for_path(struct plan *plan);
-/* What scene and lattice (may be NULL: not built yet) hold, and nothing of a method. */
+/* Sets plan->blocked by following the pores as a run does; time and error are then NAN. */
+enum status plan_find_path(struct plan *plan);
+/* Sets what follows from scene and lattice (NULL if not built yet), without a method. */
 void plan_context(const struct scene *scene, const struct lattice *lattice,
                   struct effect_context *context);
-/* Fills velocity_scale, inertia and reynolds. */
+/* Sets velocity_scale, inertia and reynolds. */
 void plan_estimate_seepage(struct effect_context *context);
-/* The terms of the conservation budget that the effects on have, 1u << term. */
+/* Terms of the conservation budget of all effects that are on, 1u << term. */
 uint32_t plan_budget(const struct plan *plan);
-/* Sets in a method's settings the flags that its effects switch on (EFFECT_SWITCH), and clears
+/* Sets the flags of a method's settings that its effects switch on (EFFECT_SWITCH), and clears
  * those of effects that are off. */
 void plan_switch(const struct plan *plan, void *settings);
 

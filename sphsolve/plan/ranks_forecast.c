@@ -4,11 +4,11 @@
 
 #include "sphsolve/plan/method.h"
 
-/* Between ranks: bytes a second, and seconds a message; assumed, not measured. */
+/* Communication between ranks: bytes per second, and seconds per message; assumed, not measured. */
 #define BANDWIDTH 10e9
 #define LATENCY 2e-6
 
-/* Kind and wall distance: once on a machine of so many cores. */
+/* Kind and wall distance of a site, stored once per machine; assumed cores of a machine. */
 #define SITE_BYTES 5.0
 #define MACHINE_CORES 64.0
 
@@ -33,11 +33,11 @@ void ranks_forecast(const struct plan *plan, int ranks, int threads, struct rank
   }
   for (int t = 0; t < RANKS_TERMS; t++) f->total += f->seconds[t];
   f->efficiency = plan->seconds / (ranks * f->total);
-  const double all = (plan->bytes_total - PROGRAM_BYTES) / (1.0 + HELD_BESIDE);
+  const double all = (plan->bytes_total - PROGRAM_BYTES) / (1.0 + MEMORY_OVERHEAD);
   const double whole = fmin(c.whole, all);
   f->memory_bytes = fmax(whole + (all - whole) / r + c.held, c.start);
-  /* Shared out among the ranks of a machine, not of all. */
+  /* Distributed over the ranks of a machine, not over all ranks. */
   if (c.shares_sites && r > 1)
     f->memory_bytes += SITE_BYTES * sites * (1 / fmin(r, ceil(MACHINE_CORES / threads)) - 1 / r);
-  f->memory_bytes = PROGRAM_BYTES + (1.0 + HELD_BESIDE) * f->memory_bytes;
+  f->memory_bytes = PROGRAM_BYTES + (1.0 + MEMORY_OVERHEAD) * f->memory_bytes;
 }

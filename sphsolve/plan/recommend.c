@@ -8,18 +8,19 @@
 #include "common/units.h"
 #include "sphsolve/plan/method.h"
 
-/* An expectation is known within this factor (docs/errors.md): settings that reach an error for
- * certain are expected to stay below it by as much. */
-#define SURE 2.0
+/* Factor within which expected errors are known (docs/errors.md): settings are recommended if their
+ * expected error is below the requested one by this factor. */
+#define ERROR_SAFETY_FACTOR 2.0
 
-/* Finer and coarser than the scene by no more than this. */
-#define REFINED_LEAST 0.1
-#define REFINED_MOST 50.0
+/* Range of refinement relative to the scene. */
+#define REFINEMENT_MIN 0.1
+#define REFINEMENT_MAX 50.0
 
-/* The least refinement with the wanted error; NAN if none has it. The error falls with it. */
+/* Smallest refinement with an error of at most `wanted`, NAN if there is none; the error decreases
+ * with refinement. */
 static double refinement(const struct pore_shape *shape, const struct method *method,
                          enum wall_scheme wall, double wanted) {
-  double low = REFINED_LEAST, high = REFINED_MOST;
+  double low = REFINEMENT_MIN, high = REFINEMENT_MAX;
   if (!(error_forecast_of(shape, method, wall, high).error <= wanted)) return NAN;
   if (error_forecast_of(shape, method, wall, low).error <= wanted) high = low;
   for (int i = 0; i < 60 && high > low; i++) {
@@ -29,12 +30,13 @@ static double refinement(const struct pore_shape *shape, const struct method *me
     else
       low = middle;
   }
-  /* Two sites across a mean pore, less is no flow, and across a mean grain: water on both sides of
-   * a thinner one is neighbours. */
+  /* At least two sites across a mean pore, as there is no flow with fewer, and across a mean grain,
+   * as water on both sides of a thinner one would interact. */
   return fmax(high, 2.0 / fmin(shape->width, shape->grain));
 }
 
-/* `refined` raised until the longest side is of whole sites, and every periodic one of a domain. */
+/* Increases `refined` until the longest side has a whole number of sites, and in a domain every
+ * periodic side. */
 static double whole_sites(const struct scene *scene, const size_t body[3], double refined) {
   size_t longest = 0;
   for (int a = 0; a < 3; a++)
@@ -52,9 +54,9 @@ static double whole_sites(const struct scene *scene, const size_t body[3], doubl
   return least / (double)longest;
 }
 
-static enum status add(const struct scene *scene, const struct lattice *lattice,
-                       const struct method *method, enum wall_scheme wall, int threads,
-                       struct recommendation *recommended) {
+static enum status add_candidate(const struct scene *scene, const struct lattice *lattice,
+                                 const struct method *method, enum wall_scheme wall, int threads,
+                                 struct recommendation *recommended) {
   enum status status = STATUS_OK;
   struct scene other = *scene;
   struct plan plan;
@@ -64,7 +66,7 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
     error_clear(); /* this method cannot run the scene */
     return STATUS_OK;
   }
-  double refined = refinement(&plan.shape, method, wall, recommended->wanted / SURE);
+  double refined = refinement(&plan.shape, method, wall, recommended->wanted / ERROR_SAFETY_FACTOR);
   if (isnan(refined)) return STATUS_OK;
   size_t body[3];
   for (int a = 0; a < 3; a++)
@@ -79,8 +81,8 @@ static enum status add(const struct scene *scene, const struct lattice *lattice,
   c->support = plan.context.support / refined;
   c->error = error_forecast_of(&plan.shape, method, wall, refined).error;
   const double more = pow(refined, lattice->dimensions);
-  /* Speed and steps of wcsph at that spacing: viscosity limits dt by the square of the spacing,
-   * sound by the spacing itself; a pore takes as long to settle at any. */
+  /* Sound speed and steps of wcsph at that spacing: viscosity limits dt by the square of the
+   * spacing, sound by the spacing; the time for a pore to become steady does not depend on it. */
   double steps = 1.0;
   if (plan.context.sound_speed > 0) {
     steps = plan.dt_power > 1 ? refined * refined : refined;
@@ -104,11 +106,12 @@ enum status recommend_find(const struct scene *scene, const struct lattice *latt
     TRY_FAIL(STATUS_INPUT, "%s: --error: the error of this scene cannot be predicted: %s",
              scene->path, *plan->expected.why ? plan->expected.why : "it has no permeability");
   for (int wall = WALL_FROZEN; wall <= WALL_SUBVOXEL; wall++) {
-    /* One without inertia where "auto" took it, or the scene did. */
+    /* A method without inertia only where "auto" or the scene selected it. */
     for (size_t m = 0; methods_all[m] != NULL; m++)
       if (methods_all[m]->resolves_pores &&
           (!methods_all[m]->solves_creeping || methods_all[m] == plan->context.method))
-        TRY(add(scene, lattice, methods_all[m], (enum wall_scheme)wall, threads, recommended));
+        TRY(add_candidate(scene, lattice, methods_all[m], (enum wall_scheme)wall, threads,
+                          recommended));
   }
   for (size_t i = 1; i < recommended->count; i++) {
     struct candidate moved = recommended->candidates[i];
@@ -133,12 +136,12 @@ static void print_candidate(const struct candidate *c) {
          c->bytes / 1e6);
 }
 
-/* Nobody waits longer, s. */
-#define LONGEST (30.0 * 86400.0)
-#define BEYOND ": over 30 days, or over the %.0f MB of memory here"
+/* Longest acceptable time, s. */
+#define SECONDS_MAX (30.0 * 86400.0)
+#define BEYOND_TEXT ": over 30 days, or over the %.0f MB of memory here"
 
 static bool is_within_reach(const struct candidate *c) {
-  return c->seconds <= LONGEST && c->bytes <= memory_limit();
+  return c->seconds <= SECONDS_MAX && c->bytes <= memory_limit();
 }
 
 void recommend_print(const struct plan *plan, const struct recommendation *recommended) {
@@ -146,11 +149,11 @@ void recommend_print(const struct plan *plan, const struct recommendation *recom
   printf(
       "\nwanted     %.3g %%: by settings from which half of it is expected, for expectations are "
       "good to a factor %g\n",
-      100 * recommended->wanted, SURE);
+      100 * recommended->wanted, ERROR_SAFETY_FACTOR);
   if (recommended->count == 0) {
     printf("cheapest   none: no setting up to %g times finer reaches it; extrapolate with analyze "
            "converge\n",
-           REFINED_MOST);
+           REFINEMENT_MAX);
     return;
   }
   const struct candidate *best = &recommended->candidates[0];
@@ -158,7 +161,7 @@ void recommend_print(const struct plan *plan, const struct recommendation *recom
   printf("cheapest   ");
   print_candidate(best);
   if (!is_within_reach(best))
-    printf("           not within reach" BEYOND "; lattices and their errors above are\n",
+    printf("           not within reach" BEYOND_TEXT "; lattices and their errors above are\n",
            1e-6 * memory_limit());
   for (size_t i = 1; i < recommended->count; i++) {
     if (!is_within_reach(&recommended->candidates[i])) {
@@ -169,7 +172,7 @@ void recommend_print(const struct plan *plan, const struct recommendation *recom
     print_candidate(&recommended->candidates[i]);
   }
   if (beyond > 0 && is_within_reach(best))
-    printf("           %zu more not within reach" BEYOND "\n", beyond, 1e-6 * memory_limit());
+    printf("           %zu more not within reach" BEYOND_TEXT "\n", beyond, 1e-6 * memory_limit());
   printf("write      --set scene.method=%s --set %s.wall=%s", best->method->name,
          best->method->name, wall_scheme_names[best->wall]);
   if (*scene->model_path)

@@ -9,7 +9,7 @@
 #include "common/error.h"
 #include "sphsolve/plan/plan.h"
 
-/* One way to reach it; `refined`: the scene's spacing over the one that is needed. */
+/* Settings that reach the error; `refined`: spacing of the scene divided by the required one. */
 struct candidate {
   const struct method *method;
   enum wall_scheme wall;
@@ -21,11 +21,11 @@ struct candidate {
 
 struct recommendation {
   double wanted;
-  size_t count; /* candidates, the cheapest first */
+  size_t count; /* candidates, cheapest first */
   struct candidate candidates[6];
 };
 
-/* `wanted` is set by the caller; `plan` is that of the scene as it is. An input error where no
+/* The caller sets `wanted`; `plan` is that of the unchanged scene. Returns an input error if no
  * error can be predicted (isph, no walls). */
 enum status recommend_find(const struct scene *scene, const struct lattice *lattice,
                            const struct plan *plan, int threads,

@@ -91,7 +91,8 @@ cleanup:
   return status;
 }
 
-/* The groups and lists of a scene. Asked for first, so that a misspelt one is known as such. */
+/* Checks the types of the groups and lists of a scene. This comes first, so that a misspelt name is
+ * reported as unknown. */
 static enum status check_roots(struct config *config) {
   static const char *const groups[] = {"scene",      "model",  "lattice", "domain",  "force",
                                        "wcsph",      "stokes", "isph",    "effects", "output",
@@ -112,7 +113,7 @@ static enum status check_roots(struct config *config) {
   return STATUS_OK;
 }
 
-/* Sites of their own in a model; those of a domain have its spacing. */
+/* Reads the spacing of the sites in a model; those of a domain have the domain's spacing. */
 static enum status read_lattice(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "lattice");
@@ -133,7 +134,7 @@ enum status scene_file(struct config *config, config_node *group, const char *na
   if (file == NULL || !*file)
     return config_error(config, group, "file is missing; write %s = { file = \"%s\"; };", name,
                         example);
-  /* Beside the scene first, then from where the program runs. */
+  /* Relative to the scene first, then to the working directory. */
   const char *folder = file[0] == '/' ? "" : config_folder(config);
   if (snprintf(path, 4096, "%s%s", folder, file) >= 4096)
     TRY(config_error(config, group, "the path is too long"));
@@ -287,7 +288,7 @@ static const struct {
 #undef X
 };
 
-/* The lines of the settings that later errors may name. */
+/* Stores the lines of the settings that later errors may refer to. */
 static void note_places(struct config *config, struct scene *scene) {
   config_node *root = config_root(config);
   for (int i = 0; i < SCENE_PLACE_COUNT; i++) {
@@ -307,7 +308,7 @@ enum status scene_error(const struct scene *scene, enum scene_place place, const
   vsnprintf(message, sizeof message, format, arguments);
   va_end(arguments);
   int line = scene->line_of[place];
-  if (line == 0) /* of a --set */
+  if (line == 0) /* set by --set */
     return FAIL(STATUS_INPUT, "%s: %s%s%s: %s", scene->path, places[place].group,
                 *places[place].key ? "." : "", places[place].key, message);
   return FAIL(STATUS_INPUT, "%s:%d: %s%s%s: %s", scene->path, line, places[place].group,

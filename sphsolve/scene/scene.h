@@ -1,5 +1,5 @@
-/* A scene as the user wrote it, validated, in SI, with "auto" still auto. Pure data: no method, no
- * effect and no memory size is decided here (plan.h does). */
+/* A scene as the user wrote it, validated, in SI units, with "auto" values unresolved. Pure data:
+ * method, effects and memory are decided by plan.h. */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_H
 
@@ -10,7 +10,7 @@
 #include "common/kernel.h"
 #include "sphsolve/scene/time_table.h"
 
-/* plan/method.h; here only what a scene may name. */
+/* Defined in plan/method.h; only the names that a scene may use are needed here. */
 struct method;
 #define METHOD(name) extern const struct method method_##name;
 #include "sphsolve/scene/methods.def"
@@ -41,7 +41,7 @@ extern const char *const solute_way_names[];
 enum region_boundary { BOUNDARY_NONE, BOUNDARY_HEAD, BOUNDARY_FLUX, BOUNDARY_PRESSURE };
 enum soil_start { START_HEAD, START_PRESSURE, START_WATER };
 
-/* Settings that errors found after reading name with their line. */
+/* Settings that later errors refer to with their line in the file. */
 #define SCENE_PLACES(X)                                                                            \
   X(METHOD, "scene", "method")                                                                     \
   X(MODEL, "model", "file")                                                                        \
@@ -79,26 +79,26 @@ struct fluid {
   double surface_tension; /* N/m; 0 without */
 };
 
-/* A prism's section, in the plane of two axes. */
+/* Cross-section of a prism, in the plane of two axes. */
 struct polygon {
-  int axis, plane[2]; /* of the prism; of its section's coordinates */
+  int axis, plane[2]; /* axis of the prism; axes of the section's coordinates */
   size_t count;
-  double (*corner)[2]; /* m, in order round it */
+  double (*corner)[2]; /* m, in order along the boundary */
 };
 
 struct stl;
 
-/* The curve of soil that need not be full of water, van Genuchten's or Haverkamp's
- * (richards/retention.h); porosity is theta_s then. */
+/* Retention curve of variably saturated soil, van Genuchten's or Haverkamp's
+ * (richards/retention.h); the porosity is then theta_s. */
 struct retention_curve {
   bool given;
   double alpha, n, theta_r, l; /* 1/m, -, -, - */
-  double k_alpha, k_n;         /* 1/m, -: of Haverkamp's curves, by which k is its own; else 0 */
-  enum soil_start starts_by;   /* what `start` is: a level, m; a pressure head, m; theta */
+  double k_alpha, k_n;         /* 1/m, -: conductivity curve of Haverkamp; else 0 */
+  enum soil_start starts_by;   /* meaning of `start`: a level, m; a pressure head, m; theta */
   double start;
 };
 
-/* As a scene calls it. */
+/* Name of the curve in a scene. */
 static inline const char *retention_name(const struct retention_curve *curve) {
   return curve->k_n > 0 ? "haverkamp" : "van_genuchten";
 }
@@ -108,37 +108,38 @@ struct region {
   double box[6]; /* x0 y0 z0 x1 y1 z1, m; a 2-D scene uses x and z, y spans everything */
   int line;      /* in the scene file, for messages */
   size_t number; /* in the scene file, from 0 */
-  /* A polygon stands as the boxes it is cut into, regions [first, end) (scene_shapes.c); any other
-   * region is its own first. */
-  struct polygon *polygon; /* owned by the first; NULL: the region is a box */
-  struct stl *stl;         /* of a body within a surface, until it is cut (scene_stl.c) */
-  bool is_part;            /* without a polygon: of such a body */
+  /* A polygon is represented by the boxes it is cut into, regions [first, end) (scene_shapes.c);
+   * for any other region `first` is its own index. */
+  struct polygon *polygon; /* owned by region `first`; NULL: the region is a box */
+  struct stl *stl;         /* surface of a body, until it is cut (scene_stl.c) */
+  bool is_part;            /* without a polygon: a box of such a body */
   size_t first, end;
-  double extent[6]; /* of the whole, as `box` */
+  double extent[6]; /* extent of the whole polygon or body, as `box` */
   /* porous */
   double porosity, grain_size, alpha, beta;
-  bool anisotropic;        /* permeable along one axis more than along another */
-  double anisotropy[6];    /* then its permeability (xx xy xz yy yz zz) over that of the drag, the
-                              geometric mean; yy = 1 in 2-D */
-  double permeability;     /* m/s, as the scene gives it (of beds the mean); 0: by the grain size */
+  bool anisotropic; /* the permeability depends on the direction */
+  /* Permeability tensor (xx xy xz yy yz zz) divided by its geometric mean, which the drag uses; yy
+   * = 1 in 2-D. */
+  double anisotropy[6];
+  double permeability; /* m/s, as given (mean if anisotropic); 0: from the grain size */
   struct retention_curve retention;
   double soil_velocity[3]; /* moving soil, m/s */
-  bool saturated;          /* full of water at the start also where no water region covers it */
-  bool dry;                /* dry there, even where soil would start full by itself */
-  char name[32];           /* of a wall "" unless its force is asked for */
+  bool saturated;          /* initially saturated also outside water regions */
+  bool dry;                /* initially dry there, even if soil is saturated by default */
+  char name[32];           /* "" for a wall whose force is not requested */
   /* wall */
   bool slip;
   double velocity[3]; /* m/s, prescribed velocity of a wall; initial velocity of water */
-  /* inflow: fixed head (m above z = 0, or, BOUNDARY_PRESSURE, of pressure) or flux (m/s through the
-     side, positive inward) */
+  /* inflow: fixed head (m above z = 0; for BOUNDARY_PRESSURE the pressure head) or flux (m/s
+   * through the side, positive inward) */
   enum region_boundary boundary;
   double head, flux;
-  /* A well takes a rate out of soil, m^3/s (m^2/s in 2-D); a drain what holds its head, or without
-     one (boundary none) the pressure of the air. Rain brings a rate, m/s, onto what lies below. All
-     three have a name. */
+  /* A well extracts a rate from soil, m^3/s (m^2/s in 2-D); a drain extracts water above its head,
+   * or without a head (BOUNDARY_NONE) above atmospheric pressure. Rain supplies a rate, m/s, to
+   * what lies below. All three have a name. */
   double rate;
-  /* head, flux, rate or a wall's velocity in time; those above then hold the values of largest size
-   */
+  /* Head, flux, rate or wall velocity as a function of time; the members above then hold the values
+   * of largest magnitude. */
   struct time_table table;
 };
 
@@ -160,13 +161,14 @@ struct scene {
   double steady_tolerance;     /* 0: runs to end_time */
 
   char model_path[4096]; /* "" when the scene has a domain */
-  char flow_path[4096];  /* "" unless it carries a solute through a flow that is solved already:
-                            then nothing but solute stands below */
+  /* "" unless a solute is carried by a flow that is already solved; then only solute settings are
+   * used below. */
+  char flow_path[4096];
 
-  int dimensions;         /* 2 or 3; a 2-D scene lives in x and z */
+  int dimensions;         /* 2 or 3; a 2-D scene uses x and z */
   double domain_size[3];  /* m; y of a 2-D scene: one spacing */
   double spacing;         /* m; 0 when the model gives it */
-  double lattice_spacing; /* m, of the sites in a model; NAN: auto, the model's voxels */
+  double lattice_spacing; /* m, of the sites in a model; NAN: auto, that of the voxels */
   bool periodic[3];
 
   struct fluid fluid;
@@ -175,7 +177,7 @@ struct scene {
 
   double gravity[3];           /* m/s^2 */
   double body_acceleration[3]; /* m/s^2 */
-  double pressure_gradient[3]; /* Pa/m: imposed mean dP/dx; drives flow along minus itself */
+  double pressure_gradient[3]; /* Pa/m: imposed mean dP/dx; drives flow against it */
   double hydraulic_gradient;   /* NAN: |body acceleration| / 9.80665 */
   double driving[3];           /* m/s^2: g + a - grad P / rho */
 
@@ -201,26 +203,26 @@ struct scene {
     double relaxation_time; /* s: tau of the density relaxation, where alpha is NAN */
     double alpha;           /* tau = dt / alpha; 0: no relaxation; NAN: not given */
     double dt;              /* s; NAN: auto */
-    double tolerance;       /* of the pressure solve */
+    double tolerance;       /* relative, of the pressure solver */
     bool slip;              /* outer and default walls */
     enum pressure_solver solver;
     double smagorinsky;  /* C_s */
-    bool porosity_paper; /* porosity = "m15": smoothed by M15 eq. 32, else as isph/soil.c says */
+    bool porosity_paper; /* porosity = "m15": smoothed by M15 eq. 32, else as in isph/soil.c */
   } isph;
 
-  struct {            /* soil of the model with pores below the voxel */
-    int factor_count; /* k is solved with its permeabilities times these, too; ascending */
+  struct {            /* soil of the model with pores smaller than the voxel */
+    int factor_count; /* k is also computed with its permeabilities times these; ascending */
     double factors[MICRO_FACTORS_MOST];
-    double uncertainty; /* factor, above 1, within which they are known (95 %); NAN: not given */
+    double uncertainty; /* factor > 1 within which they are known (95 %); NAN: not given */
   } micro;
 
   struct {
-    double diffusion; /* m^2/s, molecular; NAN: only ratios to it are asked for */
+    double diffusion; /* m^2/s, molecular; NAN: only ratios to it are computed */
     double length;    /* m, of the Peclet number; NAN: auto */
-    int peclet_count; /* 0: that of the flow as it is */
+    int peclet_count; /* 0: only that of the given flow */
     double peclet[SOLUTE_PECLET_MAX];
     enum solute_way way;
-    double error; /* wanted of a walk, relative (--error); NAN: auto */
+    double error; /* requested relative error of a random walk (--error); NAN: auto */
   } solute;
 
   enum switch_state turbulence, shifting;
@@ -236,26 +238,26 @@ struct scene {
   struct gauge *gauges;
   struct flux_plane *planes;
 
-  char *text;                     /* the file with overrides, for /run/scene */
+  char *text;                     /* text of the file with overrides, for /run/scene */
   int line_of[SCENE_PLACE_COUNT]; /* 0: not in the file */
 };
 
-/* Reads and validates. Errors name file, line and what to do. Free with scene_free. */
+/* Reads and validates a scene. Errors name file, line and a remedy. Free with scene_free. */
 enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
                        struct scene *scene);
 void scene_free(struct scene *scene);
 
-/* An input error at a setting: "dense.cfg:7: wcsph.dt: MESSAGE". What the file leaves out is said
- * to be wrong where its group stands, else where the scene's name does. */
+/* Returns an input error at a setting: "dense.cfg:7: wcsph.dt: MESSAGE". If the file omits the
+ * setting, the line is that of its group, or else that of the group 'scene'. */
 enum status scene_error(const struct scene *scene, enum scene_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
 /* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
 double scene_hydraulic_gradient(const struct scene *scene);
-/* The axis of the side of the domain that an inflow region lies on, -1: none; *at_low: the lower.
- */
+/* Axis of the side of the domain that an inflow region lies on, -1 if none; *at_low: it is the
+ * lower side. */
 int scene_inflow_axis(const struct scene *scene, const struct region *region, bool *at_low);
-/* The axis along which most of a vector lies; 0 of none. */
+/* Axis of the largest component of a vector; 0 for the zero vector. */
 int scene_axis_along(const double vector[3]);
 
 #endif

@@ -17,7 +17,7 @@ static void put_number(FILE *stream, const char *name, double value) {
   put(stream, name, &value, 1);
 }
 
-/* `part`: of those that a polygon or a body is cut into. */
+/* `part`: index among the boxes of a polygon or body. */
 static void put_region(FILE *stream, const struct region *r, size_t part) {
   fprintf(stream, "regions[%zu]", r->number);
   if (part > 0) fprintf(stream, ".part[%zu]", part);
@@ -119,7 +119,8 @@ enum status scene_describe(const struct scene *scene, char **text) {
   return STATUS_OK;
 }
 
-/* The value in the line of `text` that begins as `line` does, up to its " = "; NULL: none. */
+/* Value in the line of `text` with the same name as `line`, i.e. the same text up to " = "; NULL if
+ * there is none. */
 static const char *value_in(const char *text, const char *line, size_t *length) {
   const char *equals = strstr(line, " = ");
   const size_t name = equals != NULL ? (size_t)(equals - line) + 3 : strcspn(line, "\n");

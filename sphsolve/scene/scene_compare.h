@@ -1,15 +1,15 @@
-/* What a scene says, one line a setting in SI: to tell what has changed since a checkpoint. */
+/* Text form of a scene, one setting in SI units per line, to find changes since a checkpoint. */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_COMPARE_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_COMPARE_H
 
 #include "sphsolve/scene/scene.h"
 
-/* "fluids.viscosity = 0.001" and so on, each in a line of its own, in new memory. Lines of settings
- * that a run may change on its way (how long, how often, how exactly) begin with '~'. */
+/* Writes lines such as "fluids.viscosity = 0.001" into new memory. Lines of settings that may
+ * change during a run (duration, output intervals, tolerances) begin with '~'. */
 enum status scene_describe(const struct scene *scene, char **text);
 
-/* Compares two such texts. A line that a run may not change: an input error that names it, what it
- * said then and what it says now. The others are told. `path` is that of the checkpoint. */
+/* Compares two such texts. A difference in a line that must not change is an input error with both
+ * values; other differences are only logged. `path` is that of the checkpoint. */
 enum status scene_compare(const char *then, const char *now, const char *path);
 
 #endif

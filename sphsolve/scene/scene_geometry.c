@@ -1,17 +1,17 @@
-/* Checks of regions against each other, against the spacing and against the gauges in them. */
+/* Consistency of regions with each other, with the spacing and with the gauges in them. */
 #include <math.h>
 
 #include "sphsolve/scene/scene_internal.h"
 
-static bool used(const struct scene *scene, int axis) {
+static bool axis_is_used(const struct scene *scene, int axis) {
   return scene->dimensions == 3 || axis != 1;
 }
 
-/* The least extent of a region, m. */
+/* Smallest extent of a region, m. */
 static double thickness(const struct scene *scene, const struct region *region) {
   double least = INFINITY;
   for (int a = 0; a < 3; a++)
-    if (used(scene, a)) least = fmin(least, region->box[a + 3] - region->box[a]);
+    if (axis_is_used(scene, a)) least = fmin(least, region->box[a + 3] - region->box[a]);
   return least;
 }
 
@@ -23,7 +23,7 @@ int scene_inflow_axis(const struct scene *scene, const struct region *region, bo
     const double width = region->box[a + 3] - region->box[a];
     const bool low = region->box[a] <= near;
     const bool high = region->box[a + 3] >= scene->domain_size[a] - near;
-    if (!used(scene, a) || scene->periodic[a] || low == high || width >= thinnest) continue;
+    if (!axis_is_used(scene, a) || scene->periodic[a] || low == high || width >= thinnest) continue;
     thinnest = width;
     axis = a;
     *at_low = low;
@@ -41,7 +41,7 @@ static enum status check_extent(struct config *config, config_node *group,
   config_node *box = config_child(config, group, "box");
   bool at_low;
   for (int a = 0; a < 3; a++)
-    if ((region->type == REGION_WATER || region->type == REGION_POROUS) && used(scene, a) &&
+    if ((region->type == REGION_WATER || region->type == REGION_POROUS) && axis_is_used(scene, a) &&
         !holds_site(region->box[a], region->box[a + 3], scene->spacing))
       return config_error(config, box,
                           "%g to %g m in %c is narrower than the spacing (%g m) and holds no "
@@ -62,13 +62,13 @@ static enum status check_extent(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
-/* A polygon or body before it is cut, whose box is but its extent. */
+/* A polygon or body that is not cut yet; its box is only its extent. */
 static bool is_polygon(const struct region *region) {
   return (region->polygon != NULL || region->stl != NULL) && !region->is_part;
 }
 
-/* A later region that covers an earlier one whole is taken for a mistake, except that water and
- * soil fill the same place, and that rain falls and waves fade in what is there. */
+/* A later region that covers an earlier one completely is treated as a mistake, except that water
+ * and soil may share a place, and that rain and absorbing regions act on what is there. */
 static enum status check_pair(struct config *config, config_node *list, const struct scene *scene,
                               size_t i, size_t j) {
   const struct region *early = &scene->regions[i], *late = &scene->regions[j];
@@ -100,25 +100,26 @@ static enum status check_pair(struct config *config, config_node *list, const st
                       late->line);
 }
 
-/* A wall that stays. */
-static bool rests(const struct region *region) {
+/* A wall at rest. */
+static bool is_resting_wall(const struct region *region) {
   const double *v = region->velocity;
   return region->type == REGION_WALL && v[0] == 0 && v[1] == 0 && v[2] == 0;
 }
 
-/* The last region that holds a point; -1: none. */
+/* Index of the last region that contains a point; -1 if none. */
 static int region_at(const struct scene *scene, const double point[3]) {
   for (size_t r = scene->region_count; r-- > 0;) {
     bool in = !is_polygon(&scene->regions[r]);
     for (int a = 0; a < 3; a++)
-      in = in && (!used(scene, a) ||
+      in = in && (!axis_is_used(scene, a) ||
                   (point[a] > scene->regions[r].box[a] && point[a] < scene->regions[r].box[a + 3]));
     if (in) return (int)r;
   }
   return -1;
 }
 
-/* Between low and high along an axis, beside wall i and, unless NULL, the wall `other`. */
+/* Checks the gap from low to high along an axis between wall i and a side, or the wall `other`
+ * unless NULL. */
 static enum status check_gap(struct config *config, config_node *list, const struct scene *scene,
                              size_t i, const struct region *other, int axis, double low,
                              double high) {
@@ -141,19 +142,19 @@ static enum status check_gap(struct config *config, config_node *list, const str
                       scene->spacing);
 }
 
-/* The throats that a wall leaves between itself and closed sides, and walls behind it. */
+/* Checks the throats between a wall and closed sides, and walls behind it. */
 static enum status check_throats(struct config *config, config_node *list,
                                  const struct scene *scene, size_t i) {
   enum status status = STATUS_OK;
   const struct region *wall = &scene->regions[i];
   for (int a = 0; a < 3; a++) {
-    if (!used(scene, a) || is_polygon(wall)) continue;
+    if (!axis_is_used(scene, a) || is_polygon(wall)) continue;
     if (!scene->periodic[a]) {
       TRY(check_gap(config, list, scene, i, NULL, a, 0, wall->box[a]));
       TRY(check_gap(config, list, scene, i, NULL, a, wall->box[a + 3], scene->domain_size[a]));
     }
     for (size_t j = 0; j < scene->region_count; j++)
-      if (j != i && rests(&scene->regions[j]) && !is_polygon(&scene->regions[j]))
+      if (j != i && is_resting_wall(&scene->regions[j]) && !is_polygon(&scene->regions[j]))
         TRY(check_gap(config, list, scene, i, &scene->regions[j], a, wall->box[a + 3],
                       scene->regions[j].box[a]));
   }
@@ -161,19 +162,19 @@ cleanup:
   return status;
 }
 
-/* Pairs are checked among so many regions at most: the work goes with the square of their number,
- * and scenes with more were not written by hand. */
-enum { PAIRS_AMONG = 2000 };
+/* Largest number of regions for which pairs are checked: the work grows with its square, and scenes
+ * with more regions were not written by hand. */
+enum { PAIRED_REGIONS_MAX = 2000 };
 
 enum status scene_check_geometry(struct config *config, config_node *list,
                                  const struct scene *scene) {
   enum status status = STATUS_OK;
   for (size_t i = 0; i < scene->region_count; i++)
     TRY(check_extent(config, config_item(list, i), scene, &scene->regions[i]));
-  if (scene->region_count > PAIRS_AMONG) return STATUS_OK;
+  if (scene->region_count > PAIRED_REGIONS_MAX) return STATUS_OK;
   for (size_t i = 0; i < scene->region_count; i++) {
     for (size_t j = i + 1; j < scene->region_count; j++) TRY(check_pair(config, list, scene, i, j));
-    if (rests(&scene->regions[i])) TRY(check_throats(config, list, scene, i));
+    if (is_resting_wall(&scene->regions[i])) TRY(check_throats(config, list, scene, i));
   }
 cleanup:
   return status;
@@ -181,5 +182,5 @@ cleanup:
 
 bool scene_in_wall(const struct scene *scene, const double point[3]) {
   const int region = region_at(scene, point);
-  return region >= 0 && rests(&scene->regions[region]);
+  return region >= 0 && is_resting_wall(&scene->regions[region]);
 }

@@ -1,20 +1,22 @@
-/* Soil whose permeability is given: one number, or one along each of its axes. */
+/* Soil with a given permeability: one number, or one along each principal axis. */
 #include <math.h>
 
 #include "common/units.h"
 #include "sphsolve/scene/scene_internal.h"
 
-/* The largest of the permeabilities over the least; beyond it the weights of isph/anisotropy.c miss
- * their tensor. */
-#define RATIO_MOST 30.0
+/* Largest ratio of the principal permeabilities; beyond it the weights of isph/anisotropy.c do not
+ * represent the tensor. */
+#define RATIO_MAX 30.0
 
-/* Soil of permeability k (m/s, of the scene's fluid at standard gravity g). Darcy's law a v = g i,
- * i the hydraulic gradient, needs the linear drag a = g/k, and M15 eq. 9c has
- *   a = alpha nu (1 - eps)^2 / (eps^3 D50^2).
- * With a grain_size alpha follows, and Forchheimer's term takes that grain size too; without, alpha
- * is 1000, D50 follows, and there is no Forchheimer term. */
-static enum status take_permeability(struct config *config, config_node *group,
-                                     const struct scene *scene, double k, struct region *region) {
+/* Drag of soil of permeability k (m/s, of the scene's fluid at standard gravity g). Darcy's law a v
+ * = g i, with the hydraulic gradient i, requires the linear drag a = g/k, and M15 eq. 9c is
+ *
+ * a = alpha nu (1 - eps)^2 / (eps^3 D50^2).
+ *
+ * With a grain_size, alpha follows, and Forchheimer's term uses that grain size, too; without,
+ * alpha is 1000, D50 follows, and there is no Forchheimer term. */
+static enum status set_drag(struct config *config, config_node *group, const struct scene *scene,
+                            double k, struct region *region) {
   const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
   const double scale = nu * (1 - e) * (1 - e) / (e * e * e), a = GRAVITY_STANDARD / k;
   config_node *node = config_child(config, group, "permeability");
@@ -36,8 +38,7 @@ static enum status take_permeability(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
-/* `bedding`, the direction in the plane of x and z of the first axis, of length 1; along x unless
- * given. */
+/* Reads `bedding`, the unit direction of the first axis in the plane of x and z; x by default. */
 static enum status read_bedding(struct config *config, config_node *group,
                                 const struct scene *scene, double first[3]) {
   first[0] = 1, first[1] = first[2] = 0;
@@ -57,7 +58,7 @@ static enum status read_bedding(struct config *config, config_node *group,
   return STATUS_OK;
 }
 
-/* The permeabilities along the beds' axes as the geometric mean k, and the tensor over it. */
+/* The geometric mean k of the principal permeabilities, and the tensor divided by it. */
 static enum status read_tensor(struct config *config, config_node *group, const struct scene *scene,
                                double *k, struct region *region) {
   const int axes = scene->dimensions;
@@ -72,11 +73,11 @@ static enum status read_tensor(struct config *config, config_node *group, const 
   for (int a = 0; a < 3; a++) least = fmin(least, along[a]), most = fmax(most, along[a]);
   if (!(least > 0 && isfinite(most)))
     return config_error(config, node, "permeabilities above 0 are wanted");
-  if (most > RATIO_MOST * least * (1 + 1e-6))
+  if (most > RATIO_MAX * least * (1 + 1e-6))
     return config_error(config, node,
                         "%g times as large along one axis as along another; method "
                         "isph can do %g",
-                        most / least, RATIO_MOST);
+                        most / least, RATIO_MAX);
   if (region->grain_size > 0)
     return config_error(config, config_child(config, group, "grain_size"),
                         "Forchheimer's term is not known for soil with a permeability for each "
@@ -105,5 +106,5 @@ enum status scene_read_permeability(struct config *config, config_node *group,
     return config_error(config, config_child(config, group, "bedding"),
                         "needs a permeability for each axis, like [\"1e-5 m/s\", %s\"1e-6 m/s\"]",
                         scene->dimensions == 3 ? "\"1e-5 m/s\", " : "");
-  return k > 0 ? take_permeability(config, group, scene, k, region) : STATUS_OK;
+  return k > 0 ? set_drag(config, group, scene, k, region) : STATUS_OK;
 }

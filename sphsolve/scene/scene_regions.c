@@ -53,7 +53,7 @@ static enum status read_porous(struct config *config, config_node *group, struct
   TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
   TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
   double largest = 0.0;
-  bool cell = true; /* periodic all round: it stands for something larger */
+  bool cell = true; /* periodic in all directions: a representative cell */
   for (int a = 0; a < 3; a++) {
     if (scene->dimensions == 2 && a == 1) continue;
     largest = fmax(largest, scene->domain_size[a]);
@@ -85,7 +85,7 @@ cleanup:
   return status;
 }
 
-/* A region's `times`, and at each the `name`: `width` quantities, all in one list. */
+/* Reads the `times` of a region and at each time `width` quantities `name`, all in one list. */
 static enum status read_table(struct config *config, config_node *group, const char *name,
                               struct dimension dimension, const struct scene *scene, int width,
                               struct time_table *table) {
@@ -121,8 +121,8 @@ cleanup:
   return status;
 }
 
-/* The name of a gauge, plane or wall, which heads a column; `title` with its number where it has
- * none. */
+/* Reads the name of a gauge, plane or wall, which is used as a column title; without a name it is
+ * `title` and its number. */
 static enum status read_name(struct config *config, config_node *group, const char *title,
                              size_t number, char *name, size_t size) {
   const char *given = NULL;
@@ -188,7 +188,7 @@ cleanup:
   return status;
 }
 
-/* A well's or a rain's rate or a drain's head, each also in time. */
+/* Reads the rate of a well or of rain, or the head of a drain; each may depend on time. */
 static enum status read_well(struct config *config, config_node *group, const struct scene *scene,
                              struct region *region) {
   enum status status = STATUS_OK;
@@ -229,8 +229,8 @@ cleanup:
   return status;
 }
 
-/* The lattice keeps a site's region in 16 bits. */
-enum { MOST_REGIONS = 65000 };
+/* The lattice stores the region of a site in 16 bits. */
+enum { REGIONS_MAX = 65000 };
 
 enum status scene_read_regions(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -239,9 +239,9 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
   if (*scene->model_path)
     TRY(config_error(config, list, "regions need a domain; a voxel model brings its own grains"));
   scene->region_count = config_count(list);
-  if (scene->region_count > MOST_REGIONS)
+  if (scene->region_count > REGIONS_MAX)
     TRY(config_error(config, list, "%zu regions; at most %d are possible", scene->region_count,
-                     MOST_REGIONS));
+                     REGIONS_MAX));
   TRY(memory_allocate(&scene->regions, scene->region_count, sizeof *scene->regions, "regions"));
   for (size_t i = 0; i < scene->region_count; i++) {
     struct region *region = &scene->regions[i];
@@ -285,7 +285,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
     }
   }
   TRY(scene_check_geometry(config, list, scene));
-  TRY(scene_cut_shapes(config, list, scene, MOST_REGIONS));
+  TRY(scene_cut_shapes(config, list, scene, REGIONS_MAX));
 cleanup:
   return status;
 }

@@ -1,13 +1,13 @@
-/* Soil that need not be full of water: its curves, van Genuchten's or Haverkamp's, and how wet it
- * starts. */
+/* Variably saturated soil: retention curves of van Genuchten or Haverkamp, and the initial water
+ * content. */
 #include <math.h>
 
 #include "common/units.h"
 #include "sphsolve/scene/scene_internal.h"
 
-/* Beyond these n the curves are those of no soil, and steeper or flatter than their table. */
-#define N_LEAST 1.05
-#define N_MOST 15.0
+/* Range of n: no soil lies outside, and the tabulated curves would be too steep or too flat. */
+#define N_MIN 1.05
+#define N_MAX 15.0
 
 static enum status check_residual(struct config *config, config_node *group,
                                   const struct region *region) {
@@ -19,7 +19,7 @@ static enum status check_residual(struct config *config, config_node *group,
                       region->porosity);
 }
 
-/* Heads at which half of the water, and of K, is left, and the powers by which they fall. */
+/* Reads the heads at which half of the water, and of K, remain, and the exponents. */
 static enum status read_haverkamp(struct config *config, config_node *group,
                                   struct region *region) {
   enum status status = STATUS_OK;
@@ -36,10 +36,10 @@ static enum status read_haverkamp(struct config *config, config_node *group,
       TRY(config_error(config, group,
                        "h_theta, beta, h_k and gamma are wanted, like { h_theta = \"37 cm\"; beta "
                        "= 3.96; h_k = \"19 cm\"; gamma = 4.74; theta_r = 0.075; }"));
-    if (i % 2 == 0 ? !(value[i] > 0) : !(value[i] >= N_LEAST && value[i] <= N_MOST))
+    if (i % 2 == 0 ? !(value[i] > 0) : !(value[i] >= N_MIN && value[i] <= N_MAX))
       TRY(config_error(config, config_child(config, group, keys[i]),
-                       i % 2 == 0 ? "must be greater than 0" : "%g to %g is possible", N_LEAST,
-                       N_MOST));
+                       i % 2 == 0 ? "must be greater than 0" : "%g to %g is possible", N_MIN,
+                       N_MAX));
   }
   TRY(config_number(config, group, "theta_r", &soil->theta_r, NULL));
   TRY(check_residual(config, group, region));
@@ -65,11 +65,11 @@ static enum status read_curve(struct config *config, config_node *group, struct 
                      "2.0; theta_r = 0.102; }"));
   if (!(soil->alpha > 0))
     TRY(config_error(config, config_child(config, group, "alpha"), "must be greater than 0"));
-  if (!(soil->n >= N_LEAST && soil->n <= N_MOST))
-    TRY(config_error(config, config_child(config, group, "n"), "%g to %g is possible", N_LEAST,
-                     N_MOST));
+  if (!(soil->n >= N_MIN && soil->n <= N_MAX))
+    TRY(config_error(config, config_child(config, group, "n"), "%g to %g is possible", N_MIN,
+                     N_MAX));
   TRY(check_residual(config, group, region));
-  if (!(soil->l > -2 && soil->l <= 10)) /* below, k would grow as soil dries */
+  if (!(soil->l > -2 && soil->l <= 10)) /* below, k would increase as the soil dries */
     TRY(config_error(config, config_child(config, group, "l"), "above -2 to 10 is possible"));
 cleanup:
   return status;

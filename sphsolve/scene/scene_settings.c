@@ -156,7 +156,7 @@ static int ascending(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Soil of a model with pores below the voxel. */
+/* Settings of soil with pores smaller than the voxel. */
 static enum status read_micro(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
   config_node *group = config_child(config, config_root(config), "micro");

@@ -1,11 +1,11 @@
-/* Regions that are no boxes: prisms over a polygon, and cylinders (discs of a 2-D scene). Each is
- * cut into boxes, rows of one spacing stacked along one axis, and every box then is a region like
- * any other: what the method knows of boxes holds for slopes too. The axis is the one that leaves
- * the smaller stairs: rows across an edge from (0, 0) to (u, v), stacked along v, leave triangles
- * of spacing |u|/4 in all on each side of it.
+/* Regions other than boxes: prisms over a polygon, and cylinders (discs in 2-D). Each is cut into
+ * boxes, i.e. rows of one spacing stacked along one axis, and each box is then an ordinary region,
+ * so that methods need no special treatment of slopes. The axis is the one with the smaller steps:
+ * rows across an edge from (0, 0) to (u, v), stacked along v, leave triangles with a total area of
+ * spacing |u|/4 on each side.
  *
- * Soil keeps its area: in each row a box ends at the mean of the edge over the row. Walls, water
- * and empty space are made of the sites whose centres they cover, as boxes are. */
+ * Soil keeps its area: in each row a box ends at the mean position of the edge over the row. Walls,
+ * water and empty regions consist of the sites whose centres they cover, as boxes do. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,10 +13,12 @@
 #include "common/memory.h"
 #include "sphsolve/scene/scene_internal.h"
 
-/* Corners of a polygon, and those a circle is drawn with (of the circle's area). */
-enum { CORNERS_MOST = 256, CORNERS_OF_CIRCLE = 64 };
-/* Scan lines in a row, and halvings of a row in which the polygon branches. */
-enum { SCAN_LINES = 8, HALVINGS = 3 };
+/* Largest number of corners of a polygon, and corners of the polygon that represents a circle of
+ * the same area. */
+enum { CORNERS_MAX = 256, CORNERS_OF_CIRCLE = 64 };
+/* Scan lines per row, and the largest number of bisections of a row in which the polygon
+ * branches. */
+enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };
 
 static const char *const axis_names[] = {"x", "y", "z", NULL};
 
@@ -54,9 +56,9 @@ static enum status check_polygon(struct config *config, config_node *node,
 }
 
 static enum status read_corners(struct config *config, config_node *group, struct polygon *p) {
-  double values[2 * CORNERS_MOST] = {0};
+  double values[2 * CORNERS_MAX] = {0};
   int count = 0;
-  enum status status = config_quantities(config, group, "corners", DIM_LENGTH, 6, 2 * CORNERS_MOST,
+  enum status status = config_quantities(config, group, "corners", DIM_LENGTH, 6, 2 * CORNERS_MAX,
                                          values, &count, NULL);
   if (status != STATUS_OK) return status;
   if (count % 2 != 0)
@@ -82,7 +84,7 @@ static enum status read_circle(struct config *config, config_node *group, struct
     const double angle = turn * ((double)i + 0.5);
     p->corner[i][0] = centre[0] + reach * cos(angle),
     p->corner[i][1] = centre[1] + reach * sin(angle);
-    /* A circle that touches a side: its corners lie a little outside of it. */
+    /* The corners lie slightly outside the circle, also where it touches a side. */
     for (int c = 0; c < 2; c++)
       p->corner[i][c] = fmin(centre[c] + radius, fmax(centre[c] - radius, p->corner[i][c]));
   }
@@ -153,8 +155,9 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Where the line at v, of coordinate `w` of the plane, meets the edges, sorted; their number. */
-static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_MOST]) {
+/* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
+ * their number. */
+static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_MAX]) {
   size_t n = 0;
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
@@ -177,7 +180,7 @@ enum status scene_add_part(struct scene_parts *parts, const struct region *whole
   return STATUS_OK;
 }
 
-/* Adds the box from..to of the row low..high, or lets the box below go on. */
+/* Adds the box from..to of the row low..high, or extends an equal box below it. */
 static enum status add_part(const struct region *whole, int w, double low, double high, double from,
                             double to, double near, struct scene_parts *parts) {
   const int up = whole->polygon->plane[w], run = whole->polygon->plane[1 - w];
@@ -195,10 +198,11 @@ static enum status add_part(const struct region *whole, int w, double low, doubl
   return scene_add_part(parts, whole, box);
 }
 
-/* Soil in the row low..high: ends at the means over it, halved where the polygon branches. */
+/* Adds soil in the row low..high: boxes end at the mean over the row, which is bisected where the
+ * polygon branches. */
 static enum status cut_row(const struct region *whole, int w, double low, double high, double near,
                            int halvings, struct scene_parts *parts) {
-  double ends[CORNERS_MOST] = {0}, at[CORNERS_MOST];
+  double ends[CORNERS_MAX] = {0}, at[CORNERS_MAX];
   size_t number = 0;
   for (int line = 0; line < SCAN_LINES; line++) {
     const double v = low + (high - low) * (line + 0.5) / SCAN_LINES;
@@ -221,12 +225,12 @@ static enum status cut_row(const struct region *whole, int w, double low, double
   return STATUS_OK;
 }
 
-/* The sites of the row about v that are covered. */
+/* Adds the sites with centres inside in the row at v. */
 static enum status cut_sites(const struct scene *scene, const struct region *whole, int w, double v,
                              struct scene_parts *parts) {
   const double dx = scene->spacing, end = scene->domain_size[whole->polygon->plane[1 - w]];
   const double top = scene->domain_size[whole->polygon->plane[w]];
-  double at[CORNERS_MOST];
+  double at[CORNERS_MAX];
   const size_t n = scan(whole->polygon, w, v, at);
   for (size_t k = 0; k + 1 < n; k += 2) {
     const double from = ceil(at[k] / dx - 0.5 - 1e-9), to = floor(at[k + 1] / dx - 0.5 + 1e-9) + 1;
@@ -242,19 +246,19 @@ static enum status cut(const struct scene *scene, const struct region *whole,
                        struct scene_parts *parts) {
   const struct polygon *p = whole->polygon;
   const double dx = scene->spacing, near = 1e-6 * dx;
-  double slope[2] = {0}; /* lengths along each axis of edges that follow none */
+  double slope[2] = {0}; /* total lengths along each axis of the oblique edges */
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
     if (fabs(b[0] - a[0]) < near || fabs(b[1] - a[1]) < near) continue;
     for (int c = 0; c < 2; c++) slope[c] += fabs(b[c] - a[c]);
   }
-  const int w = slope[1] < slope[0] ? 0 : 1; /* rows are stacked along it */
+  const int w = slope[1] < slope[0] ? 0 : 1; /* axis along which rows are stacked */
   const double low = whole->box[p->plane[w]], high = whole->box[p->plane[w] + 3];
   for (double row = floor(low / dx + 1e-6); row * dx < high - near; row++) {
     const enum status status =
         whole->type == REGION_POROUS || whole->type == REGION_WELL || whole->type == REGION_DRAIN
-            ? cut_row(whole, w, fmax(low, row * dx), fmin(high, (row + 1) * dx), near, HALVINGS,
-                      parts)
+            ? cut_row(whole, w, fmax(low, row * dx), fmin(high, (row + 1) * dx), near,
+                      BISECTIONS_MAX, parts)
             : cut_sites(scene, whole, w, (row + 0.5) * dx, parts);
     if (status != STATUS_OK) return status;
   }

@@ -1,4 +1,4 @@
-/* A scene that carries a solute through a flow that is solved already. */
+/* A scene with a solute in a flow that is already solved. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -9,7 +9,7 @@ const char *const solute_way_names[] = {"closure", "walk", "both", NULL};
 
 #define DIM_DIFFUSION ((struct dimension){2, 0, -1})
 
-/* What a flow brings along itself. */
+/* Rejects settings that are part of the solved flow. */
 static enum status refuse_other_groups(struct config *config) {
   static const char *const groups[] = {"model",  "lattice", "domain", "fluids", "regions",
                                        "force",  "wcsph",   "stokes", "isph",   "effects",

@@ -1,11 +1,11 @@
-/* Regions within a closed surface of triangles (stl.h), cut into boxes as polygons are: rows of one
- * spacing along the axis that most of the surface faces, since it is the ends of rows that follow
- * the surface.
+/* Regions enclosed by a surface of triangles (stl.h), cut into boxes like polygons: rows of one
+ * spacing along the axis that most of the surface faces, since the ends of rows follow the surface
+ * best.
  *
- * Whether a place is inside: the plane through it cuts each triangle that has corners on both sides
- * in one segment, and a line in that plane crosses the segments an even number of times, since each
- * end belongs to the triangles on both sides of an edge and is found from that edge alone, in one
- * order of its ends: to the same bits. So no ray slips through between triangles. */
+ * Whether a point is inside: the plane through it cuts each triangle that has corners on both sides
+ * in one segment, and a line in that plane crosses the segments an even number of times: each end
+ * point belongs to the two triangles at an edge and is computed from this edge alone, with its ends
+ * in a fixed order, hence with identical bits. So no ray passes between triangles. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "sphsolve/scene/scene_internal.h"
 #include "sphsolve/scene/stl.h"
 
-/* Lines across a row of soil, in each of the two directions. */
+/* Scan lines per row of soil, in each of the two directions. */
 enum { LINES = 4 };
 
 bool scene_has_stl(struct config *config, config_node *group) {
@@ -41,7 +41,7 @@ enum status scene_read_stl(struct config *config, config_node *group, const stru
     TRY(config_error(config, group,
                      "stl_unit is missing: STL files do not tell their unit of length; write "
                      "stl_unit = \"1 mm\" or the like"));
-  /* Beside the scene first, then from where the program runs. */
+  /* Relative to the scene first, then to the working directory. */
   const char *folder = *file == '/' ? "" : config_folder(config);
   if (snprintf(path, sizeof path, "%s%s", folder, file) >= (int)sizeof path)
     TRY(config_error(config, node, "the path is too long"));
@@ -49,7 +49,7 @@ enum status scene_read_stl(struct config *config, config_node *group, const stru
   if (access(path, R_OK) != 0) TRY(config_error(config, node, "%s cannot be read", path));
   TRY(memory_allocate(&region->stl, 1, sizeof *region->stl, "an STL file"));
   status = stl_read(path, unit, region->stl);
-  if (status == STATUS_INPUT) { /* beside the scene's line */
+  if (status == STATUS_INPUT) { /* report the line of the scene */
     char why[1024];
     snprintf(why, sizeof why, "%s", error_message());
     error_clear();
@@ -82,17 +82,18 @@ struct section {
 struct cut {
   const struct scene *scene;
   const struct region *whole;
-  int run, across, up; /* axes: of rows, of rows beside each other, and of layers of them */
+  int run, across, up; /* axes: along a row, across rows, and across layers */
   struct section sections[LINES];
-  size_t count, room; /* of crossings */
+  size_t count, room; /* intervals between crossings */
   double (*interval)[2];
   struct scene_parts *parts;
   size_t row; /* first part of the layer */
 };
 
-/* Where the edge a b meets the plane at v of axis `up`. */
-static void meet(const struct cut *cut, const double *a, const double *b, double v, double at[2]) {
-  for (int k = 0; k < 3; k++) /* one order for both triangles */
+/* Intersection of the edge a b with the plane at v normal to axis `up`. */
+static void intersect_edge(const struct cut *cut, const double *a, const double *b, double v,
+                           double at[2]) {
+  for (int k = 0; k < 3; k++) /* same order of the ends for both triangles */
     if (a[k] != b[k]) {
       if (a[k] > b[k]) {
         const double *c = a;
@@ -113,7 +114,7 @@ static enum status find_section(const struct cut *cut, double v, struct section 
     int n = 0;
     for (int k = 0; k < 3; k++) {
       const double *a = stl->corner[t][k], *b = stl->corner[t][(k + 1) % 3];
-      if ((a[cut->up] > v) != (b[cut->up] > v)) meet(cut, a, b, v, ends[n++]);
+      if ((a[cut->up] > v) != (b[cut->up] > v)) intersect_edge(cut, a, b, v, ends[n++]);
     }
     if (n != 2) continue;
     if (section->count == section->room) {
@@ -132,7 +133,7 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Adds the intervals of the line at w that are inside. */
+/* Adds the inside intervals of the line at w. */
 static enum status add_line(struct cut *cut, const struct section *section, double w) {
   const size_t before = 2 * cut->count;
   size_t n = before;
@@ -152,16 +153,16 @@ static enum status add_line(struct cut *cut, const struct section *section, doub
   return STATUS_OK;
 }
 
-static bool alike(const double a[6], const double b[6], int axis, double near) {
+static bool same_extent(const double a[6], const double b[6], int axis, double near) {
   return fabs(a[axis] - b[axis]) < near && fabs(a[axis + 3] - b[axis + 3]) < near;
 }
 
-/* Adds a box, or lets that of the row before go on. */
+/* Adds a box, or extends that of the previous row. */
 static enum status add_box(struct cut *cut, const double box[6]) {
   const double near = 1e-6 * cut->scene->spacing;
   for (size_t k = cut->row; k < cut->parts->count; k++) {
     double *old = cut->parts->region[k].box;
-    if (alike(old, box, cut->run, near) && alike(old, box, cut->up, near) &&
+    if (same_extent(old, box, cut->run, near) && same_extent(old, box, cut->up, near) &&
         fabs(old[cut->across + 3] - box[cut->across]) < near) {
       old[cut->across + 3] = box[cut->across + 3];
       return STATUS_OK;
@@ -170,7 +171,7 @@ static enum status add_box(struct cut *cut, const double box[6]) {
   return scene_add_part(cut->parts, cut->whole, box);
 }
 
-/* Lets boxes that end where this layer begins go on in it; its first part is `from`. */
+/* Extends boxes that end where this layer begins; the first part of the layer is `from`. */
 static void join_layers(struct cut *cut, size_t from) {
   const double near = 1e-6 * cut->scene->spacing;
   struct region *region = cut->parts->region;
@@ -178,8 +179,8 @@ static void join_layers(struct cut *cut, size_t from) {
   for (size_t k = from; k < cut->parts->count; k++) {
     bool joined = false;
     for (size_t j = 0; j < from && !joined; j++) {
-      joined = alike(region[j].box, region[k].box, cut->run, near) &&
-               alike(region[j].box, region[k].box, cut->across, near) &&
+      joined = same_extent(region[j].box, region[k].box, cut->run, near) &&
+               same_extent(region[j].box, region[k].box, cut->across, near) &&
                fabs(region[j].box[cut->up + 3] - region[k].box[cut->up]) < near;
       if (joined) region[j].box[cut->up + 3] = region[k].box[cut->up + 3];
     }
@@ -188,7 +189,7 @@ static void join_layers(struct cut *cut, size_t from) {
   cut->parts->count = kept;
 }
 
-/* Soil: the intervals of all lines of a row that overlap make one box, which has their volume. */
+/* Soil: overlapping intervals of all lines of a row form one box with the same volume. */
 static enum status cut_soil(struct cut *cut, double box[6]) {
   const int lines = LINES * LINES;
   qsort(cut->interval, cut->count, sizeof *cut->interval, by_value);
@@ -224,7 +225,7 @@ static enum status cut_sites(struct cut *cut, double box[6]) {
   return STATUS_OK;
 }
 
-/* The rows of the layer whose box along `up` is set. */
+/* Cuts the rows of the layer whose extent along `up` is set in `box`. */
 static enum status cut_layer(struct cut *cut, double box[6]) {
   enum status status = STATUS_OK;
   const bool soil = cut->whole->type == REGION_POROUS;
@@ -253,8 +254,8 @@ cleanup:
   return status;
 }
 
-/* Twice the surface's area as it is seen along an axis. */
-static double facing(const struct stl *stl, int axis) {
+/* Twice the area of the surface projected along an axis. */
+static double projected_area(const struct stl *stl, int axis) {
   const int a = (axis + 1) % 3, b = (axis + 2) % 3;
   double sum = 0;
   for (size_t t = 0; t < stl->count; t++) {
@@ -273,7 +274,7 @@ enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
   const bool soil = whole->type == REGION_POROUS;
   double area[3];
   for (int a = 0; a < 3; a++) {
-    area[a] = facing(whole->stl, a);
+    area[a] = projected_area(whole->stl, a);
     if (area[a] > area[cut.run] * (1 + 1e-6)) cut.run = a;
   }
   cut.across = cut.run == 0 ? 1 : 0, cut.up = cut.run == 2 ? 1 : 2;

@@ -9,12 +9,12 @@
 
 #include "common/memory.h"
 
-/* Of triangles; a file of more is not read. */
-enum { TRIANGLES_MOST = 4000000 };
-/* An 80 byte title, their number (32 bits, little endian), then for each its normal and corners as
- * single precision and two bytes more (3D Systems 1989). */
+/* Largest number of triangles in a file. */
+enum { TRIANGLES_MAX = 4000000 };
+/* Format: a title of 80 bytes, the number of triangles (32 bits, little endian), then for each
+ * triangle its normal and corners in single precision and two more bytes (3D Systems 1989). */
 enum { TITLE = 80, HEAD = 84, RECORD = 50 };
-#define BYTES_MOST ((size_t)1 << 30)
+#define BYTES_MAX ((size_t)1 << 30)
 
 static enum status read_bytes(const char *path, char **bytes, size_t *size) {
   enum status status = STATUS_OK;
@@ -22,9 +22,9 @@ static enum status read_bytes(const char *path, char **bytes, size_t *size) {
   long end = -1;
   if (file == NULL) return FAIL(STATUS_INPUT, "%s: cannot be read", path);
   if (fseek(file, 0, SEEK_END) == 0) end = ftell(file);
-  if (end < 0 || (size_t)end > BYTES_MOST || fseek(file, 0, SEEK_SET) != 0)
+  if (end < 0 || (size_t)end > BYTES_MAX || fseek(file, 0, SEEK_SET) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: no file of at most %zu bytes, as an STL of %d triangles is", path,
-             BYTES_MOST, TRIANGLES_MOST);
+             BYTES_MAX, TRIANGLES_MAX);
   *size = (size_t)end;
   TRY(memory_allocate(bytes, *size + 1, 1, "an STL file"));
   if (fread(*bytes, 1, *size, file) != *size)
@@ -35,7 +35,7 @@ cleanup:
   return status;
 }
 
-static uint32_t little(const unsigned char *at) {
+static uint32_t read_little_endian(const unsigned char *at) {
   return (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
@@ -45,7 +45,8 @@ static enum status read_binary(const char *bytes, size_t count, struct stl *stl)
   stl->count = count;
   for (size_t t = 0; t < count; t++)
     for (size_t k = 0; k < 9; k++) {
-      const uint32_t bits = little((const unsigned char *)bytes + HEAD + RECORD * t + 12 + 4 * k);
+      const uint32_t bits =
+          read_little_endian((const unsigned char *)bytes + HEAD + RECORD * t + 12 + 4 * k);
       float value;
       memcpy(&value, &bits, sizeof value);
       stl->corner[t][k / 3][k % 3] = (double)value;
@@ -62,7 +63,7 @@ static void skip_space(struct text *text) {
   for (; isspace((unsigned char)*text->at); text->at++) text->line += *text->at == '\n';
 }
 
-static bool take(struct text *text, const char *word) {
+static bool skip_word(struct text *text, const char *word) {
   const size_t n = strlen(word);
   skip_space(text);
   for (size_t k = 0; k < n; k++)
@@ -72,13 +73,13 @@ static bool take(struct text *text, const char *word) {
   return true;
 }
 
-static enum status want(struct text *text, const char *word) {
-  if (take(text, word)) return STATUS_OK;
+static enum status expect_word(struct text *text, const char *word) {
+  if (skip_word(text, word)) return STATUS_OK;
   return FAIL(STATUS_INPUT, "%s:%zu: '%s' is wanted here in an ASCII STL", text->path, text->line,
               word);
 }
 
-static enum status want_numbers(struct text *text, double number[3]) {
+static enum status read_numbers(struct text *text, double number[3]) {
   for (int a = 0; a < 3; a++) {
     char *end;
     skip_space(text);
@@ -93,30 +94,30 @@ static enum status want_numbers(struct text *text, double number[3]) {
 static enum status read_facet(struct text *text, double corner[3][3]) {
   enum status status = STATUS_OK;
   double normal[3];
-  TRY(want(text, "normal"));
-  TRY(want_numbers(text, normal));
-  TRY(want(text, "outer"));
-  TRY(want(text, "loop"));
+  TRY(expect_word(text, "normal"));
+  TRY(read_numbers(text, normal));
+  TRY(expect_word(text, "outer"));
+  TRY(expect_word(text, "loop"));
   for (int c = 0; c < 3; c++) {
-    TRY(want(text, "vertex"));
-    TRY(want_numbers(text, corner[c]));
+    TRY(expect_word(text, "vertex"));
+    TRY(read_numbers(text, corner[c]));
   }
-  TRY(want(text, "endloop"));
-  TRY(want(text, "endfacet"));
+  TRY(expect_word(text, "endloop"));
+  TRY(expect_word(text, "endfacet"));
 cleanup:
   return status;
 }
 
-/* One solid after another. */
+/* Reads an ASCII file, which may contain several solids. */
 static enum status read_text(const char *path, const char *bytes, size_t size, struct stl *stl) {
   enum status status = STATUS_OK;
   struct text text = {.path = path, .at = bytes, .line = 1};
   size_t room = 0;
-  while (take(&text, "solid")) {
+  while (skip_word(&text, "solid")) {
     while (*text.at != '\0' && *text.at != '\n') text.at++; /* its name */
-    while (take(&text, "facet")) {
-      if (stl->count == TRIANGLES_MOST)
-        TRY_FAIL(STATUS_INPUT, "%s: more than %d triangles", path, TRIANGLES_MOST);
+    while (skip_word(&text, "facet")) {
+      if (stl->count == TRIANGLES_MAX)
+        TRY_FAIL(STATUS_INPUT, "%s: more than %d triangles", path, TRIANGLES_MAX);
       if (stl->count == room) {
         room = room > 0 ? 2 * room : 64;
         TRY(memory_resize(&stl->corner, room, sizeof *stl->corner, "an STL file"));
@@ -124,16 +125,16 @@ static enum status read_text(const char *path, const char *bytes, size_t size, s
       TRY(read_facet(&text, stl->corner[stl->count]));
       stl->count++;
     }
-    TRY(want(&text, "endsolid"));
+    TRY(expect_word(&text, "endsolid"));
     while (*text.at != '\0' && *text.at != '\n') text.at++;
   }
   skip_space(&text);
-  if (text.at != bytes + size) TRY(want(&text, "solid"));
+  if (text.at != bytes + size) TRY(expect_word(&text, "solid"));
 cleanup:
   return status;
 }
 
-/* A corner, and which it is. */
+/* Position and index of a corner. */
 struct place {
   double x[3];
   size_t corner;
@@ -156,8 +157,9 @@ static int by_ends(const void *a, const void *b) {
   return (x->to > y->to) - (x->to < y->to);
 }
 
-/* Corners at the same place are one, as STL gives no others; then each edge has to belong to an
- * even number of triangles, and any line crosses the surface an even number of times. */
+/* Checks that the surface is closed. Corners at the same place are identified, as STL has no
+ * connectivity; each edge must then belong to an even number of triangles, so that any line crosses
+ * the surface an even number of times. */
 static enum status check_closed(const char *path, const struct stl *stl) {
   enum status status = STATUS_OK;
   const size_t n = 3 * stl->count;
@@ -209,11 +211,11 @@ enum status stl_read(const char *path, double unit, struct stl *stl) {
   size_t size = 0;
   memset(stl, 0, sizeof *stl);
   TRY(read_bytes(path, &bytes, &size));
-  const size_t count = size >= HEAD ? little((const unsigned char *)bytes + TITLE) : 0;
+  const size_t count = size >= HEAD ? read_little_endian((const unsigned char *)bytes + TITLE) : 0;
   struct text text = {.path = path, .at = bytes, .line = 1};
-  if (size >= HEAD && count <= TRIANGLES_MOST && size == HEAD + RECORD * count)
+  if (size >= HEAD && count <= TRIANGLES_MAX && size == HEAD + RECORD * count)
     TRY(read_binary(bytes, count, stl));
-  else if (memchr(bytes, '\0', size) == NULL && take(&text, "solid"))
+  else if (memchr(bytes, '\0', size) == NULL && skip_word(&text, "solid"))
     TRY(read_text(path, bytes, size, stl));
   else
     TRY_FAIL(STATUS_INPUT,
@@ -225,7 +227,7 @@ enum status stl_read(const char *path, double unit, struct stl *stl) {
   for (size_t t = 0; t < stl->count; t++)
     for (int k = 0; k < 9; k++) {
       double *x = &stl->corner[t][k / 3][k % 3];
-      *x = *x * unit + 0.0; /* and no -0 */
+      *x = *x * unit + 0.0; /* without -0 */
       if (!isfinite(*x))
         TRY_FAIL(STATUS_INPUT, "%s: triangle %zu has a corner that is no number", path, t + 1);
       stl->extent[k % 3] = fmin(stl->extent[k % 3], *x);

@@ -7,15 +7,15 @@
 #include "common/error.h"
 
 struct stl {
-  size_t count;           /* of triangles */
+  size_t count;           /* triangles */
   double (*corner)[3][3]; /* m */
   double extent[6];       /* x0 y0 z0 x1 y1 z1, m */
 };
 
-/* `unit`: metres for each unit of length in the file, which STL does not tell. Any bytes may stand
- * in the file: what is no STL, has numbers that are none, or whose triangles enclose nothing
- * because some edge belongs to an odd number of them, is STATUS_INPUT with the reason. Which way
- * triangles face does not matter. Free with stl_free, also after a failure. */
+/* `unit`: metres per unit of length in the file, which STL does not define. The file may contain
+ * any bytes: STATUS_INPUT with the reason if it is no STL file, contains invalid numbers, or does
+ * not enclose a volume because an edge belongs to an odd number of triangles. The orientation of
+ * the triangles does not matter. Free with stl_free, also after a failure. */
 enum status stl_read(const char *path, double unit, struct stl *stl);
 void stl_free(struct stl *stl);
 

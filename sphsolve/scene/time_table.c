@@ -14,7 +14,7 @@ double time_table_at(const struct time_table *table, double time, int c) {
 
 double time_table_integral(const struct time_table *table, double from, double to, int c) {
   double sum = 0, at = from;
-  for (size_t k = 0; k <= table->count && at < to; k++) { /* piece by piece, each a trapezoid */
+  for (size_t k = 0; k <= table->count && at < to; k++) { /* trapezoids, exact for linear pieces */
     const double end = k < table->count ? fmin(table->time[k], to) : to;
     if (end <= at) continue;
     sum += 0.5 * (end - at) * (time_table_at(table, at, c) + time_table_at(table, end, c));

@@ -1,4 +1,4 @@
-/* What a scene gives as a table of time: linear between its times, constant before and after. */
+/* A function of time given as a table: linear between its times, constant before and after. */
 #ifndef TOSUI_SPHSOLVE_SCENE_TIME_TABLE_H
 #define TOSUI_SPHSOLVE_SCENE_TIME_TABLE_H
 
@@ -10,11 +10,11 @@ struct time_table {
   double (*value)[3]; /* one number, or a vector */
 };
 
-/* The value at a time (s); `component` 0 where the values are single numbers. */
+/* Value at a time (s); `component` is 0 for scalars. */
 double time_table_at(const struct time_table *table, double time, int component);
-/* Integral from a time to a later one: exact. */
+/* Exact integral from one time to a later one. */
 double time_table_integral(const struct time_table *table, double from, double to, int component);
-/* The value of largest size. */
+/* The value of largest magnitude. */
 double time_table_extreme(const struct time_table *table, int component);
 
 #endif

@@ -1,28 +1,33 @@
-/* At a sample every effect's force and power are those of the step that comes, exactly
- * (pairs_budget.h). Steps between two samples are taken by the trapezium rule: of steps n .. m-1,
- *   dt sum R_k = (t_m - t_n) (R_n + R_m)/2 + dt (R_n - R_m)/2,
- * the second since the step from t_m on is not among them. Each step is sampled at first, then one
- * in a quarter of the steps gone, to one in SPARSE: a start-up is seen from its first step on, and
- * the budget, .7 of a step a sample, takes some per cent of a short run's time and one of a long
- * one's. The error of the sampling is estimated from what the integral changes by when every second
- * sample is left out: three times too much where rates change smoothly. Where they are noise of
- * variance s^2, the change over a pair of intervals h has the variance 3/2 h^2 s^2 and the error
- * 2 h^2 s^2, so that three standard deviations are 3 sqrt(4/3) = 3.5 roots of the sum of the
- * squares. The two are added.
+/* At a sample the force and power of every effect are exactly those of the following step
+ * (pairs_budget.h). Steps between two samples are integrated by the trapezoidal rule: for steps n
+ * .. m-1,
  *
- * Energy is kinetic and elastic. Pressure turns one into the other; its power on the particles is
- * summed, the elastic energy is that of their pressures, and what the two differ by is
- * BUDGET_PROJECTION: diffusion of pressure, what shifting carries, and how far gradient and
- * divergence are not each other's adjoint. Frozen grains' own compression is not in it. In momentum
- * it is what pressure gives the fluid beyond what walls take of it. */
+ * dt sum R_k = (t_m - t_n) (R_n + R_m)/2 + dt (R_n - R_m)/2,
+ *
+ * where the second term excludes the step from t_m on. At first each step is sampled, later one in
+ * a quarter of the elapsed steps, up to one in SAMPLE_INTERVAL_MAX: the start-up is resolved from
+ * the first step on, and the budget, which costs 0.7 of a step per sample, takes a few per cent of
+ * a short run's time and one per cent of a long one's.
+ *
+ * The sampling error is estimated from the change of the integral when every second sample is
+ * omitted: three times too large where rates change smoothly. Where rates are noise of variance
+ * s^2, the change over a pair of intervals h has the variance 3/2 h^2 s^2 and the error 2 h^2 s^2,
+ * so that three standard deviations are 3 sqrt(4/3) = 3.5 times the root of the sum of the squares.
+ * Both are added.
+ *
+ * The energy is kinetic and elastic. Pressure converts one into the other; its power on the
+ * particles is summed, the elastic energy is that of their pressures, and the difference of both is
+ * BUDGET_PROJECTION: pressure diffusion, transport by shifting, and the deviation of gradient and
+ * divergence from being adjoint. The compression of frozen grains is not included. In the momentum
+ * balance this term is the pressure force on the fluid that the walls do not balance. */
 #include "sphsolve/wcsph/budget.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#define SPARSE 64
-#define NOISE 3.5
+#define SAMPLE_INTERVAL_MAX 64
+#define NOISE_FACTOR 3.5
 
 void wcsph_budget_begin(const struct engine *engine, uint32_t terms, struct wcsph_budget *budget) {
   const bool walls = engine_has_walls(engine);
@@ -38,18 +43,18 @@ void wcsph_budget_begin(const struct engine *engine, uint32_t terms, struct wcsp
 
 bool wcsph_budget_due(int64_t step) {
   int64_t every = 1;
-  while (every < SPARSE && 8 * every <= step) every *= 2;
+  while (every < SAMPLE_INTERVAL_MAX && 8 * every <= step) every *= 2;
   return step % every == 0;
 }
 
-/* to += the integral over a time `span`, in which the rate goes from `from` to `now`. */
+/* to += the integral over a time `span` in which the rate changes from `from` to `now`. */
 static void integrate(size_t count, double *to, const double *from, const double *now, double span,
                       double dt) {
   for (size_t k = 0; k < count; k++)
     to[k] += 0.5 * span * (from[k] + now[k]) + 0.5 * dt * (from[k] - now[k]);
 }
 
-static void take_rates(const struct pass_budget *step, const double force[3], double mass,
+static void find_rates(const struct pass_budget *step, const double force[3], double mass,
                        double particles, enum budget_term carried, struct budget_sums *rate) {
   memset(rate, 0, sizeof *rate);
   for (int a = 0; a < 3; a++) {
@@ -74,11 +79,11 @@ enum status wcsph_budget_sample(struct engine *engine, double mass, double time,
   struct pass_budget step;
   struct budget_sums rate;
   double all[WCSPH_RATES] = {0}, elastic;
-  const double dt = budget->dt; /* of the steps since the last sample */
+  const double dt = budget->dt; /* time step since the last sample */
   if (budget->samples > 0 && !(time > budget->time)) return STATUS_OK;
   TRY(engine_budget(engine, &step));
   elastic = mass * step.elastic;
-  take_rates(&step, engine->settings.force, mass, (double)engine->particles.count,
+  find_rates(&step, engine->settings.force, mass, (double)engine->particles.count,
              engine->settings.wall == PASS_EULERIAN ? BUDGET_ADVECTION : BUDGET_SHIFTING, &rate);
   for (int k = 0; k < engine->settings.own_count; k++) {
     const struct engine_force_sum *own = &engine->own_sum[k];
@@ -112,7 +117,7 @@ enum status wcsph_budget_sample(struct engine *engine, double mass, double time,
   total->energy[!first] = mass * step.kinetic + elastic;
   double error[WCSPH_RATES];
   for (int k = 0; k < WCSPH_RATES; k++)
-    error[k] = fabs(budget->defect[k]) + NOISE * sqrt(budget->squares[k]);
+    error[k] = fabs(budget->defect[k]) + NOISE_FACTOR * sqrt(budget->squares[k]);
   total->momentum_error = sqrt(error[0] * error[0] + error[1] * error[1] + error[2] * error[2]);
   total->energy_error = error[3];
   budget->rate = rate;

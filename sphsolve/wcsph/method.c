@@ -23,10 +23,10 @@ static void set_direction(struct wcsph_run *run) {
   }
 }
 
-/* Pressures c^2 rho hold the particles in a lattice that only strains (docs/physics/wcsph.md):
- * where the flow that Kozeny and Carman expect would have carried them four spacings, and they have
- * not come half a spacing far, they are locked. */
-static bool locked(const struct wcsph_run *run) {
+/* The absolute pressure c^2 rho can lock the particles into a lattice that only strains
+ * (docs/physics/wcsph.md). They are locked if the flow expected by Kozeny and Carman would have
+ * moved them by four spacings, but they have moved by less than half a spacing. */
+static bool is_locked(const struct wcsph_run *run) {
   const struct wcsph_state *state = &run->state;
   const struct effect_context *context = &run->plan->context;
   if (run->scene->wcsph.equation_of_state != EOS_ABSOLUTE ||
@@ -46,7 +46,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
   struct monitor_verdict verdict = wcsph_verdict(run);
   result->status = "end_time";
   while (state->step < run->last_step) {
-    /* Ranks ask each other, and so not at every step. */
+    /* With several ranks this needs communication, so it is not done at every step. */
     bool asked = ranks_count() == 1 || state->step % WATCH_STEPS == 0;
     if (asked && recorder_checkpoint_due(run->recorder)) {
       bool stop = recorder_interrupted(run->recorder);
@@ -76,7 +76,7 @@ static enum status march(struct wcsph_run *run, struct run_result *result) {
     result->error.averaging =
         sqrt(fmax(0, verdict.error * verdict.error - verdict.drift * verdict.drift));
   }
-  if (status == STATUS_OK && locked(run)) {
+  if (status == STATUS_OK && is_locked(run)) {
     log_warning("the particles have locked into a crystal that does not flow, as the pressure "
                 "c^2 rho makes them below its strength; there is no k: write "
                 "wcsph.equation_of_state = \"gauge\"");
@@ -87,9 +87,9 @@ cleanup:
   return status;
 }
 
-/* The terms of the force share one loop: its time goes to them by their vector operations and the
- * pairs that have them. That of the offset, distance and slope, which each would need alone, is the
- * pressure's; of pairs with sub-voxel walls all is the wall's. */
+/* The force terms share one loop: its time is attributed to them by their vector operations and
+ * number of pairs. The part needed by all (offset, distance and kernel gradient) counts as
+ * pressure; pairs with sub-voxel walls count as wall. */
 static void add_force_times(const struct wcsph_run *run, double seconds) {
   const struct engine *engine = &run->state.engine;
   const struct plan *plan = run->plan;
@@ -108,7 +108,7 @@ static void add_force_times(const struct wcsph_run *run, double seconds) {
                         seconds * operations[i] / all);
 }
 
-/* Work of the busiest rank over the mean, with the last lists. */
+/* Maximum work / mean work of the ranks, with the last neighbour lists. */
 static double imbalance_of(const struct engine *engine) {
   const double work = engine->ranks.work_sum, total = ranks_sum(work);
   return total > 0 ? ranks_max(work) * ranks_count() / total : 1;
@@ -146,7 +146,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
   recorder_set_fact(run->recorder, "pairs_per_pass", (double)engine->pairs_fluid);
 }
 
-/* On sites, as in method stokes, pores that lead nowhere have no pressure of their own. */
+/* Particles on fixed sites, as in method stokes, have no defined pressure in pores without flow. */
 static enum status close_pores(struct lattice *lattice, const struct scene *scene, bool *flows) {
   size_t closed;
   const enum status status = percolation_close(lattice, scene->driving, &closed, flows);
@@ -170,7 +170,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   TRY(memory_allocate(&region_velocity, scene->region_count + 1, sizeof *region_velocity,
                       "region velocities"));
   TRY(wcsph_settings(scene, plan, region_velocity, &settings));
-  /* Before the engine is there: both take memory. */
+  /* Before the engine is made, as both need memory. */
   if (settings.wall == PASS_EULERIAN && plan->context.driving > 0)
     TRY(close_pores(lattice, scene, &flows));
   else if (plan->context.driving > 0)
@@ -211,7 +211,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
     result->status = "blocked";
     result->k_error = 0;
   }
-  /* Who interrupts waits: the checkpoint has the particles, and --resume leaves the snapshot. */
+  /* An interrupted run should end quickly: its checkpoint contains the particles, and the resumed
+   * run writes the snapshot. */
   if (status == STATUS_OK) status = wcsph_write_snapshot(&run);
   finish(&run, result);
 cleanup:
@@ -224,7 +225,7 @@ cleanup:
   return status;
 }
 
-/* All that the methods asked before have left. */
+/* Takes all scenes that the methods asked before it reject. */
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   if (!context->has_wall)
     snprintf(why, EFFECT_WHY, "no walls: a transient flow");
@@ -262,9 +263,9 @@ const struct method method_wcsph = {
     .wall_name = wall_name,
     .wall = wall,
     .joins_corners = joins_corners,
-    .error_flat = 5e-4, /* what a march that is called steady leaves */
+    .error_flat = 5e-4, /* remaining change of a run that counts as steady */
     .error_flat_why = "parallel flat walls: exact but for what is left of the start",
     .error_narrow = 0.0115,
     .error_narrow_order = 3.0,
-    .error_uneven = 0.01, /* gradients are not exact beside walls */
+    .error_uneven = 0.01, /* gradients are not exact next to walls */
     .run = run};

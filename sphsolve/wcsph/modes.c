@@ -93,7 +93,7 @@ double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double
   for (int w = 0; w < modes->count; w++) {
     const double sound = 0.5 * c * modes->wave[w][absolute], viscous = 0.5 * nu * modes->wave[w][2];
     if (viscous > 0) high = fmin(high, 1 / viscous);
-    /* What it is without diffusion, and with its weights alone. */
+    /* Stable steps without diffusion; `high` is the limit of viscosity alone. */
     const double root = viscous + sqrt(viscous * viscous + 4 * sound * sound);
     if (root > 0) low = low > 0 ? fmin(low, 2 / root) : 2 / root;
   }

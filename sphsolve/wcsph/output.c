@@ -23,7 +23,7 @@ enum status wcsph_write_row(struct wcsph_run *run, const struct wcsph_totals *to
   return recorder_row(run->recorder, &row, NULL);
 }
 
-/* Fields of a snapshot, one at a time: a run's memory is the engine's. */
+/* Fields of a snapshot are filled one at a time, to save memory. */
 static enum status fill_points(const void *context, void *data) {
   const struct wcsph_run *run = context;
   const struct engine *engine = &run->state.engine;

@@ -15,12 +15,12 @@
 #include "sphsolve/wcsph/state.h"
 
 #define SUPPORT_DEFAULT 2.9    /* spacings */
-#define COMPRESSION 0.01       /* density error that the sound speed must allow */
-#define SAFETY 0.8             /* of the stable time step */
-#define PAIRS_PER_SECOND 350e6 /* of one core, make bench */
-#define DELTA 0.1              /* Molteni, Colagrossi 2009 */
-#define STABILISATION_FAST 0.1 /* dx/u: the most of gamma where inertia rules */
-#define PEAK_MODEL 6           /* of pore velocity over its mean, in a sand; 2 in ducts */
+#define COMPRESSION 0.01       /* relative density change allowed by the sound speed */
+#define DT_SAFETY 0.8          /* fraction of the stable time step */
+#define PAIRS_PER_SECOND 350e6 /* per core, from make bench */
+#define DELTA_DIFFUSION 0.1    /* Molteni, Colagrossi 2009 */
+#define STABILISATION_INERTIAL 0.1 /* in dx/u: largest gamma for inertial flow */
+#define PEAK_VELOCITY_MODEL 6      /* largest / mean pore velocity in a sand; 2 in ducts */
 
 double wcsph_gap(const struct lattice *lattice) {
   size_t faces[3];
@@ -78,18 +78,18 @@ enum status wcsph_scales(struct plan *plan) {
   context->smoothing_length = context->support / kernel_support_ratio(context->kernel);
 
   double porosity = (double)lattice->fluid_count / lattice->bulk_count;
-  double peak = *scene->model_path ? PEAK_MODEL : 2;
+  double peak = *scene->model_path ? PEAK_VELOCITY_MODEL : 2;
   double speed = fmax(region_speed(scene), peak * context->velocity_scale / porosity);
   if (lattice->wall_count == 0) speed = region_speed(scene);
   context->velocity_scale = speed;
   double head = sqrt(context->driving * path_length(scene, lattice) / COMPRESSION);
-  /* A sound speed below this gains no time step: viscous diffusion then limits it. */
+  /* A lower sound speed does not allow a larger time step: viscosity then limits it. */
   double creep = 2 * context->kinematic_viscosity / context->smoothing_length;
   if (lattice->wall_count == 0) creep = 0;
   char *why = context->sound_why, text[32];
   if (!isnan(scene->wcsph.sound_speed)) {
     context->sound_speed = scene->wcsph.sound_speed;
-    /* One a little too small is the watchdog's to stop; one so small has a wrong unit. */
+    /* A slightly too small value is left to the watchdog; a value this small has a wrong unit. */
     if (context->sound_speed < 1e-4 * speed)
       return scene_error(
           scene, AT_SOUND,
@@ -153,14 +153,14 @@ double wcsph_sound_for_dt(const struct effect_context *context) {
 double wcsph_diffusion(const struct effect_context *context) {
   const double c = context->sound_speed, dx = context->spacing, nu = context->kinematic_viscosity;
   if (context->scene->wcsph.wall == WALL_FROZEN) return 0;
-  if (!(nu > 0 && context->has_wall)) return DELTA * context->smoothing_length * c;
+  if (!(nu > 0 && context->has_wall)) return DELTA_DIFFUSION * context->smoothing_length * c;
   if (wcsph_eulerian(context, NULL)) return c * c * WCSPH_STABILISATION_EULERIAN * dx * dx / nu;
   return c * c *
          fmin(WCSPH_STABILISATION * dx * dx / nu,
-              STABILISATION_FAST * dx / context->velocity_scale);
+              STABILISATION_INERTIAL * dx / context->velocity_scale);
 }
 
-/* The effects on that bring a force of their own. */
+/* Collects the active effects that have their own force. */
 static enum status own_forces(const struct plan *plan, struct engine_settings *settings) {
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct effect *effect = plan->effects[i].effect;
@@ -198,16 +198,16 @@ enum status wcsph_settings(const struct scene *scene, const struct plan *plan,
   return own_forces(plan, settings);
 }
 
-/* Steps until the pressure of a porous box has settled along the force, to 1/20: it spreads by
- * Darcy's law at c^2/(1 + dt D w) k/nu (effects/pressure_diffusion.h), k as Kozeny and Carman have
- * it. */
+/* Number of steps until the pressure of a porous body is steady along the force to within 1/20: it
+ * diffuses by Darcy's law with c^2/(1 + dt D w) k/nu (effects/pressure_diffusion.h), k from Kozeny
+ * and Carman. */
 static double pressure_steps(const struct plan *plan, const struct lattice_modes *modes) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   const double c = context->sound_speed, diffusion = wcsph_diffusion(context);
   const double porosity = (double)lattice->fluid_count / lattice->bulk_count;
   if (!*context->scene->model_path || !(context->driving > 0) || !(diffusion > 0)) return 0;
-  const double darcy = context->velocity_scale * porosity / PEAK_MODEL;
+  const double darcy = context->velocity_scale * porosity / PEAK_VELOCITY_MODEL;
   const double spread =
       c * c / (1 + plan->dt * diffusion * modes->weights) * darcy / (porosity * context->driving);
   const double wave = 2 * M_PI / path_length(context->scene, lattice);
@@ -238,12 +238,12 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   plan->dt_limit = lattice_modes_dt(&modes, absolute, wcsph_sound_for_dt(context),
                                     context->kinematic_viscosity, wcsph_diffusion(context));
   if (own < plan->dt_limit) plan->dt_limit = own;
-  plan->dt = SAFETY * plan->dt_limit;
+  plan->dt = DT_SAFETY * plan->dt_limit;
   plan->dt_by = plan->dt_limited_by;
-  /* Limits of accuracy: a dt that the scene gives may pass them. */
+  /* Limits of accuracy, which a dt given by the scene may exceed. */
   if (accurate < plan->dt) plan->dt = accurate, plan->dt_by = accurate_by;
   if (!isnan(scene->wcsph.dt)) plan->dt = scene->wcsph.dt, plan->dt_by = "scene";
-  /* Whole steps to the rows of the history that the scene asks for. */
+  /* A whole number of steps between the history rows that the scene requests. */
   if (isnan(scene->wcsph.dt) && scene->history_interval > plan->dt)
     plan->dt = scene->history_interval / ceil(scene->history_interval / plan->dt - 1e-9);
   if (plan->dt > plan->dt_limit && !scene->wcsph.force_dt)

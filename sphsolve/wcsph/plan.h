@@ -1,4 +1,4 @@
-/* From a plan to the numbers the engine takes. */
+/* Conversion of a plan to the settings of the engine. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_PLAN_H
 #define TOSUI_SPHSOLVE_WCSPH_PLAN_H
 
@@ -13,13 +13,13 @@ enum status wcsph_scales(struct plan *plan);
 enum status wcsph_cost(struct plan *plan, int threads);
 void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
-/* The treatment of walls that the pair loops take for a scene. */
+/* Wall treatment of the pair loops for a scene. */
 enum pass_wall wcsph_pass_wall(const struct effect_context *context);
-/* `region_velocity` [scene->region_count][3] is the caller's and must outlive the engine. */
+/* `region_velocity` [scene->region_count][3] is owned by the caller and must outlive the engine. */
 enum status wcsph_settings(const struct scene *scene, const struct plan *plan,
                            double (*region_velocity)[3], struct engine_settings *settings);
-/* Mean width of the pores in spacings: twice the fluid's volume over the wall's surface (faces of
- * voxels overstate it by about 3/2 where walls are not planes). INFINITY without walls. */
+/* Mean pore width in spacings: twice the fluid volume / wall surface (voxel faces overestimate a
+ * curved surface by about 3/2). INFINITY without walls. */
 double wcsph_gap(const struct lattice *lattice);
 
 #endif

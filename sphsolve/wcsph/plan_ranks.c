@@ -1,17 +1,19 @@
-/* What method wcsph costs on several ranks (docs/scaling.md). */
+/* Cost of method wcsph on several ranks (docs/scaling.md). */
 #include <math.h>
 
 #include "sphsolve/wcsph/plan.h"
 
-#define GHOST 40.0 /* bytes of a ghost sent per step */
-#define REACH 2.5  /* spacings that ghosts lie beyond the support: widths of two clusters */
-#define HELD 25.0  /* bytes that a ghost takes more than an own particle: messages less lists */
-#define PATH 4.0   /* bytes a site, and again a fluid site, while paths through pores are sought */
-#define PARTITION_UNIT 2048.0 /* slots: partitions lie at multiples */
+#define GHOST_BYTES_SENT 40.0 /* bytes sent per ghost and step */
+#define GHOST_REACH 2.5 /* extent of ghosts beyond the support, in spacings: two cluster widths */
+/* Additional bytes of a ghost relative to an own particle: messages minus lists. */
+#define GHOST_BYTES_EXTRA 25.0
+/* Bytes per site plus per fluid site during the search for paths through pores. */
+#define PATH_BYTES 4.0
+#define PARTITION_UNIT 2048.0 /* slots: partitions start at multiples of it */
 
-/* Sites within `reach` of a rank's part, at most all others: the lattice, halved across its longest
- * side again and again. */
-static double around(const struct lattice *l, double ranks, double reach) {
+/* Number of sites within `reach` of a rank's part, limited to all others: the lattice is bisected
+ * repeatedly across its longest side. */
+static double count_ghost_sites(const struct lattice *l, double ranks, double reach) {
   double side[3], grown = 1, own = 1, left = ranks;
   for (int a = 0; a < 3; a++) side[a] = (double)l->size[a];
   while (left > 1) {
@@ -32,15 +34,16 @@ void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ra
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
   const double share = fluid / fmax(sites, 1);
-  const double reach = plan->context.support / plan->context.spacing + REACH;
-  const double beside = r > 1 ? around(l, r, reach) : 0;
+  const double reach = plan->context.support / plan->context.spacing + GHOST_REACH;
+  const double beside = r > 1 ? count_ghost_sites(l, r, reach) : 0;
   cost->uneven = 1 + 0.5 * PARTITION_UNIT * (r - 1) / fmax(fluid, 1);
-  cost->ghosts = GHOST * share * beside;
+  cost->ghosts = GHOST_BYTES_SENT * share * beside;
   cost->messages = 2 * fmin(r - 1, 12);
   cost->sums = 2;
-  cost->held = beside * (share * (plan->bytes_fluid + HELD) + (1 - share) * plan->bytes_wall);
+  cost->held =
+      beside * (share * (plan->bytes_fluid + GHOST_BYTES_EXTRA) + (1 - share) * plan->bytes_wall);
   cost->whole = threads * engine_bytes_thread(l, plan->context.support);
   cost->held += (cost->uneven - 1) * plan->bytes_method / r;
-  cost->start = plan->context.driving > 0 ? PATH * (sites + fluid) : 0;
+  cost->start = plan->context.driving > 0 ? PATH_BYTES * (sites + fluid) : 0;
   cost->shares_sites = true;
 }

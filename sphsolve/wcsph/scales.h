@@ -1,5 +1,5 @@
-/* What the effects of method wcsph ask of a scene to decide whether they are wanted, and how long a
- * step they allow. */
+/* Criteria by which the effects of method wcsph are switched on, and their limits of the time
+ * step. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_SCALES_H
 #define TOSUI_SPHSOLVE_WCSPH_SCALES_H
 
@@ -9,22 +9,22 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/wcsph/modes.h"
 
-/* Stabilisation of the pressure beside walls, dx^2/nu (effects/pressure_diffusion.h). With
- * less, pressures that alternate hold the fluid in pores one or two particles wide (k of a sand
- * -20 % at 0); with more, pressure passes thin walls (+30 % at .02). */
+/* Stabilisation of the pressure next to walls, in dx^2/nu (effects/pressure_diffusion.h). With a
+ * smaller value, alternating pressures block pores one or two particles wide (k of a sand -20 % at
+ * 0); with a larger one, pressure passes through thin walls (+30 % at .02). */
 #define WCSPH_STABILISATION 0.005
-/* The same as method stokes where particles stay: what it does to smooth pressures is taken back.
- */
+/* For particles on fixed sites, the same as in method stokes: its effect on smooth pressures is
+ * corrected. */
 #define WCSPH_STABILISATION_EULERIAN 0.05
 
-/* Particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
+/* Whether particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
 bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]);
-/* Speed of sound that the time step has to follow, m/s: in narrow pores, whose gradients are
- * corrected for missing neighbours, sound is faster than in the open. Among spheres at random a run
- * is stable with a step for twice the speed, and not with one for 1.5 times. */
+/* Speed of sound that limits the time step, m/s: in narrow pores, whose gradients are corrected for
+ * missing neighbours, sound is faster than in open fluid. In random packings of spheres a run is
+ * stable with a step for twice the speed, but not with one for 1.5 times. */
 double wcsph_sound_for_dt(const struct effect_context *context);
-/* Diffusion coefficient of the pressure, m^2/s (effects/pressure_diffusion.h): beside walls
- * gamma c^2; 0 with frozen walls. */
+/* Diffusion coefficient of the pressure, m^2/s (effects/pressure_diffusion.h): next to walls gamma
+ * c^2; 0 with frozen walls. */
 double wcsph_diffusion(const struct effect_context *context);
 
 static inline bool wcsph_frozen(const struct effect_context *context) {

@@ -10,10 +10,10 @@
 
 #define SUM_BLOCK 2048
 
-/* What a wall next to a particle adds to its share of the volume integral of the velocity: factors
- * of its velocity, and of force and pressure gradient (the formula of Euler and Maclaurin at the
- * end of a line of sites, stokes/effects/wall_subvoxel.h). For particles that have left the lines
- * of the lattice it is right on the average. */
+/* Contribution of a wall next to a particle to the volume integral of the velocity: factors of the
+ * velocity, and of the force plus pressure gradient (Euler-Maclaurin formula at the end of a line
+ * of sites, stokes/effects/wall_subvoxel.h). For particles that have left the lines of the lattice
+ * it holds on average. */
 struct end_of_line {
   double velocity, pull; /* 1, s */
 };
@@ -47,7 +47,8 @@ static struct end_of_line end_of_line(const struct engine *engine, size_t slot) 
     }
     share += most;
   }
-  if (share > 0 && engine->settings.wall == PASS_EULERIAN) { /* the wall bends the profile */
+  /* Effect of the wall's curvature on the profile. */
+  if (share > 0 && engine->settings.wall == PASS_EULERIAN) {
     struct wall_shape wall;
     wall_shape_find(l, site, engine->pass.spacing, &wall);
     share = fmax(share, 1) * (1 - 0.5 * d * wall.curvature);
@@ -66,7 +67,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
   const enum pass_wall wall = engine->settings.wall;
   const bool ends =
       flux && (wall == PASS_EULERIAN || wall == PASS_SUBVOXEL) && !engine->settings.wall_moves;
-  /* First, since it may make new lists, and with them another number of slots. */
+  /* First, since it may rebuild the lists, which changes the number of slots. */
   if (ends) TRY(engine_find_acceleration(engine));
   const size_t blocks = (engine_all_slots(engine) + SUM_BLOCK - 1) / SUM_BLOCK;
   TRY(memory_allocate(&part, blocks, sizeof *part, "block sums"));
@@ -85,7 +86,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
       for (int a = 0; a < 3; a++) {
         double v = (double)p->v[a][i];
         t->velocity[a] += v;
-        /* Between two walls the force bends the profile by no more than its slope is. */
+        /* Between two walls the curvature of the profile due to the force is at most its slope. */
         double slope = v * line.velocity, bend = 0;
         if (ends) bend = line.pull * ((double)p->v_next[a][i] - v);
         t->flux[a] += v + slope + fmax(-fabs(slope), fmin(bend, fabs(slope)));
@@ -168,7 +169,7 @@ bool wcsph_sample_due(const struct wcsph_state *state) {
   return (state->step - state->sample_from) % (state->sample_steps << state->halvings) == 0;
 }
 
-/* From now on the step is the present one over 2^more. */
+/* Changes the step to the present one / 2^more. */
 static void rescale(struct wcsph_state *state, int64_t since_sample, int more) {
   state->time_from = wcsph_time(state);
   state->step_from = state->step;
@@ -199,7 +200,7 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   const struct engine *engine = &state->engine;
   struct stored list[16];
   const size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
-  const size_t size = (engine_end_slot(engine) - first) * sizeof(float); /* of each */
+  const size_t size = (engine_end_slot(engine) - first) * sizeof(float); /* bytes of each array */
   if (copy->file.file == NULL) TRY(scratch_open(copy->beside, &copy->file));
   for (size_t i = 0; i < n; i++)
     TRY(scratch_write(&copy->file, i * size, *(float **)list[i].array + first, size));
@@ -240,7 +241,7 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
     state->halvings = copy->halvings;
   }
   since <<= state->halvings - copy->halvings;
-  /* Steps go on counting: their number is that of all steps computed. */
+  /* The step number is not reset: it counts all steps computed. */
   state->time_from = copy->time;
   state->step_from = state->step;
   state->sample_from = state->step - since;
@@ -259,7 +260,7 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
   struct stored list[16];
   size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
   size_t slots = engine_end_slot(engine) - first;
-  for (size_t i = 0; i < n; i++) /* all are of 4 bytes */
+  for (size_t i = 0; i < n; i++) /* all elements have 4 bytes */
     TRY(h5_write_rows(file, list[i].name, list[i].type, 1, &slots, *(float **)list[i].array + first,
                       false));
   double numbers[] = {engine->moved,

@@ -1,4 +1,4 @@
-/* What a wcsph run carries from step to step, and its checkpoint. */
+/* State of a wcsph run, and its checkpoint. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_STATE_H
 #define TOSUI_SPHSOLVE_WCSPH_STATE_H
 
@@ -9,8 +9,8 @@
 #include "sphsolve/march/monitor.h"
 #include "sphsolve/march/watchdog.h"
 
-/* The fewest samples of the Darcy velocity before a flow may be called steady: the slowest mode of
- * a slit has then died to 1e-7. */
+/* Minimum number of samples of the Darcy velocity before a flow may be called steady: the slowest
+ * mode of a slit has then decayed to 1e-7. */
 #define WCSPH_SAMPLES_LEAST 80
 
 struct wcsph_state {
@@ -18,23 +18,26 @@ struct wcsph_state {
   struct monitor monitor;
   int64_t step;
   double next_row; /* s: time of the next history row */
-  /* The step is the plan's over 2^halvings: time = time_from + (step - step_from) dt, and a sample
-   * is due sample_steps 2^halvings steps after the last, counted from sample_from. */
+  /* The step is that of the plan / 2^halvings; time = time_from + (step - step_from) dt. A sample
+   * is due every sample_steps 2^halvings steps, counted from sample_from. */
   int halvings;
   double time_from;
   int64_t step_from, sample_from, sample_steps;
   struct watchdog dog;
   struct wcsph_budget budget;
 };
+/* Time of the present state, s. */
 double wcsph_time(const struct wcsph_state *state);
 bool wcsph_sample_due(const struct wcsph_state *state);
-/* Halves or doubles the step from now on; doubling waits for a step on which a sample can fall. */
+/* Halves or doubles the step; doubling is refused (false) except on steps at which a sample can
+ * fall. */
 void wcsph_halve(struct wcsph_state *state);
 bool wcsph_double(struct wcsph_state *state);
 
-/* A copy of the state to go back to, on disk beside the results: it is read after a trip only. */
+/* A copy of the state to return to, on disk next to the results: it is read only after a trip of
+ * the watchdog. */
 struct wcsph_copy {
-  const char *beside; /* a path there; the caller's */
+  const char *beside; /* path next to which the file is made; owned by the caller */
   struct scratch_file file;
   size_t clusters, samples;
   int64_t step, sample_from;
@@ -42,16 +45,17 @@ struct wcsph_copy {
   int halvings;
   struct wcsph_budget budget;
 };
+/* Stores a copy of the state in the file next to copy->beside. */
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
-/* The step stays as it is now, unless it was shorter then. */
+/* Restores the copy; the present step is kept unless the copy's was shorter. */
 enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
 void wcsph_copy_free(struct wcsph_copy *copy);
 size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */
 
-/* Sums over the fluid, in an order that no thread count changes. */
+/* Sums over the fluid, in an order independent of the number of threads. */
 struct wcsph_totals {
   double velocity[3]; /* sum, m/s */
-  double flux[3];     /* sum with the ends at walls: volume integral over the volume of a site */
+  double flux[3];     /* sum including the parts next to walls: volume integral / site volume */
   double square;      /* sum of v^2 */
   double density;     /* sum of rho/rho_0 */
   double compression; /* sum of (rho/rho_0 - 1)^2 */
@@ -60,10 +64,11 @@ struct wcsph_totals {
   size_t densest, thinnest, fastest; /* slots */
   bool finite;
 };
-/* `flux` costs half a step beside subvoxel walls; without it totals.flux is the plain sum. */
+/* `flux` costs half a step with sub-voxel walls; without it totals.flux is the plain sum. */
 enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *totals);
 
-/* /state: everything that a later step depends on; a resumed run goes on bit for bit. */
+/* Write and read /state: everything that later steps depend on, so that a resumed run is bitwise
+ * identical. */
 enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file);
 enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state);
 

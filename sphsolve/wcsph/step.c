@@ -1,5 +1,5 @@
-/* One step of a run, and what falls due after it: the watch, a row of the history, a snapshot, a
- * sample of the Darcy velocity. The particles' own part is engine/engine_step.c. */
+/* One step of a run, and what is due after it: watchdog, history row, snapshot, sample of the Darcy
+ * velocity. The update of the particles is in engine/engine_step.c. */
 #include "common/units.h"
 #include "sphsolve/wcsph/internal.h"
 
@@ -10,7 +10,7 @@ struct monitor_verdict wcsph_verdict(const struct wcsph_run *run) {
   return monitor_judge(&run->state.monitor, run->scene->steady_tolerance, WCSPH_SAMPLES_LEAST);
 }
 
-/* The Darcy velocity along the force first, it decides; then its components. */
+/* First the Darcy velocity along the force, which decides on steadiness, then its components. */
 static void sample_of(const struct wcsph_run *run, const struct wcsph_totals *totals,
                       double value[MONITOR_COMPONENTS]) {
   double n = run->lattice->bulk_count;
@@ -21,8 +21,9 @@ static void sample_of(const struct wcsph_run *run, const struct wcsph_totals *to
   }
 }
 
-/* The live line: k so far and where it goes, density, speed. Without an end the share done is that
- * of the steps planned, or of the orders of magnitude that the error has come down. */
+/* The progress line: present k and its trend, density, speed. Without an end time the completed
+ * fraction is that of the planned steps, or of the orders of magnitude by which the error has
+ * decreased. */
 static void show_progress(const struct wcsph_run *run, double velocity,
                           const struct monitor_verdict *verdict,
                           const struct wcsph_totals *totals) {
@@ -83,7 +84,7 @@ enum status wcsph_step(struct wcsph_run *run, bool *due) {
     return STATUS_OK;
   }
   if (status != STATUS_OK) goto cleanup;
-  /* The watch may change the step, and with it when samples fall. */
+  /* The watchdog may change the step, and with it the times of samples. */
   const bool sample_due = wcsph_sample_due(state);
   if (state->step % WATCH_STEPS == 0 || sample_due || state->step == run->last_step)
     TRY(wcsph_watch(run, &again));

@@ -6,17 +6,17 @@
 #include "common/log.h"
 #include "sphsolve/wcsph/effects/advection.h"
 
-/* Densities between half and one and a half of that at rest: beyond, a pressure proportional to
- * the change of density means nothing. */
+/* Allowed relative deviation from the density at rest: beyond it, a pressure proportional to the
+ * density change is meaningless. */
 #define DENSITY_BAND 0.5
-/* Of the speed of sound: energies below that of such a speed trip no bound (watchdog.h). */
+/* Fraction of the speed of sound: smaller rms speeds do not trip the energy bound (watchdog.h). */
 #define ENERGY_FLOOR 0.125
-/* A state to go back to is kept once this share of a bound is used, or the step is this near to its
- * limit, or where the fluid does not start at rest. */
+/* A state is kept from this used fraction of a bound on, or if the step is this close to its limit,
+ * or if the fluid does not start at rest. */
 #define KEEP_FROM 0.1
 #define KEEP_NEAR_LIMIT 0.85
-/* A particle may move by this share of h in a step (automatic step only). */
-#define ADVECTION 0.25
+/* Largest displacement of a particle per step, in h (automatic step only). */
+#define ADVECTION_MAX 0.25
 
 static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_totals *totals,
                                      double *used) {
@@ -34,15 +34,15 @@ static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_t
   return watchdog_worst(&reading, used);
 }
 
-/* What left its bounds, which particle, where; and why, most likely. */
-static void describe(const struct wcsph_run *run, enum watch_bound bound,
-                     const struct wcsph_totals *totals, char what[160]) {
+/* Describes which quantity exceeded its bound, and for which particle. */
+static void describe_violation(const struct wcsph_run *run, enum watch_bound bound,
+                               const struct wcsph_totals *totals, char what[160]) {
   const struct engine *engine = &run->state.engine;
   double high = totals->density_max - 1, low = 1 - totals->density_min;
   const size_t number = bound != WATCH_DENSITY ? totals->fastest
                         : low > high           ? totals->thinnest
                                                : totals->densest;
-  /* Place and id, from the rank that owns it. */
+  /* Position and id, from the rank that owns the particle. */
   const size_t first = engine_first_slot(engine),
                slot = number - engine_number(engine, first) + first;
   double found[4] = {0};
@@ -108,15 +108,15 @@ cleanup:
   return status;
 }
 
-/* The step that velocities allow: particles do not pass each other in one. */
-static void adapt(struct wcsph_run *run) {
+/* Adapts the step to the velocities, such that particles do not pass each other in one step. */
+static void adapt_step(struct wcsph_run *run) {
   struct wcsph_state *state = &run->state;
   double h = state->engine.settings.smoothing_length, speed = state->engine.speed_max;
   if (!isnan(run->scene->wcsph.dt)) return;
-  if (speed * state->engine.settings.dt > ADVECTION * h)
+  if (speed * state->engine.settings.dt > ADVECTION_MAX * h)
     wcsph_halve(state);
   else if (state->halvings > state->dog.halvings &&
-           3 * speed * state->engine.settings.dt < ADVECTION * h)
+           3 * speed * state->engine.settings.dt < ADVECTION_MAX * h)
     wcsph_double(state);
 }
 
@@ -143,7 +143,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
   TRY(wcsph_sum(&state->engine, false, &totals));
   enum watch_bound worst = check_bounds(run, &totals, &used);
   if (used >= 1) {
-    describe(run, worst, &totals, what);
+    describe_violation(run, worst, &totals, what);
     *again = true;
     TRY(wcsph_step_back(run, wcsph_run_time(run), what));
   } else {
@@ -152,7 +152,7 @@ enum status wcsph_watch(struct wcsph_run *run, bool *again) {
       TRY(wcsph_keep(state, &run->copy));
       watchdog_keep(&state->dog, state->step, used);
     }
-    adapt(run);
+    adapt_step(run);
   }
   wcsph_set_last_step(run);
 cleanup:

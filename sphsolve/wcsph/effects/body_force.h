@@ -1,5 +1,5 @@
-/* Gravity, acceleration and mean pressure gradient, the same everywhere: dv_i/dt = f
- * (Saomoto et al. 2006, eq. 7). */
+/* Uniform gravity, acceleration and mean pressure gradient: dv_i/dt = f (Saomoto et al. 2006, eq.
+ * 7). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_BODY_FORCE_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_BODY_FORCE_H
 
@@ -17,7 +17,7 @@ static inline bool wcsph_body_force_wanted(const struct effect_context *context,
   return context->driving > 0;
 }
 
-/* Monaghan (1992): a force moves a particle from rest by at most h/32 a step. */
+/* Monaghan (1992): in one step a force moves a particle from rest by at most h/32. */
 static inline double wcsph_body_force_dt(const struct effect_context *context) {
   return 0.25 * sqrt(context->smoothing_length / context->driving);
 }

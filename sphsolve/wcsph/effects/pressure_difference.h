@@ -1,7 +1,10 @@
-/* Pressure force from differences, blind to a constant pressure and to the order of the particles.
- *   dv_i/dt = -(1/rho_0) sum_j V (P_j - P_i) grad_i W,     P of a wall = P_i, or adami's P_w
+/* Pressure force from differences, independent of a constant pressure and of the order of the
+ * particles.
+ *
+ * dv_i/dt = -(1/rho_0) sum_j V (P_j - P_i) grad_i W, P of a wall = P_i, or adami's P_w
+ *
  * The divergence of density_continuity.h is its exact transpose on the lattice. There is no
- * background pressure to pin particles to a frozen lattice, which is why k does not depend on the
+ * background pressure that would hold particles near a frozen lattice, so k does not depend on the
  * sound speed. (Morris, Fox, Zhu 1997 discuss the choice; Sun et al. 2017 use it under tension.) */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFERENCE_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFERENCE_H

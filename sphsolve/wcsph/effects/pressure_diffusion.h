@@ -1,15 +1,18 @@
-/* Diffusion of pressure, against the checkerboard that central differences do not see.
- *   dp_i/dt += D sum_j 2 V (-(1/r) dW/dr) (p_j - p_i)
- * Molteni, Colagrossi (2009), eq. 9, without gradient correction. Beside walls D = gamma c^2, so
- * that the steady divergence it leaves, gamma lap p, depends neither on the sound speed nor on the
- * step; that needs more than an explicit step bears, so p_i itself is taken at the end of the step:
- * the sum of weights w gives p_i' = p_i + dt rate/(1 + dt D w), which only slows sound down. */
+/* Diffusion of pressure, to damp alternating pressures, which central differences do not detect.
+ *
+ * dp_i/dt += D sum_j 2 V (-(1/r) dW/dr) (p_j - p_i) (Molteni, Colagrossi 2009, eq. 9, without
+ * gradient correction)
+ *
+ * Next to walls D = gamma c^2, so that the remaining steady divergence, gamma lap p, depends
+ * neither on the sound speed nor on the step. This exceeds the stability limit of an explicit step,
+ * so p_i itself is taken at the end of the step: with the sum of weights w, p_i' = p_i + dt rate/(1
+ * + dt D w), which only reduces the speed of sound. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFUSION_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_DIFFUSION_H
 
 #include "sphsolve/wcsph/engine/simd.h"
 
-/* The weight of (p_j - p_i) is slope times a constant; their sum. */
+/* Sum of the weights of (p_j - p_i), which are proportional to `slope`. */
 SIMD_INLINE void pressure_diffusion_pair(vec slope, vec *weights) {
   *weights += slope;
 }

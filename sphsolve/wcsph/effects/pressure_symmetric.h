@@ -1,10 +1,10 @@
-/* Pressure force, symmetric in the pair, so that momentum is kept.
- * (Saomoto et al. 2006, eq. 7; Monaghan 1992):
+/* Pressure force, symmetric in the pair, so that momentum is conserved (Saomoto et al. 2006, eq. 7;
+ * Monaghan 1992):
  *
- *   dv_i/dt = - sum_j m (P_i/rho_i^2 + P_j/rho_j^2) grad_i W.
+ * dv_i/dt = - sum_j m (P_i/rho_i^2 + P_j/rho_j^2) grad_i W.
  *
- * With q = rho_0/rho, P/rho^2 = (c^2/rho_0) b, b = q - ratio q^2, ratio = rho_lattice/rho_0
- * for the gauge pressure and 0 for the absolute one. */
+ * With q = rho_0/rho, P/rho^2 = (c^2/rho_0) b, b = q - ratio q^2, ratio = rho_lattice/rho_0 for the
+ * gauge pressure and 0 for the absolute one. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_SYMMETRIC_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_PRESSURE_SYMMETRIC_H
 

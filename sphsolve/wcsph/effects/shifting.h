@@ -1,28 +1,28 @@
-/* Particle shifting: particles drift to where they are fewer, so that streamlines that part do not
- * leave voids between them (Lind et al. 2012, eq. 15):
+/* Particle shifting: particles drift towards lower particle concentration, so that diverging
+ * streamlines leave no voids (Lind et al. 2012, eq. 15):
  *
- *   dx_i/dt = v_i + u_i,   u_i = -A U h sum_j V grad_i W,
+ * dx_i/dt = v_i + u_i, u_i = -A U h sum_j V grad_i W,
  *
- * U the largest fluid speed, |u_i| <= U/4. Velocity and pressure are carried along (Sun et al.
+ * U the largest fluid speed, |u_i| <= U/4. Velocity and pressure are transported along (Sun et al.
  * 2019, eq. 2):
  *
- *   dv_i/dt += (u_i . grad) v_i,   dp_i/dt += (u_i . grad) p_i.
+ * dv_i/dt += (u_i . grad) v_i, dp_i/dt += (u_i . grad) p_i.
  *
- * With A = 1 a Taylor-Green flow at Re 100 still gets voids. A larger A is better up to the limit
- * of an explicit step,
+ * With A = 1 a Taylor-Green flow at Re 100 still develops voids. A larger A is better up to the
+ * limit of an explicit step,
  *
- *   A U h K dt < 2,   K the largest eigenvalue of sum V grad W on the lattice:
+ * A U h K dt < 2, K the largest eigenvalue of sum V grad W on the lattice.
  *
- * beyond it particles oscillate at U/4, and the flow loses its energy to them. So A = 16 where the
- * step allows it, and the step is made to allow 12. */
+ * Beyond it particles oscillate at U/4 and drain the energy of the flow. So A = 16 where the step
+ * permits it, and the step is chosen to permit 12. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 
 #include "sphsolve/wcsph/engine/simd.h"
 
 #define SHIFTING_STRENGTH 16.0
-#define SHIFTING_STRENGTH_LEAST 12.0 /* that the time step must allow */
-#define SHIFTING_STABLE 1.4          /* of A U h K dt */
+#define SHIFTING_STRENGTH_LEAST 12.0 /* which the time step must permit */
+#define SHIFTING_STABLE 1.4          /* largest A U h K dt */
 #define SHIFTING_LIMIT 0.25
 
 SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
@@ -31,7 +31,7 @@ SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
   sum[2] += slope * z;
 }
 
-/* Factor of slope (f_j - f_i) in (u_i . grad) f, on top of another. */
+/* Adds the factor of slope (f_j - f_i) in (u_i . grad) f. */
 SIMD_INLINE vec shifting_carry(vec factor, vec x, vec y, vec z, const vec u[3]) {
   return factor + u[0] * x + u[1] * y + u[2] * z;
 }

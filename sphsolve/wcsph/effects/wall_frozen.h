@@ -1,5 +1,5 @@
-/* Grains as frozen fluid particles (Saomoto et al. 2006): the loops take wall particles for fluid
- * at rest. Every gap is one spacing too wide. */
+/* Grains as frozen fluid particles (Saomoto et al. 2006): the loops treat wall particles as fluid
+ * at rest. Every gap becomes one spacing too wide. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_FROZEN_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_FROZEN_H
 

@@ -1,4 +1,4 @@
-/* Walls that move in their own plane with a prescribed velocity v_w, in the images of
+/* Walls that move in their own plane with a prescribed velocity v_w, for the image velocities of
  * wall_subvoxel.h and wall_adami.h (Morris, Fox, Zhu 1997). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_MOVING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_MOVING_H

@@ -1,12 +1,16 @@
-/* No-slip at the true surface between the sites.
- * The wall particle b moves so that the velocity runs on through the surface,
- *   v_b = v_w - (v_a - v_w) d_b/d_a - kappa d_b (d_a + d_b),     d the distances to the surface,
- * linear (Morris, Fox, Zhu 1997, without their cap; floor of .02 spacings under d_a) and
+/* No-slip at the true surface between the sites. The velocity of wall particle b continues the
+ * profile through the surface,
+ *
+ * v_b = v_w - (v_a - v_w) d_b/d_a - kappa d_b (d_a + d_b), d the distances to the surface,
+ *
+ * first linearly (Morris, Fox, Zhu 1997, without their upper limit; d_a is at least .02 spacings),
  * then with the curvature kappa of the velocity (after Basa, Quinlan, Lastiwka 2009). The curvature
- * is what the momentum equation dictates: nu times twice kappa balances the viscous acceleration of
- * a itself, so with beta = sum_b V (-(1/r) dW/dr) d_b (d_a + d_b)
- *   A_viscous = A_linear / (1 - beta).
- * Where the distances are not those of a smooth surface (edges, noise) beta is left out: linear. */
+ * follows from the momentum equation: nu times twice kappa balances the viscous acceleration of a
+ * itself, so with beta = sum_b V (-(1/r) dW/dr) d_b (d_a + d_b)
+ *
+ * A_viscous = A_linear / (1 - beta).
+ *
+ * Where the distances are not those of a smooth surface (edges, noise), beta is omitted. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 
@@ -15,9 +19,9 @@
 #define WALL_SUBVOXEL_FLOOR 0.02 /* spacings */
 #define WALL_SUBVOXEL_BETA_MAX 0.7
 
-/* Weights of -(v_a - v_w) and of the curvature. Lengths in h. Distances of two points differ by no
- * more than they are apart, so d_b is cut there; `rough` grows where they differ by more than a
- * tenth beyond it. */
+/* Weights of -(v_a - v_w) and of the curvature. Lengths in h. The distances of two points differ by
+ * at most the length between them, so d_b is limited accordingly; `rough` increases where they
+ * differ by more than a tenth beyond it. */
 SIMD_INLINE void wall_subvoxel_pair(vec slope, vec s, vec d_a, vec inverse_d_a, vec d_b,
                                     vec *weight, vec *beta, vec *rough) {
   vec zero = vec_set(0.0f);

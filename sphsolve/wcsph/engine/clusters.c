@@ -5,10 +5,11 @@
 
 #include "common/memory.h"
 
-/* Room a box may grow by, in fixed-point units: a quarter of all keeps differences unambiguous. */
-#define GROWTH_MOST 0x1p29
+/* Largest growth of a box, in fixed-point units: a quarter of the range keeps differences
+ * unambiguous. */
+#define GROWTH_MAX 0x1p29
 
-/* The box around members given by their extent about `first`. */
+/* Box around members whose extent is given relative to `first`. */
 static void box_of(const uint32_t first[3], const int64_t low[3], const int64_t high[3],
                    struct cluster_box *box) {
   for (int a = 0; a < 3; a++) {
@@ -40,8 +41,8 @@ enum status cluster_boxes_fluid(const struct particles *p, double horizon, doubl
         if (p->shift[0] != NULL) path += (double)p->shift[a][i];
         path *= horizon * per_unit[a];
         double around = fabs(path) * swerve + margin * per_unit[a];
-        double back = fmax(fmin(path, 0) - around, -GROWTH_MOST);
-        double ahead = fmin(fmax(path, 0) + around, GROWTH_MOST);
+        double back = fmax(fmin(path, 0) - around, -GROWTH_MAX);
+        double ahead = fmin(fmax(path, 0) + around, GROWTH_MAX);
         int32_t at = (int32_t)(p->x[a][i] - origin[a]);
         int64_t from = at + (int64_t)back, to = at + (int64_t)ahead;
         low[a] = from < low[a] ? from : low[a];
@@ -87,7 +88,7 @@ static size_t cell_of(const struct frame *frame, const struct cluster_bins *bins
                       const uint32_t at[3]) {
   size_t cell[3];
   for (int a = 0; a < 3; a++) {
-    /* A centre may lie beyond the box by its own image: fold it back. */
+    /* A centre may lie in an image of the box: fold it back. */
     const uint32_t folded = at[a] << frame->image_bits[a];
     cell[a] = ((uint64_t)folded * (uint64_t)bins->cells[a]) >> 32;
   }
@@ -116,7 +117,7 @@ enum status cluster_bins_make(const struct frame *frame, const struct cluster_se
     for (size_t m = 0; m < n; m++) {
       const struct cluster_box *box = &set->boxes[bins->member[m]];
       bins->centre[a][m] = (uint16_t)(box->centre[a] >> 16);
-      /* The centre as kept lies up to 2^15 units off. */
+      /* The stored centre deviates by up to 2^15 units. */
       bins->half[a][m] = (uint16_t)((box->half[a] + 0x17fffu) >> 16);
       const uint32_t half = cluster_bins_half(bins, a, m);
       if (half > bins->half_max[a]) bins->half_max[a] = half;

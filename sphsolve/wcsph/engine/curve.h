@@ -1,4 +1,4 @@
-/* Position along Hilbert's curve (Skilling 2004, "Programming the Hilbert curve"). */
+/* Position along the Hilbert curve (Skilling 2004, "Programming the Hilbert curve"). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_CURVE_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_CURVE_H
 

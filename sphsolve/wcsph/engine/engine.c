@@ -11,8 +11,8 @@
 #include "sphsolve/wcsph/engine/engine_walls.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
-/* Walls farther than this, in spacings, beyond the support of the fluid's sites are left out. */
-#define WALL_ROOM 0.8
+/* Walls deeper than the support plus this, in spacings, are omitted. */
+#define WALL_MARGIN 0.8
 
 static enum status set_velocities(struct engine *engine) {
   enum status status = STATUS_OK;
@@ -33,8 +33,8 @@ cleanup:
   return status;
 }
 
-/* Columns that the buffer of a row cluster has room for: half of the sites within its reach, as the
- * others are walls too deep or out of reach of its rows, and 2048 more. */
+/* Capacity of the buffer of a row cluster in columns: half of the sites within its reach, as the
+ * others are walls too deep or out of reach of its rows, plus 2048. */
 static size_t local_capacity(const struct lattice *lattice, double support) {
   double sites = 1;
   for (int a = 0; a < 3; a++)
@@ -43,14 +43,14 @@ static size_t local_capacity(const struct lattice *lattice, double support) {
   return ((size_t)(0.5 * sites) + 2048) / SIMD_LANES * SIMD_LANES;
 }
 
-/* Pairs a thread from which on two take a tenth less time than one on an idle machine. */
-#define PAIRS_A_THREAD 30e3
+/* Pairs per thread above which two threads need 10 % less time than one on an idle machine. */
+#define PAIRS_PER_THREAD 30e3
 
 int engine_threads(const struct lattice *lattice, double support, int most) {
   double neighbours = lattice->dimensions == 3 ? 4.19 : 3.14;
   for (int a = 0; a < 3; a++)
     if (lattice->dimensions == 3 || a != 1) neighbours *= support / lattice->spacing[a];
-  return threads_for(neighbours * (double)lattice->fluid_count, PAIRS_A_THREAD, most);
+  return threads_for(neighbours * (double)lattice->fluid_count, PAIRS_PER_THREAD, most);
 }
 
 static enum status make_locals(struct engine *engine) {
@@ -72,7 +72,7 @@ cleanup:
   return status;
 }
 
-/* The fluid on its sites: on ranks, each a run of it. */
+/* Places the fluid on its sites; with several ranks, each a contiguous range. */
 static enum status place(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
@@ -84,7 +84,7 @@ static enum status place(struct engine *engine) {
     end = partition[1] * CLUSTER < end ? partition[1] * CLUSTER : end;
   }
   struct particle_fields now = engine->fields;
-  now.eulerian = false; /* not yet: particles_make_site_terms */
+  now.eulerian = false; /* made later by particles_make_site_terms */
   TRY(particles_place(engine->lattice, &now, first, end - first, p));
 cleanup:
   return status;
@@ -107,11 +107,11 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   }
   const double spacing = pow(volume, 1.0 / lattice->dimensions);
   TRY(pair_table_choose(s->kernel, &engine->table));
-  /* A cluster as it was cut, and what its members may have gone and may go on both sides. */
+  /* Extent of a new cluster, plus the past and future displacement of its members on both sides. */
   double reach = ENGINE_REACH * widest, room = 2 * (1 + ENGINE_SWERVE) * ENGINE_PATH * spacing;
-  TRY(particles_make(lattice, s->support + WALL_ROOM * spacing, reach,
+  TRY(particles_make(lattice, s->support + WALL_MARGIN * spacing, reach,
                      2 * (s->support + 2 * (reach + room)), &engine->fields, &engine->particles));
-  if (ranks_count() > 1) TRY(engine_order_walls(engine, s->support + WALL_ROOM * spacing));
+  if (ranks_count() > 1) TRY(engine_order_walls(engine, s->support + WALL_MARGIN * spacing));
   TRY(place(engine));
   if (engine->fields.wall_base) TRY(engine_sum_wall_base(engine));
   TRY(set_velocities(engine));
@@ -136,7 +136,7 @@ enum status engine_make(const struct lattice *lattice, const struct engine_setti
   pass->w_scale = volume * alpha;
   pass->g_scale = 5 * volume * alpha / (2 * h);
   pass->l_scale = 5 * volume * alpha / (4 * h * h);
-  if (s->wall != PASS_FROZEN) { /* exact on the lattice */
+  if (s->wall != PASS_FROZEN) { /* gradients exact on the lattice */
     pass->g_scale /= s->moment;
     pass->l_scale /= s->moment;
   }

@@ -1,5 +1,5 @@
-/* The weakly compressible engine: particles, lists and passes put together into a time step. It
- * knows numbers and lattices, no scene and no file. */
+/* The weakly compressible engine: particles, neighbour lists and pair passes combined into a time
+ * step. It depends on numbers and lattices, not on scenes or files. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_ENGINE_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_ENGINE_H
 
@@ -10,17 +10,17 @@
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/parallel/ghosts.h"
 
-/* Clusters are cut when wider than this; lists are made for paths of ENGINE_PATH, with so much
- * around them (see cluster_boxes_fluid). All in spacings; measured on sand models,
+/* In spacings: largest width of a cluster; path length for which lists are made, and their
+ * additional margin relative to the path (see cluster_boxes_fluid). Optimised on sand models,
  * docs/performance.md. */
 #define ENGINE_REACH 4.0
 #define ENGINE_PATH 1.5
 #define ENGINE_SWERVE 0.4
 
-/* A force that an effect brings in its own file (struct effect): the accelerations, m/s^2, of slots
+/* Force of an effect in its own file (struct effect): writes the accelerations, m/s^2, of slots
  * engine_first_slot to engine_end_slot, from the engine at the start of a step. */
 typedef void engine_force(const void *engine, double (*acceleration)[3]);
-#define ENGINE_OWN 4 /* at most */
+#define ENGINE_OWN 4 /* largest number */
 struct engine_own {
   const char *name;
   engine_force *force;
@@ -36,7 +36,8 @@ struct engine_settings {
   double rest_ratio;                          /* see struct pass */
   double pressure_diffusion;                  /* m^2/s */
   double moment, shifting_stiffness, weights; /* 1, 1/m^2, 1/m^2, see struct lattice_modes */
-  const double (*region_velocity)[3];         /* of lattice->region - 1; NULL: nothing moves */
+  /* Indexed by lattice->region - 1; NULL: nothing moves. */
+  const double (*region_velocity)[3];
   size_t region_count;
   bool wall_moves;
   struct engine_own own[ENGINE_OWN];
@@ -55,12 +56,12 @@ enum engine_phase {
   PHASE_COUNT
 };
 
-/* What a rank has to know of the others; empty where there are none. */
+/* Data of a rank about the others; empty with one rank. */
 struct engine_ranks {
   struct ghosts fluid, walls;
-  uint32_t *blocks; /* of own rows: first those that read no ghost */
+  uint32_t *blocks; /* blocks of own rows: first the `inner` ones, which read no ghost */
   size_t inner, count;
-  double *work; /* of own rows, by units of the partition; NULL: not known */
+  double *work; /* per unit of the partition of own rows; NULL: unknown */
   double work_sum;
 };
 
@@ -70,48 +71,53 @@ struct engine {
   struct particles particles;
   struct particle_fields fields;
   struct neighbour_list fluid_fluid, fluid_wall, wall_fluid;
-  struct cluster_set boxes; /* of the fluid, with room for paths: the lists hold in them */
+  struct cluster_set boxes; /* of the fluid, with room for paths: the lists are valid in them */
   struct cluster_bins wall_bins;
   const struct pair_table *table;
   struct pass pass;
   int threads;
   struct local *locals;
-  double moved;     /* m: longest path of any particle since they were ordered; INFINITY: never */
+  /* M: longest path of any particle since the last ordering; INFINITY: never ordered. */
+  double moved;
   double speed_max; /* m/s */
-  bool listed;      /* the lists hold: no particle has left its box */
-  bool terms_known; /* the site terms of all own particles */
-  /* Directed, when last counted: of fluid with all, with fluid alone, of walls with fluid. */
+  bool listed;      /* the lists are valid: no particle has left its box */
+  bool terms_known; /* the site terms of all own particles are known */
+  /* Directed pairs at the last count: of fluid with all, of fluid with fluid, of walls with
+   * fluid. */
   uint64_t pairs_fluid, pairs_alone, pairs_wall;
-  double pair_interactions; /* evaluated so far: pairs, once for each equation they enter */
+  double pair_interactions; /* pairs evaluated so far, counted for each equation they enter */
   double seconds[PHASE_COUNT];
   uint64_t rebuilds, steps;
   struct engine_ranks ranks;
-  double (*acceleration)[3]; /* m/s^2, of an own force; NULL where there is none */
-  /* What each own force gives in a second, over the mass of a particle; by the last engine_budget.
-   */
+  double (*acceleration)[3]; /* m/s^2, of an effect's own force; NULL if there is none */
+  /* Impulse and work of each own force per second and mass of a particle, from the last
+   * engine_budget. */
   struct engine_force_sum {
     double impulse[3], work; /* m/s^2, m^2/s^3 */
   } own_sum[ENGINE_OWN];
 };
 
-/* The arrays that particles need with these settings. */
+/* Arrays that particles need with these settings. */
 struct particle_fields engine_fields(const struct engine_settings *settings);
-/* The lattice must outlive the engine. */
+/* Makes the engine. The lattice must outlive it. */
 enum status engine_make(const struct lattice *lattice, const struct engine_settings *settings,
                         struct engine *engine);
 void engine_free(struct engine *engine);
+/* Advances the particles by one time step; STATUS_NUMERIC if too many have clustered at one
+ * place. */
 enum status engine_step(struct engine *engine);
-/* Collective (common/ranks.h): waits for ghosts under way. */
+/* Collective (common/ranks.h): waits for ghosts in transfer. */
 void engine_await_ghosts(struct engine *engine);
-/* Collective: which of so many clusters of fluid are this rank's to hold, from slot 0 on. */
+/* Collective: assigns `clusters` fluid clusters to the ranks; a rank stores its own from slot 0
+ * on. */
 enum status engine_partition(struct engine *engine, size_t clusters);
-/* Collective, where own clusters were put in place by hand: they are partitioned as they are. */
+/* Collective, after own clusters were set by the caller: partitions them as they are. */
 enum status engine_adopt_partition(struct engine *engine);
-/* Collective: sums over blocks of so many slots, `size` bytes each, of which this rank has its own;
- * then it has all. */
+/* Collective: gathers sums over blocks of `slots` slots, `size` bytes each, from the ranks that own
+ * the blocks. */
 enum status engine_gather_blocks(const struct engine *engine, size_t slots, void *sums,
                                  size_t size);
-/* Slots that this rank computes. */
+/* Range of slots that this rank computes. */
 static inline size_t engine_first_slot(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.partition != NULL ? engine->ranks.fluid.begin * CLUSTER : 0;
 }
@@ -119,7 +125,7 @@ static inline size_t engine_end_slot(const struct engine *engine) {
   return RANKS && engine->ranks.fluid.partition != NULL ? engine->ranks.fluid.end * CLUSTER
                                                         : particles_slots(&engine->particles);
 }
-/* The place of an own slot in the order of all, and how many that has. */
+/* Global index of an own slot, and the global number of slots. */
 static inline size_t engine_number(const struct engine *engine, size_t slot) {
   const struct ghosts *g = &engine->ranks.fluid;
   return RANKS && g->partition != NULL ? slot + (g->partition[ranks_own()] - g->begin) * CLUSTER
@@ -135,34 +141,36 @@ static inline bool engine_has_walls(const struct engine *engine) {
   return (RANKS && w->partition != NULL ? w->partition[ranks_count()]
                                         : engine->particles.wall_clusters) > 0;
 }
+/* Changes the time step, s. */
 void engine_set_dt(struct engine *engine, double dt);
-/* Gives back what the next step makes anew: lists and their boxes. No bit depends on it. */
+/* Frees data that the next step makes anew (lists and their boxes). Results stay bitwise
+ * unchanged. */
 void engine_drop_lists(struct engine *engine);
-/* rho/rho_0 and the gauge pressure over rho_0 c^2 of a slot. */
+/* rho/rho_0, and the gauge pressure / (rho_0 c^2), of a slot. */
 double engine_density(const struct engine *engine, size_t slot);
 double engine_pressure(const struct engine *engine, size_t slot);
-/* Distance of a slot to the wall, m: that of the nearest site, continued as the plane it is the
- * distance to. (Interpolation between the sites would cut off the ridge in the middle of a narrow
- * pore, which brakes what flows there: by 10 % in a sand whose pores are two sites wide.) Negated
- * where the field at the nearest site changes faster than a distance can (noise): the curvature of
- * the velocity is then left out. */
+/* Distance of a slot to the wall, m: that of the nearest site, extrapolated as the distance to a
+ * plane. (Interpolation between sites would cut off the maximum in the middle of a narrow pore,
+ * which reduces the flow there: by 10 % in a sand whose pores are two sites wide.) Negative where
+ * the field at the nearest site changes faster than a distance can (noise): the curvature of the
+ * velocity is then omitted. */
 double engine_wall_distance(const struct engine *engine, size_t slot);
-/* Force and pressure gradient on every fluid particle, m/s^2, as particles.v_next - particles.v
- * until the next step. Changes no bit of what comes. */
+/* Acceleration of every fluid particle by force and pressure gradient, m/s^2, as particles.v_next -
+ * particles.v until the next step. Later results stay bitwise unchanged. */
 enum status engine_find_acceleration(struct engine *engine);
-/* What the next step's effects give the fluid, and what there is before it; changes no bit of what
- * comes. */
+/* Momentum and energy of the fluid, and the contributions of all effects in the next step. Later
+ * results stay bitwise unchanged. */
 enum status engine_budget(struct engine *engine, struct pass_budget *total);
-/* Collective: v += dt a of each own force in turn, in the order of the registry; with `sums` what
- * each gives goes to engine.own_sum. */
+/* Collective: v += dt a for each own force in turn, in the order of the registry; with `sums` the
+ * contributions are stored in engine.own_sum. */
 enum status engine_kick(struct engine *engine, bool sums);
-/* Most bytes held at any time, everything of the engine included, per fluid site and per wall site:
- * what plans are made with; tests/cli/memory.bats holds it against the count of a run. */
+/* Largest number of bytes of the whole engine per fluid site and per wall site, used by plans;
+ * tests/cli/memory.bats compares them with the memory of a run. */
 double engine_bytes_fluid(const struct engine_settings *settings);
 double engine_bytes_wall(const struct engine_settings *settings);
-/* Per thread; `support` in m. */
-/* Threads that the pairs of a lattice keep busy. */
+/* Number of threads that the pairs of a lattice can use, at most `most`; `support` in m. */
 int engine_threads(const struct lattice *lattice, double support, int most);
+/* Bytes per thread; `support` in m. */
 double engine_bytes_thread(const struct lattice *lattice, double support);
 
 #endif

@@ -8,7 +8,7 @@
 #include "sphsolve/wcsph/engine/site_terms.h"
 #include "sphsolve/geometry/wall_shape.h"
 
-/* Upper bound of beta, as method stokes has it: what a pore one site wide has. */
+/* Upper bound of beta, as in method stokes: its value in a pore one site wide. */
 #define BETA_MAX 0.75
 
 static double distance_of(const struct engine *engine, double there) {
@@ -18,7 +18,7 @@ static double distance_of(const struct engine *engine, double there) {
 void engine_eulerian_begin(struct engine *engine) {
   struct particles *p = &engine->particles;
   const float *field = engine->lattice->wall_distance;
-  p->distance = p->v_next[0]; /* a row reads its distance before it writes its sums */
+  p->distance = p->v_next[0]; /* each row reads its distance before it writes its sums */
   const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
   for (size_t i = first; i < end; i++)
@@ -41,7 +41,7 @@ void engine_eulerian_finish(struct engine *engine) {
     struct site_terms terms = {.weight = (double)p->v_next[0][i]};
     double beta = pass->l_scale * h * h * (double)p->v_next[1][i], m[6];
     const bool beside = terms.weight > 0;
-    if (beta > 0) { /* the wall bends the profile: stokes/effects/wall_subvoxel.h */
+    if (beta > 0) { /* curved wall: stokes/effects/wall_subvoxel.h */
       beta /= 1 - 0.5 * d * wall.curvature;
       terms.weight += fmax(beta * wall.curvature / (2 * pass->l_scale * d), -0.5 * terms.weight);
     }

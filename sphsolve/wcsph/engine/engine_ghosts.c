@@ -1,25 +1,25 @@
-/* Lists on ranks. A rank tells all what its rows reach in a few coarse boxes, is sent the clusters
- * that come near them, makes its lists with those, and then holds what the lists name: its ghosts,
- * in the order of all. */
+/* Neighbour lists on several ranks. Each rank sends the extent of its rows to all others as a few
+ * coarse boxes, receives the clusters near them, makes its lists with these, and then keeps the
+ * clusters that the lists name: its ghosts, in global order. */
 #include <string.h>
 
 #include "common/memory.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
-/* Rows in a coarse box, at least; and boxes of a rank, at most, about. */
-#define COARSE_LEAST 32
-#define COARSE_MOST 1024
+/* Minimum number of rows in a coarse box, and approximate maximum number of boxes per rank. */
+#define COARSE_ROWS_MIN 32
+#define COARSE_BOXES_MAX 1024
 
-/* A cluster of another rank: its place in the order of all, and its box. */
+/* A cluster of another rank: its global index and its box. */
 struct near {
   uint32_t number;
   struct cluster_box box;
 };
 
-/* Clusters that a rank has while it makes lists: its own [set.begin, set.end) and near ones. */
+/* Clusters that a rank has while it makes lists: its own [set.begin, set.end) and nearby ones. */
 struct gathered {
   struct cluster_set set;
-  uint32_t *number; /* of each in the order of all; then: among those held */
+  uint32_t *number; /* global index of each; later the index among the clusters held */
   uint8_t *wanted;
 };
 
@@ -29,8 +29,8 @@ static void gathered_free(struct gathered *known) {
   memory_free(&known->wanted);
 }
 
-/* Around `count` boxes; differences from the first are those on the circle of fixed-point numbers.
- */
+/* Box around `count` boxes; differences from the first are those of periodic fixed-point
+ * numbers. */
 static struct cluster_box box_around(const struct cluster_box *boxes, size_t count) {
   struct cluster_box around = boxes[0];
   for (int a = 0; a < 3; a++) {
@@ -47,7 +47,7 @@ static struct cluster_box box_around(const struct cluster_box *boxes, size_t cou
   return around;
 }
 
-/* Whether two boxes, or images of them, come within `range` of each other. */
+/* Whether two boxes, or images of them, are within `range` of each other. */
 static bool is_near(const struct frame *frame, const struct cluster_box *a,
                     const struct cluster_box *b, double range) {
   double square = 0;
@@ -63,18 +63,18 @@ static bool is_near(const struct frame *frame, const struct cluster_box *a,
 }
 
 static size_t coarse_rows(size_t rows) {
-  const size_t least = (rows + COARSE_MOST - 1) / COARSE_MOST;
-  return least > COARSE_LEAST ? least : COARSE_LEAST;
+  const size_t least = (rows + COARSE_BOXES_MAX - 1) / COARSE_BOXES_MAX;
+  return least > COARSE_ROWS_MIN ? least : COARSE_ROWS_MIN;
 }
 static size_t coarse_count(size_t rows) {
   return (rows + coarse_rows(rows) - 1) / coarse_rows(rows);
 }
 
-/* Collective: coarse boxes of the rows of all ranks, rank by rank from start[r] on; of the fluid,
- * and of walls where they are rows (`walls` not NULL). */
-static enum status tell_rows(const struct ghosts *fluid, const struct cluster_box *own,
-                             const struct ghosts *walls, const struct cluster_box *own_walls,
-                             size_t *start, struct cluster_box **boxes) {
+/* Collective: gathers the coarse boxes of the rows of all ranks, those of rank r from start[r] on;
+ * of the fluid, and of walls if these are rows (`walls` not NULL). */
+static enum status gather_rows(const struct ghosts *fluid, const struct cluster_box *own,
+                               const struct ghosts *walls, const struct cluster_box *own_walls,
+                               size_t *start, struct cluster_box **boxes) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count();
   start[0] = 0;
@@ -96,7 +96,8 @@ cleanup:
   return status;
 }
 
-/* Own clusters that come near the rows of a rank, in their order: to `out`, or counted (NULL). */
+/* Finds own clusters near the rows of a rank, in their order: stored in `out`, or only counted
+ * (NULL). */
 static enum status find_near(const struct frame *frame, const struct ghosts *g,
                              const struct cluster_box *own, const struct cluster_box *rows,
                              size_t count, double range, struct near *out, size_t *found) {
@@ -130,7 +131,7 @@ cleanup:
   return status;
 }
 
-/* Collective: own clusters, and those of other ranks near the rows here. */
+/* Collective: gathers own clusters, and those of other ranks near the rows of this rank. */
 static enum status gather(const struct frame *frame, const struct ghosts *g,
                           const struct cluster_box *own, const size_t *rows_start,
                           const struct cluster_box *rows, double range, struct gathered *known) {
@@ -177,7 +178,8 @@ cleanup:
   return status;
 }
 
-/* Marks what rows [begin, end) of a list name; returns whether any is another rank's. */
+/* Marks the clusters that rows [begin, end) of a list name; returns whether any belongs to another
+ * rank. */
 static bool mark_ghosts(struct gathered *known, const struct neighbour_list *list, size_t begin,
                         size_t end) {
   bool any = false;
@@ -202,7 +204,7 @@ static double words_of(const struct neighbour_list *list, size_t begin, size_t e
   return sum;
 }
 
-/* Work is what the pair loops look at. */
+/* Measures work by the number of list words that the pair loops read. */
 static enum status count_work(struct engine *engine, size_t begin, size_t end) {
   enum status status = STATUS_OK;
   struct engine_ranks *ranks = &engine->ranks;
@@ -222,7 +224,7 @@ cleanup:
   return status;
 }
 
-/* Which clusters are to be held, own and wanted: known->number becomes their place there. */
+/* Numbers the clusters to be held, own and wanted ones: known->number becomes their new index. */
 static enum status choose_held(struct ghosts *g, struct gathered *known, size_t *held) {
   enum status status = STATUS_OK;
   const size_t begin = known->set.begin, end = known->set.end;
@@ -243,9 +245,9 @@ cleanup:
   return status;
 }
 
-/* Collective: the clusters chosen take their places; *own: those of this rank. */
-static enum status take_places(struct engine *engine, struct gathered *fluid,
-                               struct gathered *walls) {
+/* Collective: moves the chosen clusters to their new indices. */
+static enum status place_clusters(struct engine *engine, struct gathered *fluid,
+                                  struct gathered *walls) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   struct ghosts *g = &engine->ranks.fluid, *w = &engine->ranks.walls;
@@ -258,7 +260,7 @@ static enum status take_places(struct engine *engine, struct gathered *fluid,
   TRY(neighbours_renumber(&engine->fluid_fluid, fluid->number, first));
   TRY(neighbours_renumber(&engine->fluid_wall, walls->number, first));
   TRY(neighbours_renumber(&engine->wall_fluid, fluid->number, first_wall));
-  /* Boxes of own rows alone stay. */
+  /* Only the boxes of own rows are kept. */
   struct cluster_set *boxes = &engine->boxes;
   cluster_set_free(boxes);
   *boxes = fluid->set;
@@ -298,7 +300,7 @@ enum status engine_list_distributed(struct engine *engine, double range, double 
   TRY(cluster_boxes_wall(p, &wall_boxes));
   const struct cluster_box *own = engine->boxes.boxes + g->begin;
   const struct cluster_box *own_walls = wall_boxes.boxes + w->begin;
-  TRY(tell_rows(g, own, rows_of_walls ? w : NULL, own_walls, start, &rows));
+  TRY(gather_rows(g, own, rows_of_walls ? w : NULL, own_walls, start, &rows));
   TRY(gather(frame, g, own, start, rows, range, &fluid));
   TRY(gather(frame, w, own_walls, start, rows, range, &walls));
   memory_free(&rows);
@@ -328,11 +330,11 @@ enum status engine_list_distributed(struct engine *engine, double range, double 
   }
   if (rows_of_walls) mark_ghosts(&fluid, &engine->wall_fluid, walls.set.begin, walls.set.end);
   TRY(count_work(engine, begin, end));
-  TRY(take_places(engine, &fluid, &walls));
+  TRY(place_clusters(engine, &fluid, &walls));
   engine_send(engine, SENT_ALL);
   engine_send(engine, SENT_WALL_ALL);
   engine_await_ghosts(engine);
-  if (!engine->fields.wall_state) ghosts_free_buffers(w); /* it was the last */
+  if (!engine->fields.wall_state) ghosts_free_buffers(w); /* this was the last transfer of walls */
 cleanup:
   memory_free(&start);
   memory_free(&rows);

@@ -1,15 +1,15 @@
-/* Forces that effects bring in a file of their own (struct effect). They act before the pairs do:
+/* Forces of effects with their own file (struct effect). They act before the pair passes:
  *
- *   v' = v + dt a(x, v),   then the step from v'
+ * v' = v + dt a(x, v), then the step from v'
  *
- * (first-order splitting), so that no pair loop knows of them, and one that is off costs nothing.
- * What a force gives is summed where it acts: a, and the power a . (v + v')/2. */
+ * (first-order splitting), so that pair loops do not depend on them, and inactive ones cost
+ * nothing. Their contributions are summed where they act: a, and the power a . (v + v')/2. */
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
 #include "common/log.h"
 #include "common/memory.h"
 
-/* Slots of a block of the sums, whose order neither threads nor ranks change. */
+/* Slots per block of the sums, whose order is independent of threads and ranks. */
 #define SUM_BLOCK 2048
 
 static void kick_block(struct engine *engine, size_t begin, size_t end,
@@ -59,7 +59,7 @@ enum status engine_kick(struct engine *engine, bool sums) {
       own->work += block[b].work;
     }
   }
-  if (RANKS && engine_is_distributed(engine)) { /* the ghosts of others */
+  if (RANKS && engine_is_distributed(engine)) { /* updates ghosts on other ranks */
     engine_await_ghosts(engine);
     engine_send(engine, SENT_MOTION);
   }

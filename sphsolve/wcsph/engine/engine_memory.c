@@ -1,13 +1,13 @@
-/* What the engine keeps for a particle, and the bytes that takes. */
+/* Arrays of the engine, and their bytes per particle. */
 #include "sphsolve/wcsph/engine/engine.h"
 
-#define SLOTS_FLUID 1.05 /* slots per particle: clusters have empty ones */
+#define SLOTS_FLUID 1.05 /* slots per particle, including empty ones in clusters */
 #define SLOTS_WALL 1.02
-#define LISTS_FLUID 23.0   /* bytes of neighbour lists per particle, */
-#define LISTS_EULERIAN 9.0 /* of one that does not move, whose lists need no margin, */
-#define LISTS_WALL 7.0     /* and per wall slot with adami's walls */
-#define BOXES 3.0          /* bytes per slot while lists are made: of boxes, */
-#define BINS 2.1           /* and of the bins they are looked up in */
+#define LISTS_FLUID 23.0   /* bytes of neighbour lists per particle */
+#define LISTS_EULERIAN 9.0 /* the same for resting particles, whose lists need no margin */
+#define LISTS_WALL 7.0     /* per wall slot with adami's walls */
+#define BOXES 3.0          /* bytes of boxes per slot while lists are made */
+#define BINS 2.1           /* bytes of the bins of boxes */
 
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;
@@ -23,8 +23,9 @@ struct particle_fields engine_fields(const struct engine_settings *s) {
   };
 }
 
-/* Making lists holds most: the particles, the lists, boxes of rows and bins of columns. Ordering
- * (16 bytes of keys a particle) and snapshots (24 of points) come when there are no lists. */
+/* Memory is largest while lists are made: particles, lists, boxes of rows and bins of columns. For
+ * the ordering (16 bytes of keys per particle) and for snapshots (24 of points) the lists are
+ * freed. */
 double engine_bytes_fluid(const struct engine_settings *settings) {
   struct particle_fields fields = engine_fields(settings);
   return SLOTS_FLUID * ((double)particles_bytes_fluid(&fields) + BOXES + BINS) +

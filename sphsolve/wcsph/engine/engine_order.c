@@ -1,6 +1,6 @@
-/* Fluid ordered along the curve by ranks that each hold their own: keys find the rank that sorts a
- * particle, the cutting into clusters passes on from rank to rank, and what then lies beyond a
- * rank's partition goes to its owner. Equal keys keep their order, as in particles_sort. */
+/* Ordering of the fluid along the curve, distributed over ranks: keys determine the rank that sorts
+ * a particle; the division into clusters proceeds from rank to rank; particles outside a rank's
+ * partition are then sent to their owner. Equal keys keep their order, as in particles_sort. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,19 +10,19 @@
 #include "sphsolve/wcsph/engine/order.h"
 
 enum { KEY_BITS = 32, TAG_CLUSTERS = 9 };
-/* Sources beyond it are places in what has come from other ranks. */
+/* Sources with this bit are indices of particles received from other ranks. */
 #define RECEIVED 0x80000000u
 
-/* Of the fluid, or of walls that stand on their sites, a cluster of which is of one region. */
+/* The fluid, or walls on their sites, of which a cluster has only one region. */
 struct ordered {
   struct particles *p;
   struct ghosts *g;
   bool walls;
-  const uint16_t *region; /* NULL: all are of one */
+  const uint16_t *region; /* NULL: there is only one region */
 };
 
-/* Which particles go where: `leave` are slots, those for one rank after another; slot s then takes
- * what `source` names, or stays empty. */
+/* Transfers of particles: `leave` are the slots to be sent, ordered by rank; slot s then receives
+ * the particle that `source` names, or stays empty. */
 struct moves {
   uint32_t *leave;
   size_t *send, *start;
@@ -48,7 +48,7 @@ cleanup:
   return status;
 }
 
-/* Collective: field by field, through the memory of the new velocity. */
+/* Collective: applies the transfers field by field, using the memory of the new velocity. */
 static enum status moves_apply(struct particles *p, struct moves *m) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), clusters = m->slots / CLUSTER;
@@ -99,8 +99,8 @@ static size_t count_below(const uint64_t *entries, size_t n, uint64_t key) {
   return low;
 }
 
-/* Collective: where each rank's keys begin among the sorted entries here, so that all have of them
- * what they had of clusters. */
+/* Collective: finds where the keys of each rank begin among the sorted local entries, such that
+ * ranks keep their shares of the clusters. */
 static enum status find_parts(const struct ghosts *g, const uint64_t *entries, size_t n,
                               size_t *part) {
   enum status status = STATUS_OK;
@@ -110,7 +110,7 @@ static enum status find_parts(const struct ghosts *g, const uint64_t *entries, s
   TRY(memory_allocate(&key, ranks + 1, sizeof *key, "shares of the ranks"));
   TRY(memory_allocate(&below, ranks + 1, sizeof *below, "shares of the ranks"));
   ranks_sum_whole(&all, 1);
-  /* The greatest key that fewer are below than the ranks before shall have. */
+  /* The largest key with fewer entries below it than the preceding ranks' share. */
   for (int bit = KEY_BITS - 1; bit >= 0; bit--) {
     for (size_t r = 1; r < ranks; r++)
       below[r] = (int64_t)count_below(entries, n, key[r] | (uint64_t)1 << bit);
@@ -147,7 +147,7 @@ static void keys_of(const struct ordered *o, uint64_t *entries, size_t *n) {
   }
 }
 
-/* Afterwards the ranks have the particles in order, without empty slots; *n here. */
+/* Sorts the particles over the ranks, without empty slots; *n: number on this rank. */
 static enum status sort(const struct ordered *o, size_t *n) {
   enum status status = STATUS_OK;
   struct particles *p = o->p;
@@ -203,14 +203,14 @@ cleanup:
   return status;
 }
 
-/* The cutting, as it stands before a particle. */
+/* State of the division into clusters before a particle. */
 struct clustering {
   struct cluster_builder builder;
-  uint64_t used; /* slots */
+  uint64_t used; /* slots used */
   uint16_t region;
 };
 
-/* The slot of particle k, the next. */
+/* Slot of particle k, the next one. */
 static uint64_t next_slot(const struct ordered *o, size_t k, struct clustering *c) {
   const struct particles *p = o->p;
   const uint32_t x[3] = {p->x[0][k], p->x[1][k], p->x[2][k]};
@@ -223,8 +223,9 @@ static uint64_t next_slot(const struct ordered *o, size_t k, struct clustering *
   return c->used++;
 }
 
-/* Slots, among all, of the n particles here in order; *total clusters. Each rank cuts as if it were
- * the first, and the true cutting passes on: where both begin a cluster, they go on alike. */
+/* Global slots of the n ordered particles of this rank; *total: number of clusters. Each rank first
+ * divides as if it were the first one, then corrects this with the true state from the previous
+ * rank: from the first common beginning of a cluster on, both agree. */
 static void build_clusters(const struct ordered *o, size_t n, uint64_t *slot, size_t *total) {
   const int own = ranks_own(), last = ranks_count() - 1;
   struct clustering end, open;
@@ -257,7 +258,7 @@ static void build_clusters(const struct ordered *o, size_t n, uint64_t *slot, si
   *total = (size_t)ranks_max((double)clusters);
 }
 
-/* Sends what lies beyond the partition to its owner, and puts all into their slots. */
+/* Sends particles outside the partition to their owner, and moves all to their slots. */
 static enum status redistribute(const struct ordered *o, size_t n, const uint64_t *slot) {
   enum status status = STATUS_OK;
   struct particles *p = o->p;
@@ -339,7 +340,7 @@ enum status engine_order_walls(struct engine *engine, double range) {
     for (int a = 0; a < 3; a++) w.x[a][s] = frame_site_position(&w.frame, a, (uint32_t)at[a]);
   }
   memory_free(&sites);
-  /* To begin with, even shares. */
+  /* Initially even shares. */
   TRY(ghosts_partition(g, ranks * PARTITION_UNIT, PARTITION_UNIT, NULL));
   TRY(sort(&walls, &n));
   TRY(memory_allocate(&slot, n + 1, sizeof *slot, "wall order"));

@@ -6,7 +6,7 @@
 
 #define FIELD_BYTES (CLUSTER * sizeof(float))
 
-/* What is here is this rank's own, and no more. */
+/* Only own clusters are held. */
 static void hold_own(struct ghosts *g) {
   g->begin = 0;
   g->end = g->partition[ranks_own() + 1] - g->partition[ranks_own()];
@@ -38,7 +38,7 @@ enum status engine_adopt_partition(struct engine *engine) {
   for (size_t r = 0; r < ranks; r++) g->partition[r + 1] += g->partition[r];
   hold_own(g);
   engine->terms_known = false;
-  memory_free(&engine->ranks.work); /* was that of other shares */
+  memory_free(&engine->ranks.work); /* belongs to the old partition */
 cleanup:
   memory_free(&each);
   return status;

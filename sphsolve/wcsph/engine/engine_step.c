@@ -1,4 +1,4 @@
-/* One step: lists where they are due, the passes over pairs, and the particles' motion. */
+/* One step: lists if they are due, the passes over pairs, and the motion of the particles. */
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
 #include <math.h>
@@ -11,11 +11,11 @@
 #include "sphsolve/wcsph/engine/engine_eulerian.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 
-/* Spacings around the boxes that lists are made for. */
+/* Margin of the boxes for which lists are made, in spacings. */
 #define MARGIN 0.1
-/* Lists reach so much beyond the support that rounding cannot lose a pair. */
+/* Margin of the lists beyond the support, in spacings, so that rounding cannot lose a pair. */
 #define ROUNDING 1e-3
-/* Steps between removals of the mean pressure, and particles in a block of its sum. */
+/* Steps between removals of the mean pressure, and slots per block of its sum. */
 #define MEAN_STEPS 16
 #define MEAN_BLOCK 2048
 
@@ -28,7 +28,8 @@ static void run_pass(struct engine *engine, pass_function *function, bool wall,
     clusters = 0;
   }
   const size_t blocks = (clusters + BLOCK - 1) / BLOCK;
-  /* Rows that add to sums of others: few long runs, for they meet where runs do. */
+  /* Rows that add to the sums of other rows: few long runs reduce conflicts, which occur at their
+   * ends. */
   const bool adds = engine->locals[0].collected != NULL && phase == PHASE_DENSITY;
   // NOLINTNEXTLINE: it is read, by the schedule
   const int run = adds ? 1 + (int)(blocks / (16 * (size_t)engine->threads)) : 1;
@@ -68,11 +69,12 @@ static void count_pairs(struct engine *engine) {
   engine->pairs_fluid = (uint64_t)sums[0];
   engine->pairs_alone = (uint64_t)sums[1];
   engine->pairs_wall = (uint64_t)sums[2];
-  if (engine->settings.wall == PASS_FROZEN) /* the same pairs seen from their other end */
+  if (engine->settings.wall == PASS_FROZEN) /* the same pairs in the other direction */
     engine->pairs_wall = engine->pairs_fluid - engine->pairs_alone;
 }
 
-/* Walls and their list are for the sums over them, before there is another list. */
+/* Computes the sums over walls; these and their list are only needed here, before other lists are
+ * made. */
 static enum status eulerian_sum_walls(struct engine *engine, double range, double widest) {
   enum status status = STATUS_OK;
   const struct pair_table *table = engine->table;
@@ -84,16 +86,16 @@ static enum status eulerian_sum_walls(struct engine *engine, double range, doubl
   engine_eulerian_begin(engine);
   run_pass(engine, table->eulerian_walls, false, PHASE_WALL);
   neighbours_free(&engine->fluid_wall);
-  if (engine_is_distributed(engine)) return STATUS_OK; /* walls are part of the next lists */
+  if (engine_is_distributed(engine)) return STATUS_OK; /* walls are needed for the next lists */
   cluster_bins_free(&engine->wall_bins);
   particles_drop_walls(p);
 cleanup:
   return status;
 }
 
-/* Makes the lists; at the start of a step (`order`) it orders the particles anew where they have
- * gone far since they were last ordered. The order decides the order of sums and so must not depend
- * on when lists are made: a resumed run makes its own. */
+/* Makes the lists; at the start of a step (`order`) the particles are sorted again if they have
+ * moved far since the last ordering. The order determines the order of sums and so must not depend
+ * on when lists are made, as a resumed run makes its own lists. */
 static enum status make_lists(struct engine *engine, bool order) {
   enum status status = STATUS_OK;
   double start = clock_seconds();
@@ -104,11 +106,11 @@ static enum status make_lists(struct engine *engine, bool order) {
   double spacing = engine->pass.spacing, path = ENGINE_PATH * spacing;
   double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
-    engine_drop_lists(engine); /* their memory is the keys' */
+    engine_drop_lists(engine); /* frees memory for the keys */
     TRY(engine_is_distributed(engine) ? engine_order(engine) : particles_sort(p));
     engine->moved = 0;
   }
-  /* Until the next ordering, if particles keep their speed. */
+  /* Time until the next ordering at the present speed. */
   double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
   const bool eulerian = s->wall == PASS_EULERIAN;
   double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
@@ -140,7 +142,7 @@ listed:
     engine_eulerian_finish(engine);
     engine->terms_known = true;
   }
-  /* Counting costs half a density pass; the number changes by parts per thousand in a run. */
+  /* Counting costs half a density pass; the number varies by a few per mille during a run. */
   if (engine->pairs_fluid == 0) count_pairs(engine);
   engine->listed = true;
   engine->rebuilds++;
@@ -152,7 +154,7 @@ cleanup:
 }
 
 /* x += (v + u) share dt; finds the largest speed and displacement, and whether a particle has left
- * the box that the lists were made for. */
+ * the box for which the lists were made. */
 static void drift(struct engine *engine, double share) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
@@ -176,10 +178,10 @@ static void drift(struct engine *engine, double share) {
       moving += v * v;
       double units = v * per_unit[a];
       if (fabs(units) < 0x1p30) p->x[a][i] += (uint32_t)(int32_t)lrint(units);
-      /* Within the box: centre - half <= x <= centre + half, modulo 2^32. */
+      /* Inside the box if centre - half <= x <= centre + half, modulo 2^32. */
       out = out || p->x[a][i] - box->centre[a] + box->half[a] > 2 * box->half[a];
     }
-    /* What stands in an empty slot is no particle's, and not the same after a resume. */
+    /* The content of an empty slot is arbitrary and may differ after a resume. */
     if (p->id[i] == NO_PARTICLE) continue;
     left = left || out;
     speed = fmax(speed, own);
@@ -198,8 +200,9 @@ static void drift(struct engine *engine, double share) {
   engine->seconds[PHASE_DRIFT] += clock_seconds() - start;
 }
 
-/* Differences leave the mean pressure free, and rounding and disorder let it walk: it is taken out
- * now and then. Sums over fixed blocks, so that neither threads nor ranks change a bit. */
+/* Pressure differences do not determine the mean pressure, which drifts by rounding and disorder:
+ * it is removed regularly. Sums over fixed blocks make the result independent of threads and
+ * ranks. */
 static enum status remove_mean_pressure(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
@@ -232,28 +235,28 @@ void engine_set_dt(struct engine *engine, double dt) {
   engine->settings.dt = engine->pass.dt = dt;
 }
 
-/* The rest of an Eulerian step. */
+/* The second part of an Eulerian step. */
 static enum status continue_eulerian(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
   engine_eulerian_flux(engine);
   if (RANKS) engine_send(engine, SENT_FLUX);
-  p->state_next = p->flux[0]; /* what it held is in the flux now */
+  p->state_next = p->flux[0]; /* its content is now included in the flux */
   run_pass(engine, engine->table->eulerian_continuity, false, PHASE_CONTINUITY);
   engine->pair_interactions += (double)engine->pairs_fluid;
   swap(&p->state, &p->flux[0]);
-  drift(engine, 0); /* finds the largest speed */
+  drift(engine, 0); /* only finds the largest speed */
   if (engine->steps % MEAN_STEPS == 0) TRY(remove_mean_pressure(engine));
   if (RANKS) engine_send(engine, SENT_STATE);
 cleanup:
   return status;
 }
 
-static void take_velocities(struct particles *p) {
+static void swap_velocities(struct particles *p) {
   for (int a = 0; a < 3; a++) swap(&p->v[a], &p->v_next[a]);
 }
 
-/* What the forces need to know: densities, or what is at the walls. */
+/* Computes what the forces need: densities, or the values at walls. */
 static void prepare(struct engine *engine) {
   const struct pair_table *table = engine->table;
   if (engine->settings.wall == PASS_FROZEN) {
@@ -270,9 +273,9 @@ static void prepare(struct engine *engine) {
   }
 }
 
-/* Velocities belong to the middle of a step, positions and pressures to its ends (leapfrog). The
- * pressure is therefore carried on by the divergence half-way: on the places of the step's start it
- * would lag, and take (dt/2) |grad p|^2 a second from the flow. */
+/* Leapfrog scheme: velocities belong to the middle of a step, positions and pressures to its ends.
+ * The pressure is therefore advanced by the divergence at the half step: with the positions of the
+ * start of the step it would lag and remove the power (dt/2) |grad p|^2 from the flow. */
 enum status engine_step(struct engine *engine) {
   enum status status = STATUS_OK;
   struct particles *p = &engine->particles;
@@ -292,7 +295,7 @@ enum status engine_step(struct engine *engine) {
   if (s->wall == PASS_ADAMI) engine->pair_interactions += (double)engine->pairs_wall;
   run_pass(engine, table->force[s->wall][s->viscous][s->shift], false, PHASE_FORCE);
   engine->pair_interactions += (double)engine->pairs_fluid;
-  take_velocities(p);
+  swap_velocities(p);
   if (s->wall == PASS_EULERIAN) {
     TRY(continue_eulerian(engine));
   } else if (s->wall == PASS_FROZEN) {
@@ -304,8 +307,8 @@ enum status engine_step(struct engine *engine) {
       TRY(make_lists(engine, false));
     else if (RANKS)
       engine_send(engine, SENT_MOTION);
-    p->state_next = p->v_next[0]; /* the old velocity is not needed any more */
-    /* Beside sub-voxel walls the force pass has done all but the pairs of fluid. */
+    p->state_next = p->v_next[0]; /* reuses the memory of the old velocity */
+    /* With sub-voxel walls the force pass has computed all but the pairs of fluid. */
     bool done = s->wall == PASS_SUBVOXEL;
     pass_function *continuity =
         s->wall == PASS_OPEN
@@ -331,7 +334,7 @@ cleanup:
 enum status engine_find_acceleration(struct engine *engine) {
   enum status status = STATUS_OK;
   const struct engine_settings *s = &engine->settings;
-  /* As the next step would. */
+  /* As in the next step. */
   if (!engine->listed || engine->moved >= ENGINE_PATH * engine->pass.spacing)
     TRY(make_lists(engine, true));
   if (s->wall == PASS_SUBVOXEL) engine_update_distance(engine);
@@ -342,7 +345,7 @@ cleanup:
   return status;
 }
 
-/* Velocities of own slots to `kept`, or back from there. */
+/* Saves the velocities of own slots in `kept`, or restores them. */
 static void keep_velocities(struct engine *engine, float *kept, bool back) {
   const size_t first = engine_first_slot(engine), n = engine_end_slot(engine) - first;
   for (int a = 0; a < 3; a++) {
@@ -363,22 +366,22 @@ enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   const size_t first = engine_first_slot(engine), own = engine_number(engine, first);
   const size_t count = sizeof *sums / sizeof(double);
   TRY(memory_allocate(&sums, blocks, sizeof *sums, "block sums"));
-  if (s->own_count > 0) { /* as the next step will */
+  if (s->own_count > 0) { /* as in the next step */
     TRY(memory_allocate(&kept, 3 * (engine_end_slot(engine) - first), sizeof *kept, "velocities"));
     keep_velocities(engine, kept, false);
     TRY(engine_kick(engine, true));
   }
   prepare(engine);
   pass->wall = s->wall, pass->shifts = s->shift;
-  /* Rows count from the first cluster here; there are no more of others before it than among all.
-   */
+  /* Blocks are numbered from the first local cluster; its local index does not exceed its global
+   * one. */
   pass->budget = sums + own / (BLOCK * CLUSTER) - first / (BLOCK * CLUSTER);
   run_pass(engine, engine->table->budget, false, PHASE_BUDGET);
   TRY(engine_gather_blocks(engine, BLOCK * CLUSTER, sums, sizeof *sums));
   memset(total, 0, sizeof *total);
   for (size_t b = 0; b < blocks; b++)
     for (size_t k = 0; k < count; k++) ((double *)total)[k] += ((const double *)&sums[b])[k];
-  for (int k = 0; k < s->own_count; k++) { /* what there is before they act */
+  for (int k = 0; k < s->own_count; k++) { /* values before these forces act */
     for (int a = 0; a < 3; a++) total->momentum[a] -= s->dt * engine->own_sum[k].impulse[a];
     total->kinetic -= s->dt * engine->own_sum[k].work;
   }

@@ -9,8 +9,8 @@
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
 
-/* Floor of the distance to a wall, spacings: numbers nearer are noise. */
-#define WALL_DISTANCE_LEAST 0.02
+/* Smallest distance to a wall, in spacings: smaller values are noise. */
+#define WALL_DISTANCE_MIN 0.02
 
 enum status engine_sum_wall_base(struct engine *engine) {
   enum status status = STATUS_OK;
@@ -24,7 +24,7 @@ enum status engine_sum_wall_base(struct engine *engine) {
     volume *= flat ? 1 : lattice->spacing[a];
     reach[a] = flat ? 0 : (int)floor(s->support / lattice->spacing[a]);
   }
-  /* W depends on the offset of two sites alone. */
+  /* W depends only on the offset of two sites. */
   int span[3] = {2 * reach[0] + 1, 2 * reach[1] + 1, 2 * reach[2] + 1};
   size_t count = (size_t)span[0] * (size_t)span[1] * (size_t)span[2];
   double *weight = NULL;
@@ -64,8 +64,8 @@ cleanup:
   return status;
 }
 
-/* Difference of the distance along one axis, away from the wall: one-sided, for in the middle of a
- * pore two sites wide, between two walls, a central difference would be none. */
+/* Difference of the distance along one axis, away from the wall. It is one-sided, since in the
+ * middle of a pore two sites wide, between two walls, a central difference would vanish. */
 static inline double slope_from_wall(double low, double here, double high) {
   double back = here - low, fore = high - here;
   double up = here < 0 ? fore : back, down = here < 0 ? back : fore;
@@ -80,9 +80,9 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
   const float *field = lattice->wall_distance;
   const size_t stride[3] = {1, lattice->size[0], lattice->size[0] * lattice->size[1]};
   size_t near[3], site = 0;
-  double offset[3]; /* spacings from the nearest site */
+  double offset[3]; /* offset from the nearest site in spacings */
   for (int a = 0; a < 3; a++) {
-    /* Sites from the edge of the box, with 32 bits behind the point. */
+    /* Position in sites from the edge of the box, with 32 fractional bits. */
     uint64_t t = (uint64_t)(p->x[a][i] << p->frame.image_bits[a]) * lattice->size[a];
     if (p->frame.step[a] == 0) t = 0x80000000u;
     near[a] = t >> 32;
@@ -103,7 +103,7 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
     square += steep * steep;
   }
   double d = here + (square > 1 ? along / sqrt(square) : along);
-  double least = WALL_DISTANCE_LEAST * engine->pass.spacing;
+  double least = WALL_DISTANCE_MIN * engine->pass.spacing;
   d = d > least ? d : least;
   return smooth ? d : -d;
 }
@@ -111,7 +111,7 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
 void engine_update_distance(struct engine *engine) {
   double start = clock_seconds();
   struct particles *p = &engine->particles;
-  p->distance = p->v_next[0]; /* a row reads its distance before it writes its velocity */
+  p->distance = p->v_next[0]; /* each row reads its distance before it writes its velocity */
   const size_t first = engine_first_slot(engine), end = engine_end_slot(engine);
 #pragma omp parallel for schedule(static) num_threads(engine->threads)
   for (size_t i = first; i < end; i++) p->distance[i] = (float)engine_wall_distance(engine, i);

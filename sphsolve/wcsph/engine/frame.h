@@ -1,5 +1,6 @@
-/* The fixed-point frame that positions are held in: fractions of the box, so that differences are
- * exact and periodic for free. A box narrower than the kernel's reach is taken 2, 4, ... times. */
+/* The fixed-point frame of positions: they are fractions of the box, so that differences are exact
+ * and periodic without extra cost. A box narrower than the reach of the kernel is repeated 2, 4,
+ * ... times. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_FRAME_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_FRAME_H
 
@@ -8,25 +9,26 @@
 
 struct lattice; /* geometry/lattice.h */
 
-#define CLUSTER 8 /* slots of the unit of the neighbour lists */
+#define CLUSTER 8 /* slots of a cluster, the unit of the neighbour lists */
 
 /* Fixed-point coordinates: 2^32 units span 2^image_bits boxes. */
 struct frame {
   int dimensions;
   size_t sites[3];
-  double length[3]; /* m: the box */
+  double length[3]; /* m, of the box */
   int image_bits[3];
   double unit[3];   /* m per unit */
   uint32_t step[3]; /* units per site; 0: no such direction (y in 2-D) */
-  /* Where x, y, z stand in a packed site, and what one more than the largest takes. */
+  /* Bit position and mask of x, y, z in a packed site. */
   int site_shift[3];
   uint32_t site_mask[3];
 };
 
-/* `clearance`: least length of the box's images, m: twice the reach of any pair of clusters. */
+/* `clearance`: smallest total length of the box's images, m: twice the reach of any pair of
+ * clusters. */
 void frame_make(const struct lattice *lattice, double clearance, struct frame *frame);
 
-/* Particles drift on into images of the box; this is their place in the box itself. */
+/* Particles may move into images of the box; this is the position within the box itself. */
 static inline uint32_t frame_fold(const struct frame *frame, int axis, uint32_t x) {
   return x & (UINT32_MAX >> frame->image_bits[axis]);
 }

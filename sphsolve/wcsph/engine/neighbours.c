@@ -8,16 +8,17 @@
 #include "common/memory.h"
 #include "common/variants.h"
 
-/* Integers and comparisons of unfused floats: every variant gives the same lists. */
+/* Only integers and comparisons of unfused floats are used, so that every variant gives the same
+ * lists. */
 
 struct found {
   uint64_t *key, *sorted;           /* image << 32 | cluster */
-  uint32_t *member, *sorted_member; /* its place in the bins */
+  uint32_t *member, *sorted_member; /* its index in the bins */
   float *square, *at[3], *half[3];
   size_t n, picked, capacity;
 };
 
-/* Room for `more` further finds and for their squares. */
+/* Reserves room for `more` further clusters and their squared gaps. */
 static enum status found_reserve(struct found *found, size_t more) {
   enum status status = STATUS_OK;
   if (found->n + more + 1 <= found->capacity) return STATUS_OK;
@@ -48,8 +49,8 @@ static void found_free(struct found *found) {
   }
 }
 
-/* Ascending order by counting what is smaller: n is a few hundred at most, and this is what
- * vectors do well. */
+/* Sorts in ascending order by counting the smaller keys: n is at most a few hundred, and this
+ * vectorises well. */
 TARGETS static void found_sort(struct found *found) {
   size_t n = found->n;
   const uint64_t *key = found->key;
@@ -67,9 +68,9 @@ TARGETS static void found_sort(struct found *found) {
   found->sorted_member = member_swap;
 }
 
-/* Where the cells [low, high] of an axis lie: in the box, and in which of its images. Cells are at
- * least as wide as the range of the lists, and boxes not many times that: so many are never needed.
- */
+/* Positions of the cells [low, high] of an axis: in the box, and in which of its images. Cells are
+ * at least as wide as the range of the lists, and boxes not many times wider, so that this number
+ * is never exceeded. */
 #define AXIS_CELLS 512
 struct axis_cells {
   int count;
@@ -98,7 +99,7 @@ static void axis_find(const struct frame *frame, const struct cluster_bins *bins
   }
 }
 
-/* Squared gaps from the row's box to those of columns [begin, end) of the bins. */
+/* Squared gaps between the box of the row and those of columns [begin, end) of the bins. */
 TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, size_t end,
                               const uint32_t from[3], const uint32_t half[3], const float unit[3],
                               float *restrict square) {
@@ -114,7 +115,7 @@ TARGETS static void find_gaps(const struct cluster_bins *bins, size_t begin, siz
   }
 }
 
-/* All column clusters and images within range of a box, in no order. */
+/* Finds all column clusters and images within range of a box, unordered. */
 static enum status search_box(const struct frame *frame, const struct cluster_bins *bins,
                               const struct cluster_box *row, double range, struct found *found) {
   enum status status = STATUS_OK;
@@ -130,7 +131,7 @@ static enum status search_box(const struct frame *frame, const struct cluster_bi
   for (int k = 0; k < axis[2].count; k++)
     for (int j = 0; j < axis[1].count; j++)
       for (int i = 0; i < axis[0].count;) {
-        /* Cells in a row along x hold their members side by side. */
+        /* Members of consecutive cells along x are contiguous. */
         int run = 1;
         while (i + run < axis[0].count && axis[0].cell[i + run] == axis[0].cell[i] + run &&
                axis[0].image[i + run] == axis[0].image[i])
@@ -152,7 +153,7 @@ static enum status search_box(const struct frame *frame, const struct cluster_bi
           for (size_t m = begin; m < end; m++) {
             uint32_t from[3], image = 0;
             for (int a = 0; a < 3; a++) {
-              /* The column's centre may itself lie in an image of the cell. */
+              /* The centre of the column may lie in an image of the cell. */
               int bits = frame->image_bits[a];
               from[a] = row->centre[a];
               if (bits == 0) continue;
@@ -184,15 +185,15 @@ cleanup:
   return status;
 }
 
-/* Rows are searched in groups of up to GROUP that follow each other on the curve: what is near the
- * group is found and put in order once, then each row picks its own. */
+/* Rows are searched in groups of up to GROUP consecutive ones on the curve: the neighbourhood of
+ * the group is found and sorted once, then each row selects its own columns. */
 #define GROUP 6
 struct group {
   struct cluster_box box;
   size_t rows;
 };
 
-/* Rows from `first` on, as long as their common box stays below `widest` (m). */
+/* Groups the rows from `first` on while their common box is narrower than `widest` (m). */
 static struct group group_make(const struct frame *frame, const struct cluster_set *rows,
                                size_t first, size_t end, double widest) {
   struct group group = {.rows = 0};
@@ -216,7 +217,7 @@ static struct group group_make(const struct frame *frame, const struct cluster_s
     double middle = 0.5 * (low[a] + high[a]);
     group.box.centre[a] =
         boxes[first].centre[a] + (uint32_t)(int32_t)lrint(middle / frame->unit[a]);
-    /* The centre is rounded to a unit. */
+    /* Margin for the rounding of the centre to a unit. */
     group.box.half[a] = (uint32_t)(0.5 * (high[a] - low[a]) / frame->unit[a]) + 2;
   }
   return group;
@@ -239,7 +240,7 @@ static void place_found(const struct frame *frame, const struct cluster_bins *bi
   }
 }
 
-/* Squared gaps between a row's box and those found. */
+/* Squared gaps between the box of a row and those found. */
 TARGETS static void row_gaps(const struct found *found, const float at[3], const float half[3],
                              float *restrict square) {
   for (size_t m = 0; m < found->n; m++) {
@@ -253,7 +254,7 @@ TARGETS static void row_gaps(const struct found *found, const float at[3], const
   }
 }
 
-/* The columns of one row out of those of its group, in order. */
+/* Selects the columns of one row from those of its group, in order. */
 static void pick_row(const struct frame *frame, const struct cluster_box *row,
                      const struct cluster_box *group, double range, struct found *found) {
   float at[3], half[3], limit = (float)(range * range);

@@ -1,10 +1,10 @@
 /* Verlet lists from clusters to clusters.
  *
- * A list holds, for each row cluster, the column clusters whose box comes within `range` of its
- * own, in ascending order (image by image). The boxes of fluid clusters leave room for the paths to
- * come (clusters.h): a list holds until a particle leaves its box. Exactness is left to the pair
- * loop, which drops every particle out of reach of the row cluster as it now stands: a longer list
- * changes no bit of a result. */
+ * A list contains, for each row cluster, the column clusters whose box is within `range` of its
+ * own, in ascending order (image by image). The boxes of fluid clusters leave room for future paths
+ * (clusters.h): a list is valid until a particle leaves its box. Results do not depend on the
+ * length of a list, since the pair loop drops every particle out of reach of the row cluster at its
+ * present position. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_NEIGHBOURS_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_NEIGHBOURS_H
 
@@ -15,11 +15,12 @@
 #include "common/ranks.h"
 #include "sphsolve/wcsph/engine/clusters.h"
 
-/* A row is a string of 16-bit words. A word is the step from the last cluster named (at first 0) to
- * the next, with WORD_PAIR if the one after it belongs to the list too (a full vector of 16). With
- * a step of 0 it is followed by 32 bits, low half first: of the cluster itself (the highest bit
- * says pair), or, with WORD_PAIR, of the image of all that follow, in offsets of IMAGE_BITS bits
- * for x, y, z in units of one box; then clusters count from 0 again. Image 0 need not be named. */
+/* A row is a sequence of 16-bit words. A word is the difference from the last cluster (initially 0)
+ * to the next, plus WORD_PAIR if the following cluster belongs to the list, too (a full vector of
+ * 16). A difference of 0 is followed by 32 bits, low half first: the index of the cluster (the
+ * highest bit marks a pair), or, with WORD_PAIR, the image of all that follow, as offsets of
+ * IMAGE_BITS bits for x, y, z in units of one box; clusters then count from 0 again. Image 0 is the
+ * default. */
 #define WORD_PAIR 0x8000u
 #define WORD_STEP 0x7fffu
 #define IMAGE_BITS 8
@@ -27,7 +28,8 @@
 #define LIST_CHUNKS 64
 struct neighbour_list {
   size_t rows;
-  size_t first;    /* cluster of the first row, on ranks: of other ranks' clusters there are none */
+  /* Cluster of the first row; with several ranks, other ranks' clusters have no rows. */
+  size_t first;
   uint32_t *start; /* [rows + 1]: first word of a row within its chunk */
   struct list_chunk {
     uint16_t *words;
@@ -35,14 +37,14 @@ struct neighbour_list {
   } chunks[LIST_CHUNKS];
 };
 
-/* Replaces the list: rows->begin to rows->end. `widest`: extent that rows may have when they
- * are searched together, m; half of it, `range` and the half extents of two clusters stay below
+/* Rebuilds the list for rows->begin to rows->end. `widest`: largest common extent of rows that are
+ * searched together, m; half of it, `range` and the half extents of two clusters must stay below
  * half of the box's images. */
 enum status neighbours_build(const struct frame *frame, const struct cluster_set *rows,
                              const struct cluster_bins *columns, double range, double widest,
                              struct neighbour_list *list);
-/* Gives columns new numbers in the same order, `number` of the old one, and rows, from `first` on.
- */
+/* Renumbers the columns in the same order, by `number` of the old index, and the rows from `first`
+ * on. */
 enum status neighbours_renumber(struct neighbour_list *list, const uint32_t *number, size_t first);
 void neighbours_free(struct neighbour_list *list);
 size_t neighbours_bytes(const struct neighbour_list *list);
@@ -53,7 +55,7 @@ static inline size_t list_chunk_of(const struct neighbour_list *list, size_t row
 static inline size_t list_chunk_begin(const struct neighbour_list *list, size_t chunk) {
   return (chunk * list->rows + LIST_CHUNKS - 1) / LIST_CHUNKS;
 }
-/* Words of a row. */
+/* First word of a row; *n: number of words. */
 static inline const uint16_t *list_row(const struct neighbour_list *list, size_t row, size_t *n) {
   row -= list->first;
   const struct list_chunk *chunk = &list->chunks[list_chunk_of(list, row)];
@@ -62,7 +64,7 @@ static inline const uint16_t *list_row(const struct neighbour_list *list, size_t
   return chunk->words + list->start[row];
 }
 
-/* Reads a row: clusters, alone or in pairs, and the image they stand in. */
+/* Reader of a row: clusters, single or in pairs, and their image. */
 struct list_reader {
   const uint16_t *word, *end;
   uint32_t cluster, image;

@@ -5,7 +5,8 @@
 
 #include "sphsolve/wcsph/engine/curve.h"
 
-/* Keys of 22 bits or so would do, but half a site must be told apart where the box allows it. */
+/* About 22 bits would be enough for locality, but half sites must be distinguished if the box
+ * permits it. */
 int order_bits(const struct frame *frame) {
   size_t longest = 1;
   for (int a = 0; a < 3; a++)
@@ -15,7 +16,6 @@ int order_bits(const struct frame *frame) {
   return bits;
 }
 
-/* `cell`: position in half sites. */
 uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]) {
   size_t longest = frame->sites[0];
   for (int a = 1; a < 3; a++)
@@ -27,7 +27,6 @@ uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]) 
   return curve_key(frame->dimensions, bits, c);
 }
 
-/* Sorts entries by their upper 32 bits, stably. */
 void order_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
   for (int shift = 32; shift < 64; shift += 11) {
     size_t start[2049] = {0};
@@ -38,7 +37,7 @@ void order_sort(uint64_t *entries, uint64_t *scratch, size_t n) {
     entries = scratch;
     scratch = swap;
   }
-  memcpy(scratch, entries, n * sizeof *entries); /* three passes: the result lies in `scratch` */
+  memcpy(scratch, entries, n * sizeof *entries); /* after three passes the result is in `scratch` */
 }
 
 void cluster_builder_start(struct cluster_builder *builder, const struct frame *frame,

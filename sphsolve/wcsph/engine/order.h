@@ -1,4 +1,4 @@
-/* The order of particles along the curve, and where it is cut into clusters. */
+/* Order of particles along the Hilbert curve, and its division into clusters. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_ORDER_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_ORDER_H
 
@@ -8,14 +8,15 @@
 
 #include "sphsolve/wcsph/engine/frame.h"
 
-/* Bits of a key per coordinate, and the key of a place along the curve. */
+/* Bits of a key per coordinate. */
 int order_bits(const struct frame *frame);
-/* `cell`: position in half sites. */
+/* Key of a position along the curve; `cell`: the position in half sites. */
 uint32_t order_key(const struct frame *frame, int bits, const uint32_t cell[3]);
-/* Sorts entries by their upper 32 bits, stably; `scratch` has as much room. */
+/* Sorts entries by their upper 32 bits, stably; `scratch` has the same size. */
 void order_sort(uint64_t *entries, uint64_t *scratch, size_t n);
 
-/* Grows a cluster one member at a time and says when the next would make it too wide. */
+/* Builds clusters one member at a time; cluster_builder_takes returns false if the member would
+ * make the cluster too wide and so begins the next one. */
 struct cluster_builder {
   const struct frame *frame;
   int64_t limit[3];

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Two sums at once: they stay below 2^32, so that none runs over into its neighbour. */
+/* Adds two sums at once: they stay below 2^32, so that none overflows into the other. */
 void collected_give(struct collected *from, size_t at, uint32_t *sums) {
   uint64_t *to = (uint64_t *)(void *)(sums + (size_t)from->cluster[at] * CLUSTER);
   for (int i = 0; i < CLUSTER / 2; i++) {
@@ -22,7 +22,7 @@ void collected_give_all(struct collected *from, uint32_t *sums) {
 #define LIST(kernel)                                                                               \
   { &pair_table_##kernel##_baseline, &pair_table_##kernel##_avx2, &pair_table_##kernel##_avx512 }
 
-/* The kernels of kernels/, two lines each. */
+/* Each kernel of kernels/ needs two lines. */
 DECLARE(quintic)
 DECLARE(wendland)
 static const struct pair_table *const tables[KERNELS][3] = {

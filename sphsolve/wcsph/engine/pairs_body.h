@@ -1,9 +1,9 @@
-/* The pair loops, for the kernel and instruction set of pair_loops.c. Each loop is
- * specialised at compile time for its set of effects: the flags of an `always_inline` function are
- * constants where it is instantiated, and what is off leaves no instruction behind.
+/* The pair loops, for the kernel and instruction set of pair_loops.c. Each loop is specialised at
+ * compile time for its set of effects: the flags of an `always_inline` function are constants where
+ * it is instantiated, so that inactive effects generate no code.
  *
- * A row cluster first gathers its columns into a small local buffer (pairs_gather.h). Then each row
- * runs over the buffer with full vectors. */
+ * A row cluster first gathers its columns into a small local buffer (pairs_gather.h); then each row
+ * loops over the buffer with full vectors. */
 #include "sphsolve/wcsph/engine/pairs_budget.h"
 #include "sphsolve/wcsph/engine/pairs_continuity.h"
 #include "sphsolve/wcsph/engine/pairs_count.h"

@@ -1,24 +1,25 @@
-/* The budget of a step: what each effect gives the fluid, from the same sums over pairs that move
- * it, taken apart. With v the velocity before and v' = (v + dt a)/(1 + dt K) the one after, a force
- * F per mass of which K v' is part gives the momentum m F dt and the energy m F.(v + v')/2 dt: an
- * identity of the leapfrog, so that what is not accounted for is only what no effect has counted.
+/* The budget of a step: the contribution of each effect to the fluid, separated from the same pair
+ * sums that move it. With the velocity v before and v' = (v + dt a)/(1 + dt K) after the step, a
+ * force F per mass (which may include K v') contributes the momentum m F dt and the energy m F.(v +
+ * v')/2 dt. This is an identity of the leapfrog scheme, so that the balance is incomplete only if
+ * an effect is not counted.
  *
- * Two sides of one force are summed by themselves where they are not the same pair sum. Pressure on
- * the fluid is that of pressure_difference.h; on walls it is its adjoint, -sum V (P_w + P_i) grad W
- * over the pairs with walls (P_w = P_i beside sub-voxel walls), the force against which the
- * continuity equation's condition of no flow holds the fluid. They differ where the fluid's
- * particles are not spread evenly: summed over all pairs, by -2 sum V P_i grad C_i. The symmetric
- * pressure of frozen walls is its own adjoint. Viscous pairs of fluid are antisymmetric; beside
- * sub-voxel walls what the curvature adds to them (wall_subvoxel.h), and for Eulerian particles
- * what B adds to the pressure gradient, is the wall's. */
+ * Action and reaction of a force are summed separately where they are different pair sums. The
+ * pressure on the fluid is that of pressure_difference.h; the pressure on walls is its adjoint,
+ * -sum V (P_w + P_i) grad W over the pairs with walls (P_w = P_i with sub-voxel walls), the force
+ * that belongs to the no-penetration condition of the continuity equation. They differ where the
+ * fluid particles are unevenly distributed: summed over all pairs, by -2 sum V P_i grad C_i. The
+ * symmetric pressure of frozen walls is its own adjoint. Viscous pairs of fluid are antisymmetric;
+ * the additional part due to the curvature at sub-voxel walls (wall_subvoxel.h), and the change of
+ * the pressure gradient by B for Eulerian particles, belong to the wall. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_BUDGET_H
 
 #include "sphsolve/wcsph/engine/pairs_force.h"
 #include "sphsolve/wcsph/engine/site_terms.h"
 
-/* Sums over columns [0, n), as force_rows has them: of pressure and viscosity, and with the weights
- * of the carry and of the offsets. */
+/* Sums over columns [0, n), as in force_rows: `row` for pressure and viscosity, `moved` with the
+ * weights of the carry and of the offsets. */
 static void row_budget(const struct pass *pass, const struct local *local, size_t n,
                        const vec at[3], size_t i, struct row_force *row, struct row_force *moved) {
   const struct particles *p = pass->particles;
@@ -51,14 +52,14 @@ static void gather_terms(const struct pass *pass, struct local *local, size_t n)
                                                                vec_set((float)pass->rest_ratio)));
 }
 
-/* Elastic energy per mass over c^2: of the linear pressure, or of c^2 (rho - rho_lattice). */
+/* Elastic energy per mass / c^2: of the linear pressure, or of c^2 (rho - rho_lattice). */
 static double elastic(const struct pass *pass, double state) {
   const double ratio = pass->rest_ratio;
   if (pass->wall != PASS_FROZEN) return 0.5 * state * state;
   return ratio > 0 ? ratio * state - log(ratio * state) - 1 : -log(state);
 }
 
-/* What a row has from its walls. */
+/* Contributions of walls to a row. */
 struct row_sides {
   struct row_force pairs, moved;
   struct row_wall near;

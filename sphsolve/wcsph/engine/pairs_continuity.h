@@ -1,4 +1,5 @@
-/* The continuity equation: state_next from state and v; and what adami's walls are to it. */
+/* The continuity equation: state_next from state and v; and the velocity and pressure of adami's
+ * walls. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_CONTINUITY_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_CONTINUITY_H
 
@@ -14,7 +15,7 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
   struct particles *p = pass->particles;
   float *const *v = eulerian ? p->v_next : p->v;
   const float *fluid[4] = {v[0], v[1], v[2], p->state};
-  /* In units of g_scale: what the pressure's differences and their weights count. */
+  /* Factors of the pressure differences and of their weights, in units of g_scale. */
   double diffuse = 2 * pass->diffusion * pass->l_scale;
   const vec share = vec_set((float)(diffusion ? diffuse / pass->g_scale : 0));
   for (size_t c = begin; c < end; c++) {
@@ -33,8 +34,8 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       if (!row_begin(pass, &ref, c, l, &i, at)) continue;
       float tile[MAX_SUMS][SIMD_LANES];
       vec vi[3], u[3], state = vec_set(p->state[i]);
-      /* Eulerian: walls, which move with -v_i, complete the sum of gradients to 0: that of
-       * v_j - v_i with them is that of v_j + v_i without. */
+      /* Eulerian: walls, which have the velocity -v_i, complete the sum of gradients to 0: the sum
+       * of v_j - v_i including them equals that of v_j + v_i without them. */
       for (int a = 0; a < 3; a++) vi[a] = vec_set(eulerian ? -v[a][i] : v[a][i]);
       if (shift)
         for (int a = 0; a < 3; a++) u[a] = vec_set(p->shift[a][i]);
@@ -54,7 +55,8 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
           change += slope * term;
           if (diffusion && !eulerian) pressure_diffusion_pair(slope, &weights);
         }
-        for (size_t k = n + first; k < all; k += SIMD_LANES) { /* adami's: p is their own */
+        /* Adami's walls, without diffusion. */
+        for (size_t k = n + first; k < all; k += SIMD_LANES) {
           struct geometry g = pair_geometry(local, k, at);
           change -= kernel_vector_slope(g.s) * g.inverse *
                     density_continuity_pair(g.x, g.y, g.z, vec_load(local->field[LVX] + k) - vi[0],
@@ -66,8 +68,8 @@ SIMD_INLINE void continuity_rows(const struct pass *pass, struct local *local, s
       }
       double sum[2];
       lanes_sums(tile, diffusion && !eulerian ? 2 : 1, sum);
-      /* Eulerian: that of a full lattice: where neighbours are missing, gradients corrected for it
-       * would let sound run faster than it is slowed down. */
+      /* Eulerian: the weights of a full lattice, as the corrected gradients next to missing
+       * neighbours would otherwise let sound be faster than this term slows it down. */
       double stiff = !diffusion ? 0
                      : eulerian ? pass->dt * pass->diffusion * pass->weights
                                 : pass->dt * diffuse * sum[1];

@@ -1,4 +1,4 @@
-/* Pairs within the support, counted. */
+/* Number of pairs within the support. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_COUNT_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_COUNT_H
 

@@ -1,11 +1,12 @@
-/* Density by summation, and what frozen walls have of it. */
+/* Density by summation, and its contribution to frozen walls. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_DENSITY_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_DENSITY_H
 
 #include "sphsolve/wcsph/effects/density_summation.h"
 #include "sphsolve/wcsph/engine/pairs_gather.h"
 
-/* Over columns [0, n); those from `walls` on take their share of the row, too, in LWEIGHT. */
+/* Density of a row over columns [0, n); the contributions of the row to the columns from `walls` on
+ * are added to LWEIGHT. */
 SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n, const vec at[3]) {
   float tile[SIMD_LANES], *weight = local->field[LWEIGHT];
   for (int group = 0; group < SIMD_GROUPS; group++) {
@@ -24,7 +25,7 @@ SIMD_INLINE double row_density(const struct local *local, size_t walls, size_t n
   return (double)lanes_sum(tile);
 }
 
-/* Adds shares of a cluster to what this thread has collected. */
+/* Adds the contributions to a cluster to those collected by this thread. */
 SIMD_INLINE void collected_add(struct collected *to, uint32_t cluster, const uint32_t *shares,
                                uint32_t *sums) {
   const size_t at = cluster % COLLECTED;
@@ -37,8 +38,8 @@ SIMD_INLINE void collected_add(struct collected *to, uint32_t cluster, const uin
   for (int i = 0; i < CLUSTER / 2; i++) to->sum[at][i] += more[i];
 }
 
-/* Adds the shares of a row cluster's walls, from column `n` on, to the sums of all rows. Whole
- * numbers: any order of rows, and of threads, gives the same. */
+/* Adds the contributions to the walls of a row cluster, from column `n` on, to the common sums.
+ * They are integers, so the result does not depend on the order of rows and threads. */
 SIMD_INLINE void spread_density(const struct pass *pass, const struct local *local, size_t n) {
   struct collected *collected = local->collected;
   uint32_t *sums = pass->particles->wall_sum, share[SIMD_LANES];

@@ -1,19 +1,22 @@
-/* Rows beside sub-voxel walls of Eulerian particles (effects/advection.h). What the
- * sites around a row do to it is then the same in every step: it is summed once, by the first two
- * passes here, and packed (site_terms.h); steps visit pairs of fluid alone. The equations are those
- * of method stokes, with the change in time and advection:
- *   dv/dt = -(v . grad) v + F - B G p + nu (pairs of fluid - weight v)/(1 - beta)
- *   dp/dt = -c^2 D B (v + gamma G p) + c^2 gamma lap p
- * p over density, G p the sum over its differences, D its transpose, B the inverse of G's moment
- * (Bonet, Lok 1999), gamma lap p against checkerboards with, beside it, the divergence that takes
- * back what it does to smooth pressures. */
+/* Rows of Eulerian particles next to sub-voxel walls (effects/advection.h). The effect of the
+ * surrounding sites is the same in every step: the first two passes here sum it once, and it is
+ * stored packed (site_terms.h); steps only visit pairs of fluid. The equations are those of method
+ * stokes plus time derivative and advection:
+ *
+ * dv/dt = -(v . grad) v + F - B G p + nu (pairs of fluid - weight v)/(1 - beta)
+ *
+ * dp/dt = -c^2 D B (v + gamma G p) + c^2 gamma lap p
+ *
+ * with p divided by density, G p the sum over its differences, D the transpose of G, and B the
+ * inverse of the moment of G (Bonet, Lok 1999). The term gamma lap p damps alternating pressures;
+ * the divergence of gamma G p compensates its effect on smooth pressures. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EULERIAN_H
 
 #include "sphsolve/wcsph/engine/pairs_force.h"
 #include "sphsolve/wcsph/engine/site_terms.h"
 
-/* Sums over walls: weight and beta (0 where distances are rough), into v_next. */
+/* Sums over walls: weight and beta (0 where distances are rough), stored in v_next. */
 static void eulerian_walls(const struct pass *pass, struct local *local, size_t begin, size_t end) {
   struct particles *p = pass->particles;
   for (size_t c = begin; c < end; c++) {
@@ -48,7 +51,7 @@ static void eulerian_walls(const struct pass *pass, struct local *local, size_t 
   }
 }
 
-/* Moments over fluid, into the five site terms and v_next. */
+/* Moments over fluid, stored in the five site terms and v_next. */
 static void eulerian_moments(const struct pass *pass, struct local *local, size_t begin,
                              size_t end) {
   struct particles *p = pass->particles;
@@ -77,7 +80,7 @@ static void eulerian_moments(const struct pass *pass, struct local *local, size_
   }
 }
 
-/* `flow`: all that moves the fluid; otherwise force and pressure alone, and no flux. */
+/* `flow`: with all terms; otherwise only force and pressure, and no flux. */
 SIMD_INLINE void eulerian_force_rows(const struct pass *pass, struct local *local, size_t begin,
                                      size_t end, bool flow) {
   struct particles *p = pass->particles;

@@ -1,7 +1,7 @@
-/* Rows of a flow without walls, with gradients that are exact for linear fields however the
- * particles lie: B sum V (f_j - f_i) grad W with B the inverse of sum V r grad W (Randles, Libersky
- * 1996), and the viscous sum divided by the mean of its moment. Without, the errors of
- * disordered particles feed eddies in a flow at Re 1000 and take its energy. */
+/* Rows of a flow without walls, with gradients that are exact for linear fields for any particle
+ * distribution: B sum V (f_j - f_i) grad W with B the inverse of sum V r grad W (Randles, Libersky
+ * 1996), and the viscous sum divided by the mean of this moment. Without this correction the errors
+ * of disordered particles generate eddies in a flow at Re 1000 and drain its energy. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EXACT_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_EXACT_H
 
@@ -31,7 +31,7 @@ SIMD_INLINE void tensor_pair(vec slope, const struct geometry *g, const vec dv[3
     for (int b = 0; b < 3; b++) sum[3 * a + b] += along[a] * dv[b];
 }
 
-/* B, from sums in units of 2 h; returns what the viscous sum is to be divided by. */
+/* Computes B from sums in units of 2 h; returns the divisor of the viscous sum. */
 static double invert_sums(const struct pass *pass, const double s[6], double correction[3][3]) {
   const double scale = pass->g_scale * 2 * pass->smoothing_length;
   const bool flat = pass->particles->frame.step[1] == 0;
@@ -48,7 +48,7 @@ static void times(double m[3][3], double v[3]) {
   for (int a = 0; a < 3; a++) v[a] = m[a][0] * x + m[a][1] * y + m[a][2] * z;
 }
 
-/* As row_force_fluid, of fluid alone. */
+/* As row_force_fluid, for fluid without walls. */
 SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *local, size_t n,
                                  const vec at[3], size_t i, const float carry[3], bool viscous,
                                  bool shift, struct row_force *row) {
@@ -89,8 +89,8 @@ SIMD_INLINE void row_force_exact(const struct pass *pass, const struct local *lo
   }
 }
 
-/* As continuity_rows, of fluid alone: the rate in units of g_scale, and the sum of weights.
- * `share`: what differences of the pressure count. */
+/* As continuity_rows, for fluid without walls: the rate in units of g_scale, and the sum of
+ * weights. `share`: factor of the pressure differences. */
 SIMD_INLINE void row_continuity_exact(const struct pass *pass, const struct local *local, size_t n,
                                       const vec at[3], size_t i, double share, bool shift,
                                       double sum[2]) {

@@ -11,9 +11,9 @@
 #include "sphsolve/wcsph/engine/pairs_momentum.h"
 #include "sphsolve/wcsph/engine/pairs_exact.h"
 
-/* Over columns [0, n) that act as fluid does (frozen and adami walls among them). `carry`: the
- * drift of the particle beyond the fluid, in units in which the weight of viscosity is 1 (where
- * there is viscosity), where it is `carried`; `shifted`: the sums of offsets, too. */
+/* Sums over columns [0, n) that are treated as fluid (including frozen and adami walls). `carry`:
+ * the drift of the particle relative to the fluid, used if `carried`, in units in which the weight
+ * of viscosity is 1 (with viscosity); `shifted`: also sums the offsets. */
 SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *local, size_t n,
                                  const vec at[3], size_t i, const float carry[3], bool symmetric,
                                  bool viscous, bool carried, bool shifted, struct row_force *row) {
@@ -57,7 +57,7 @@ SIMD_INLINE void row_force_fluid(const struct pass *pass, const struct local *lo
   lanes_sums(tile, shifted ? 9 : viscous || carried ? 6 : 3, row->pressure);
 }
 
-/* Sub-voxel walls in columns [begin, end). */
+/* Sums over sub-voxel walls in columns [begin, end). */
 struct row_wall {
   double weight, beta, rough, offsets[3], drag[3], inflow;
 };
@@ -127,13 +127,13 @@ SIMD_INLINE void force_rows(const struct pass *pass, struct local *local, size_t
                            GATHER_DEPTH | GATHER_MOVE);
       all = pad_columns(local, all, 4);
     }
-    /* All walls first: what a row needs of them is then there when its fluid's turn comes. */
+    /* All walls first, as the rows of fluid need their sums. */
     struct row_wall walls_of[CLUSTER] = {{0}};
     for (int l = 0; l < CLUSTER && all > n; l++) {
       size_t i;
       vec at[3];
       if (!row_begin(pass, &ref, c, l, &i, at)) continue;
-      if (moving) /* two instances: resting walls have no velocity to load */
+      if (moving) /* two instances: walls at rest have no velocity to load */
         row_force_subvoxel(pass, local, n, all, at, i, true, &walls_of[l]);
       else
         row_force_subvoxel(pass, local, n, all, at, i, false, &walls_of[l]);

@@ -1,6 +1,6 @@
-/* How a row cluster collects its columns: relative to where it stands now, in single precision and
- * in units of 2 h, image by image, without those that no row of the cluster can reach; and what
- * each row then needs of a pair. */
+/* Gathering of the columns of a row cluster: relative to its present position, in single precision
+ * and in units of 2 h, image by image, without those out of reach of all its rows; and the geometry
+ * of a pair. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_GATHER_H
 
@@ -10,21 +10,21 @@
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
-/* Lengths in the buffer are in units of 2 h: the square root comes out doubled (simd.h), and so r/h
- * without a further operation. */
+/* Lengths in the buffer are in units of 2 h: the square root is computed doubled (simd.h), so that
+ * it is r/h without another operation. */
 #define FAR_AWAY 1e6f
-/* Keeps 1/r finite for a particle and itself. */
+/* Keeps 1/r finite for the pair of a particle with itself. */
 #define TINY 2.5e-9f
-/* Sums that a row takes over its columns, at most. */
+/* Largest number of sums of a row over its columns. */
 #define MAX_SUMS 12
 
 enum local_field { LX, LY, LZ, LVX, LVY, LVZ, LSTATE, LTERM, LWEIGHT = LVX, LSLOT, LMASK };
-/* What more of walls is gathered: the depth in h as LSTATE; where the columns come from: vectors
- * from slot LSLOT on, of which the lanes LMASK (both integers), local->entries of them; and the
- * prescribed velocity, as the first three fields. */
+/* Additional data of walls: the depth in h as LSTATE; the source of the columns, i.e. the lanes
+ * LMASK of the vectors from slot LSLOT on (both integers), local->entries of them; and the
+ * prescribed velocity as the first three fields. */
 enum gather_more { GATHER_DEPTH = 1, GATHER_PLACE = 2, GATHER_MOVE = 4 };
 
-/* Where a row cluster stands now. */
+/* Present position of a row cluster. */
 struct reference {
   uint32_t centre[3];
   float half[3]; /* 2 h */
@@ -57,8 +57,8 @@ SIMD_INLINE void reference_make(const struct pass *pass, size_t cluster, bool wa
   }
 }
 
-/* Appends the columns of one list that the cluster can reach to the buffer from `n` on; `fields`
- * values each from `source` (NULL: zeros) behind the position. Returns the new count. */
+/* Appends the columns of one list within reach of the cluster to the buffer from `n` on, with
+ * `fields` values each from `source` (NULL: zeros) after the position. Returns the new count. */
 SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, size_t n,
                                   const struct neighbour_list *list, size_t row, bool wall,
                                   const struct reference *ref, int fields,
@@ -69,7 +69,7 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   reader.end = reader.word + words;
   float *field[LOCAL_FIELDS];
   for (int f = 0; f < LOCAL_FIELDS; f++) field[f] = local->field[f];
-  /* What is stored below must not make the compiler load these again. */
+  /* Copies, as the stores below would otherwise make the compiler reload these values. */
   const uint32_t *const *x_of = (const uint32_t *const *)p->x;
   const uint32_t *places[3] = {x_of[0], x_of[1], x_of[2]}, *ids = p->id, *sites = p->site;
   const uint32_t step[3] = {p->frame.step[0], p->frame.step[1], p->frame.step[2]};
@@ -150,7 +150,7 @@ SIMD_INLINE size_t gather_columns(const struct pass *pass, struct local *local, 
   return n;
 }
 
-/* Fills up to whole vectors with columns that no row reaches. */
+/* Pads to full vectors with columns out of reach of all rows. */
 SIMD_INLINE size_t pad_columns(struct local *local, size_t n, int fields) {
   size_t full = (n + SIMD_LANES - 1) / SIMD_LANES * SIMD_LANES;
   for (; n < full; n++) {
@@ -180,8 +180,8 @@ SIMD_INLINE void row_position(const struct pass *pass, const struct reference *r
     at[a] = vec_set((float)(int32_t)(ref->x[l][a] - ref->centre[a]) * pass->scale[a]);
 }
 
-/* Row l of a row cluster: the slot of its particle and where that is, as pair_geometry takes it;
- * false where the slot is empty. */
+/* Row l of a row cluster: the slot of its particle and its position for pair_geometry; false if the
+ * slot is empty. */
 SIMD_INLINE bool row_begin(const struct pass *pass, const struct reference *ref, size_t cluster,
                            int l, size_t *slot, vec at[3]) {
   if (!ref->live[l]) return false;
@@ -190,8 +190,8 @@ SIMD_INLINE bool row_begin(const struct pass *pass, const struct reference *ref,
   return true;
 }
 
-/* A row cluster of fluid with its columns of fluid, `fields` values each from `source`. Returns
- * their number, of whole vectors. */
+/* Gathers a row cluster of fluid with its columns of fluid, `fields` values each from `source`.
+ * Returns their number, padded to full vectors. */
 SIMD_INLINE size_t gather_fluid(const struct pass *pass, struct local *local, size_t cluster,
                                 int fields, const float *const *source, struct reference *ref) {
   reference_make(pass, cluster, false, ref);
@@ -200,8 +200,8 @@ SIMD_INLINE size_t gather_fluid(const struct pass *pass, struct local *local, si
   return pad_columns(local, n, fields);
 }
 
-/* Sums over the columns of a row: of the pressure, of differences of velocity with the weights of
- * viscosity and shift, and of the offsets, the gradient of the particle concentration. */
+/* Sums over the columns of a row: of the pressure, of velocity differences with the weights of
+ * viscosity and shift, and of the offsets (the gradient of the particle concentration). */
 struct row_force {
   double pressure[3], velocity[3], concentration[3];
 };

@@ -1,9 +1,9 @@
-/* The momentum equation of one particle, here alone; the loops fill it in:
+/* The momentum equation of one particle; the loops compute its terms:
  *
- *   v' = (v + dt (F + a_pressure + a_other)) / (1 + dt K)
+ * v' = (v + dt (F + a_pressure + a_other)) / (1 + dt K)
  *
- * F gravity, acceleration and mean pressure gradient (effects/body_force.h); K v' the friction at
- * sub-voxel walls, of which the new velocity is part so that a particle next to a wall does not
+ * F is gravity, acceleration and mean pressure gradient (effects/body_force.h); K v' is the
+ * friction at sub-voxel walls, taken with the new velocity so that particles close to a wall do not
  * limit the step. Forces of effects with their own file act before (engine_kick.c). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_MOMENTUM_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_MOMENTUM_H
@@ -11,7 +11,7 @@
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
-/* F + a_pressure along axis a, m/s^2; the loops add what else there is. */
+/* F + a_pressure along axis a, m/s^2; the loops add the other terms. */
 SIMD_INLINE double momentum_change(const struct pass *pass, int a, double pressed) {
   return pass->force[a] + pressed;
 }

@@ -10,7 +10,8 @@
 #include "sphsolve/wcsph/engine/order.h"
 #include "sphsolve/wcsph/engine/particles_internal.h"
 
-/* Every per-slot array of the fluid, 4 bytes each; the first `kept` travel with the particle. */
+/* All arrays of the fluid, 4 bytes per slot; the first `kept` ones are reordered with the
+ * particles. */
 static size_t fluid_arrays(struct particles *p, const struct particle_fields *fields,
                            struct slot_array list[24], size_t *kept) {
   size_t n = 0;
@@ -36,7 +37,7 @@ size_t particles_bytes_fluid(const struct particle_fields *fields) {
   return 4 * count_wanted(list, fluid_arrays(&none, fields, list, &kept));
 }
 
-/* The fields a set of particles has, seen from what is allocated. */
+/* The optional arrays that are allocated. */
 static struct particle_fields fields_of(const struct particles *p) {
   return (struct particle_fields){
       .shift = p->shift[0] != NULL, .rate = p->rate != NULL, .eulerian = p->flux[0] != NULL};
@@ -126,7 +127,7 @@ enum status particles_sort(struct particles *p) {
   }
   order_sort(entries, scratch, n);
 
-  order = (uint32_t *)(void *)scratch; /* done with, and mostly large enough */
+  order = (uint32_t *)(void *)scratch; /* reuses its memory, which is usually large enough */
   struct cluster_builder builder;
   cluster_builder_start(&builder, frame, p->reach);
   for (size_t k = 0; k < n; k++) {
@@ -179,7 +180,7 @@ enum status particles_make(const struct lattice *lattice, double range, double r
   if ((uint64_t)p->frame.site_mask[2] << p->frame.site_shift[2] > UINT32_MAX)
     TRY_FAIL(STATUS_INPUT, "%zu x %zu x %zu sites are more than the engine takes (32 bits in all)",
              lattice->size[0], lattice->size[1], lattice->size[2]);
-  /* The walls first: ordering them takes memory that the fluid does not need yet. */
+  /* Walls first, as their ordering needs memory that the fluid does not occupy yet. */
   if (ranks_count() == 1) TRY(particles_make_walls(lattice, range, fields, p));
   p->count = lattice->fluid_count;
 cleanup:

@@ -1,11 +1,11 @@
-/* What fluid (particles.c) and walls (particles_walls.c) of the engine have in common. */
+/* Shared by the fluid (particles.c) and the walls (particles_walls.c) of the engine. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLES_INTERNAL_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLES_INTERNAL_H
 
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/particles.h"
 
-/* An array of 4 bytes a slot, and whether a run needs it. */
+/* An array with 4 bytes per slot, and whether a run needs it. */
 struct slot_array {
   void **array;
   bool wanted;
@@ -25,7 +25,7 @@ static inline void site_of(const struct lattice *lattice, size_t i, size_t at[3]
   at[2] = i / (lattice->size[0] * lattice->size[1]);
 }
 
-/* The walls within `range` of fluid, ordered, in clusters; on one rank. */
+/* Makes the walls within `range` of fluid, ordered in clusters; single rank only. */
 enum status particles_make_walls(const struct lattice *lattice, double range,
                                  const struct particle_fields *fields, struct particles *particles);
 

@@ -1,4 +1,4 @@
-/* Walls of the engine: which sites are kept, and in what order. */
+/* Walls of the engine: the selection of sites and their order. */
 #include <math.h>
 #include <string.h>
 
@@ -7,9 +7,9 @@
 #include "sphsolve/wcsph/engine/order.h"
 #include "sphsolve/wcsph/engine/particles_internal.h"
 
-/* Depths of wall particles end here, in the reach of fluid: deeper ones act the same
+/* Largest depth of wall particles, relative to the reach of fluid: deeper ones act alike
  * (effects/wall_subvoxel.h). */
-#define DEEPEST 1.2
+#define DEPTH_MAX 1.2
 
 static size_t wall_arrays(struct particles *p, const struct particle_fields *fields,
                           struct slot_array list[24]) {
@@ -28,7 +28,7 @@ size_t particles_bytes_wall(const struct particle_fields *fields) {
          4 * count_wanted(list, wall_arrays(&none, fields, list));
 }
 
-/* Of `size` bytes a cluster, and for the padding behind them. */
+/* Moves one array with `size` bytes per cluster, and its padding. */
 static enum status hold_array(void *array, size_t from, size_t count, size_t to, size_t clusters,
                               size_t held, size_t size) {
   enum status status = STATUS_OK;
@@ -75,8 +75,8 @@ void particles_drop_walls(struct particles *p) {
   p->wall_clusters = 0;
 }
 
-/* Marks sites of planes [first, end) with fluid within `range`, as a box: three sweeps, one per
- * axis, periodic. */
+/* Marks sites of planes [first, end) that have fluid within a box of half width `range`: three
+ * periodic sweeps, one per axis. */
 static enum status mark_near_fluid(const struct lattice *lattice, double range, size_t first,
                                    size_t end, uint8_t **near) {
   enum status status = STATUS_OK;
@@ -88,7 +88,7 @@ static enum status mark_near_fluid(const struct lattice *lattice, double range, 
     if (around[a] > lattice->size[a] / 2) around[a] = lattice->size[a] / 2;
     if (lattice->dimensions == 2 && a == 1) around[a] = 0;
   }
-  /* Where these are not all planes, with those around them. */
+  /* If these are not all planes, the surrounding ones are included. */
   const size_t halo = end - first < planes ? around[2] : 0, held = end - first + 2 * halo;
   TRY(memory_allocate(&from, held * plane, 1, "wall search"));
   TRY(memory_allocate(&to, held * plane, 1, "wall search"));
@@ -200,7 +200,7 @@ enum status particles_set_walls(const struct lattice *lattice, double range,
   size_t capacity = used + SLOT_PADDING;
   TRY(memory_allocate(&p->site, capacity, sizeof *p->site, "wall sites"));
   if (fields->wall_depth) {
-    p->depth_unit = DEEPEST * range / UINT16_MAX;
+    p->depth_unit = DEPTH_MAX * range / UINT16_MAX;
     TRY(memory_allocate(&p->wall_depth, capacity, sizeof *p->wall_depth, "wall depths"));
   }
   if (fields->wall_region && lattice->region != NULL) {

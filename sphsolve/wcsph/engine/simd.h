@@ -1,6 +1,6 @@
-/* The vectors of one instruction set, chosen by the flags a file is compiled with. Loops see
- * SIMD_LANES logical lanes whatever the width: a narrower machine walks them in SIMD_GROUPS
- * groups, so that the order of every sum is the same on all. */
+/* Vectors of the instruction set for which a file is compiled. Loops see SIMD_LANES logical lanes
+ * whatever the width: a narrower machine processes them in SIMD_GROUPS groups, so that the order of
+ * every sum is the same. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_SIMD_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_SIMD_H
 
@@ -62,12 +62,12 @@ SIMD_INLINE vec vec_max(vec a, vec b) {
 SIMD_INLINE vec vec_min(vec a, vec b) {
   return (vec)_mm512_min_ps((__m512)a, (__m512)b);
 }
-/* How far a lies outside [-half, half]. */
+/* Distance of a from the interval [-half, half], with sign. */
 SIMD_INLINE vec vec_beyond(vec a, vec half) {
-  /* The smaller of the two sizes, with the sign of a. */
+  /* The smaller of both magnitudes, with the sign of a. */
   return a - (vec)_mm512_range_ps((__m512)a, (__m512)half, 2);
 }
-/* The estimate of AVX2 (AVX-512 has a better one of its own): so that both give the same bits. */
+/* The estimate of AVX2, so that both give the same bits (AVX-512 has a more accurate one). */
 SIMD_INLINE vec vec_rsqrt_estimate(vec a) {
   __m256 low = _mm256_rsqrt_ps(_mm512_castps512_ps256((__m512)a)),
          high = _mm256_rsqrt_ps(_mm512_extractf32x8_ps((__m512)a, 1));
@@ -82,15 +82,15 @@ SIMD_INLINE uint32_t uvec_differ(uvec a, uvec b) {
 SIMD_INLINE uvec uvec_load16(const uint16_t *from) {
   return (uvec)_mm512_cvtepu16_epi32(_mm256_loadu_si256((const __m256i *)from));
 }
-/* a in the first 8 lanes, b in those beyond, if any. */
+/* a in the first 8 lanes, b in the others, if any. */
 SIMD_INLINE vec vec_halves(float a, float b) {
   return (vec)_mm512_insertf32x8(_mm512_set1_ps(a), _mm256_set1_ps(b), 1);
 }
-/* The lanes of `mask`, in order, to `to`; writes up to SIMD_WIDTH floats. */
+/* Stores the lanes of `mask` contiguously at `to`; writes up to SIMD_WIDTH floats. */
 SIMD_INLINE void vec_compress(float *to, uint32_t mask, vec a) {
   _mm512_storeu_ps(to, _mm512_maskz_compress_ps((__mmask16)mask, (__m512)a));
 }
-/* The other way: floats in order into the lanes of `mask`, 0 into the others. */
+/* The inverse: contiguous floats into the lanes of `mask`, 0 into the others. */
 SIMD_INLINE vec vec_expand(const float *from, uint32_t mask) {
   return (vec)_mm512_maskz_expandloadu_ps((__mmask16)mask, from);
 }
@@ -160,14 +160,14 @@ SIMD_INLINE vec vec_expand(const float *from, uint32_t mask) {
 #endif
 
 /* 2 sqrt(a), and 2/sqrt(a) in *inverse: the machine's estimate (12 to 14 bits) and one Newton step,
- * relative error < 3e-7. The factor 2 costs nothing where lengths are measured accordingly. */
+ * relative error < 3e-7. The factor 2 is free if the units of length account for it. */
 SIMD_INLINE vec vec_twice_sqrt(vec a, vec *inverse) {
   vec y = vec_rsqrt_estimate(a), ay = a * y, step = 3.0f - ay * y;
   *inverse = y * step;
   return ay * step;
 }
 
-/* Sum of the SIMD_LANES logical lanes in a fixed order: halves onto halves. */
+/* Sum of the SIMD_LANES logical lanes in a fixed order: pairwise by halves. */
 SIMD_INLINE float lanes_sum(const float *lanes) {
   __m128 low = _mm_add_ps(_mm_loadu_ps(lanes), _mm_loadu_ps(lanes + 8));
   __m128 high = _mm_add_ps(_mm_loadu_ps(lanes + 4), _mm_loadu_ps(lanes + 12));
@@ -176,11 +176,11 @@ SIMD_INLINE float lanes_sum(const float *lanes) {
   return _mm_cvtss_f32(_mm_add_ss(two, _mm_shuffle_ps(two, two, 1)));
 }
 
-/* The same of n lines. */
+/* The same for n lines. */
 SIMD_INLINE void lanes_sums(float (*line)[SIMD_LANES], int n, double *sum) {
   int i = 0;
 #if SIMD_WIDTH == 16
-  /* Four at a time, in the very same order. */
+  /* Four at a time, in exactly the same order. */
   for (; i < n; i += 4) {
     __m512 a = _mm512_loadu_ps(line[i]), b = _mm512_loadu_ps(line[i + 1 < n ? i + 1 : i]),
            c = _mm512_loadu_ps(line[i + 2 < n ? i + 2 : i]),

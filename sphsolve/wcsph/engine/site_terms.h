@@ -1,5 +1,5 @@
-/* What the sites around a particle do to its equations while it stays on its own, in 20 bytes; and
- * vectors in 8. */
+/* Effect of the surrounding sites on the equations of a particle that stays on its site, packed in
+ * 20 bytes; and vectors packed in 8 bytes. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_SITE_TERMS_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_SITE_TERMS_H
 
@@ -10,9 +10,9 @@
 #include "sphsolve/wcsph/engine/particles.h"
 
 struct site_terms {
-  double correction[3][3]; /* B, see moment.h; to 2e-4 */
+  double correction[3][3]; /* B, see moment.h; precision 2e-4 */
   double kept;             /* 1 - beta, see wall_subvoxel.h */
-  double weight;           /* of -v_a in the viscous sum */
+  double weight;           /* weight of -v_a in the viscous sum */
 };
 
 /* B's entries are at most 1/MOMENT_FLOOR. */
@@ -54,7 +54,8 @@ static inline double power_down(int n) {
   return power;
 }
 
-/* Components to 4e-6 of the largest, which is cut at `unit`; 0 below 2^-126 of it. */
+/* Packs a vector with a precision of 4e-6 of its largest component, which is limited to `unit`; a
+ * vector below 2^-126 of `unit` becomes 0. */
 static inline void vector_pack(const double v[3], double unit, uint32_t words[2]) {
   const double most = fmax(fabs(v[0]), fmax(fabs(v[1]), fabs(v[2])));
   int down = 0;

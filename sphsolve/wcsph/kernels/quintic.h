@@ -1,8 +1,10 @@
-/* The quintic spline (Schoenberg 1946; Morris, Fox, Zhu 1997) on vectors, s = r/h, without
- * its normalisation alpha (common/kernel.h):
- *   W/alpha = (3 - s)^5 - 6 (2 - s)^5 + 15 (1 - s)^5,   each term only while positive.
- * Terms beyond their reach are cut by max(., 0), so that a pair out of range gives an exact zero
- * and needs no branch. The factors 6 and 15 of the powers go into their bases. */
+/* The quintic spline (Schoenberg 1946; Morris, Fox, Zhu 1997) on vectors, s = r/h, without its
+ * normalisation alpha (common/kernel.h):
+ *
+ * W/alpha = (3 - s)^5 - 6 (2 - s)^5 + 15 (1 - s)^5, each term only while positive.
+ *
+ * Terms beyond their range are set to 0 by max(., 0), so that a pair out of range gives exactly
+ * zero without a branch. The factors 6 and 15 of the powers are included in their bases. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_KERNELS_QUINTIC_H
 #define TOSUI_SPHSOLVE_WCSPH_KERNELS_QUINTIC_H
 

@@ -1,8 +1,10 @@
 /* Wendland's C2 function (Wendland 1995; Dehnen, Aly 2012, table 1) on vectors, s = r/h, without
  * its normalisation alpha (common/kernel.h):
- *   W/alpha = (1 - s/2)^4 (1 + 2 s),   -(dW/ds)/alpha = 5 s (1 - s/2)^3,   s < 2.
- * Its Fourier transform is positive everywhere: particles do not pair however many neighbours each
- * has. The base is cut by max(., 0), so that a pair out of range gives an exact zero. */
+ *
+ * W/alpha = (1 - s/2)^4 (1 + 2 s), -(dW/ds)/alpha = 5 s (1 - s/2)^3, s < 2.
+ *
+ * Its Fourier transform is positive everywhere, so particles do not pair for any number of
+ * neighbours. The base is limited by max(., 0), so that a pair out of range gives exactly zero. */
 #ifndef TOSUI_SPHSOLVE_WCSPH_KERNELS_WENDLAND_H
 #define TOSUI_SPHSOLVE_WCSPH_KERNELS_WENDLAND_H
 
