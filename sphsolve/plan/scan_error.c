@@ -40,8 +40,8 @@ double scan_shape_error(const struct scan_quality *scan, double width) {
 /* Error due to blur. For labels, the voxel steps and their smoothing widen pores by about twice the
  * change, plus a position error of the wall. If the blur was not removed, the error is about the
  * change itself, and likewise for a scan too large to remove the blur from every voxel. If it was
- * removed, the noise and the uncertainty of the blur (its variance twice, for 95 %) leave a fraction
- * of the change, and walls are rough by a length that follows from the noise power. */
+ * removed, the noise and the uncertainty of the blur (its variance twice, for 95 %) leave a
+ * fraction of the change, and walls are rough by a length that follows from the noise power. */
 static double error_of_blur(const struct scan_quality *scan, double change, double width) {
   if (scan->labels)
     return hypot(LABELS_ERROR * (1.0 + ERROR_GROWTH * fabs(change)) * fabs(change),
