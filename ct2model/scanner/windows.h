@@ -43,7 +43,8 @@ void windows_take_levels(struct windows *windows, double pore, double grain);
  * they are 1/2, limited to `limit` (shortest voxel edges). */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double limit);
 /* The darkest and the brightest grey if the scan is clipped there, that is if more voxels have it
- * than the next grey; otherwise -+infinity. */
+ * than the next grey; otherwise -infinity and
+ * infinity. */
 void windows_find_ends(const struct windows *windows, double ends[2]);
 /* Limits depths to the distance to the side of the window, as there may be a surface beyond. */
 void windows_bound_depth(struct windows *windows);
