@@ -12,13 +12,14 @@ static int phase_of(uint8_t kind) {
   return kind == MICRO_PORE ? PORE : kind == MICRO_GRAIN ? GRAIN : SOIL;
 }
 
-/* How many voxels within `rim` have each phase, and the sum of the levels of soil among them. */
-struct census {
+/* Number of voxels of each phase within `rim` voxels, and the sum of the levels of soil among them.
+ */
+struct phase_counts {
   int count[3], levels;
 };
 
-static struct census take_census(const struct micro *m, const size_t at[3], size_t rim) {
-  struct census census = {{0}, 0};
+static struct phase_counts count_phases(const struct micro *m, const size_t at[3], size_t rim) {
+  struct phase_counts phase_counts = {{0}, 0};
   size_t first[3], end[3];
   for (int d = 0; d < 3; d++) {
     first[d] = at[d] > rim ? at[d] - rim : 0;
@@ -29,22 +30,22 @@ static struct census take_census(const struct micro *m, const size_t at[3], size
       const uint8_t *row = m->kind + (z * m->size[1] + y) * m->size[0];
       for (size_t x = first[0]; x < end[0]; x++) {
         const int phase = phase_of(row[x]);
-        census.count[phase]++;
-        census.levels += phase == SOIL ? row[x] : 0;
+        phase_counts.count[phase]++;
+        phase_counts.levels += phase == SOIL ? row[x] : 0;
       }
     }
-  return census;
+  return phase_counts;
 }
 
 static uint8_t without_edge(const struct micro *m, const size_t at[3], uint8_t own, double middle) {
   if (phase_of(own) != SOIL) return own;
-  const struct census c = take_census(m, at, SETTLE_RIM);
+  const struct phase_counts c = count_phases(m, at, SETTLE_RIM);
   const double least = SETTLE_SHARE * (c.count[PORE] + c.count[SOIL] + c.count[GRAIN]);
   if (c.count[PORE] <= least || c.count[GRAIN] <= least) return own;
   return own < middle ? MICRO_PORE : MICRO_GRAIN;
 }
 
-/* Whether all six neighbours are of the voxel's own phase. */
+/* Whether all six neighbours have the same phase as the voxel. */
 static bool is_inside(const struct micro *m, const size_t at[3], const uint8_t *own) {
   const size_t step[3] = {1, m->size[0], m->size[0] * m->size[1]};
   const int phase = phase_of(*own);
@@ -55,9 +56,10 @@ static bool is_inside(const struct micro *m, const size_t at[3], const uint8_t *
   return true;
 }
 
-/* An edge's level is no noise: it is settled by the grey. */
+/* The phase of a voxel without noise. A level at an edge is not noise: its grey decides, in
+ * without_edge. */
 static uint8_t without_noise(const struct micro *m, const size_t at[3], uint8_t own) {
-  const struct census c = take_census(m, at, 1);
+  const struct phase_counts c = count_phases(m, at, 1);
   const int all = c.count[PORE] + c.count[SOIL] + c.count[GRAIN];
   int phase = phase_of(own);
   const bool edge =
@@ -69,8 +71,9 @@ static uint8_t without_noise(const struct micro *m, const size_t at[3], uint8_t 
   return (uint8_t)((c.levels + c.count[SOIL] / 2) / c.count[SOIL]);
 }
 
-/* A round over all voxels: edges settled, or noise. Returns how many changed their phase. */
-static size_t go_over(const struct micro *m, bool edges, double middle, uint8_t *settled) {
+/* One round over all voxels, which removes edges or noise. Returns the number of voxels whose phase
+ * changed. */
+static size_t settle_round(const struct micro *m, bool edges, double middle, uint8_t *settled) {
   const size_t nx = m->size[0], ny = m->size[1], nz = m->size[2];
   size_t changed = 0;
 #pragma omp parallel for schedule(static) reduction(+ : changed)
@@ -93,7 +96,7 @@ enum status settle(struct micro *m, double middle, double *noisy) {
   TRY(memory_allocate(&settled, count, 1, "the labels"));
   for (int round = 0; round < 3; round++) {
     uint8_t *before = m->kind;
-    const size_t changed = go_over(m, round == 1, middle, settled);
+    const size_t changed = settle_round(m, round == 1, middle, settled);
     if (round == 0) *noisy = (double)changed / (double)count;
     m->kind = settled;
     settled = before;
