@@ -86,7 +86,7 @@ static int source_close(thandle_t handle) {
 static TIFF *tiff_start(const char *path, uint64_t directory) {
   static pthread_once_t handlers = PTHREAD_ONCE_INIT;
   struct source *source =
-      calloc(1, sizeof *source); /* allocated like the rest of libtiff's memory */
+      calloc(1, sizeof *source); /* not memory_allocate: it belongs to libtiff */
   tiff_message[0] = '\0';
   (void)pthread_once(&handlers, handlers_set);
   if (source == NULL) return NULL;
