@@ -157,8 +157,7 @@ cleanup:
 
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
-  mallopt(M_MMAP_THRESHOLD, 4 << 20); /* large blocks return to the system when a stage frees them
-                                       */
+  mallopt(M_MMAP_THRESHOLD, 4 << 20); /* large blocks, once freed, return to the system */
   enum status status = STATUS_OK;
   struct options *options = NULL;
   struct request request;

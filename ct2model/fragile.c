@@ -57,8 +57,7 @@ static void warn_of_sharpness(const struct scanner *scanner) {
 /* Peaks less than this apart, in standard deviations of the lower one, belong to one phase. */
 #define PEAK_DISTANCE_LEAST 1.5
 /* Whether the threshold lies within one phase: it has a peak on either side, as any grey has, but
- * no clear valley, while elsewhere the histogram has a valley between pore and grain (`by_otsu`).
- */
+ * no clear valley, while the histogram has one between pore and grain elsewhere (`by_otsu`). */
 static bool is_within_phase(const struct grey_phases *phases, const struct grey_phases *by_otsu,
                             double threshold) {
   return by_otsu->valley_depth < VALLEY_SURE &&
@@ -130,8 +129,7 @@ void fragile_warn(struct pipeline *pipeline) {
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
   if (request->rule == THRESHOLD_OTSU) warn_of_third_phase(pipeline);
-  /* A shift by a tenth of the contrast moves the surface by about a tenth of the width of an edge.
-   */
+  /* A tenth of the contrast moves the surface by about a tenth of the width of an edge. */
   double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
   double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
   if (request->rule == THRESHOLD_AUTO && shift > 0.1)

@@ -114,8 +114,7 @@ static void scan_end(struct scan *scan) {
   slice_check_end(&scan->check);
 }
 
-/* Moves a worker's counts into the pipeline's histogram; integer sums do not depend on the order.
- */
+/* Moves a worker's counts into the pipeline's histogram; integer sums have no order. */
 static void gather_counts(const struct scan *scan, struct worker *worker) {
   struct grey_histogram *histogram = &scan->pipeline->histogram;
   const size_t bins = histogram->bins;

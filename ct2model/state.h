@@ -35,8 +35,7 @@ struct wall_level {
   struct region region;       /* the scan, or the restored or averaged scan */
   double threshold, contrast; /* in its greys */
   size_t step;                /* voxels of the scan per side of a voxel of `region` */
-  bool averaged;              /* averaged for the walls alone: its surface is not that of the scan
-                               */
+  bool averaged;              /* averaged for the walls alone: not the scan's surface */
   double void_ratio;          /* within the walls; NAN: labels, or not requested */
 };
 
@@ -49,8 +48,7 @@ struct pipeline {
   bool unsized;                 /* a sweep with unknown voxel size: no lengths are reported */
   struct stack stack;
   struct region region;
-  struct region as_read;             /* the same in the axes of the scan, to which `scanner` refers
-                                      */
+  struct region as_read;             /* the same in the axes of the scan, as `scanner` */
   struct labels labels;              /* of a segmented image; `region` reads them smoothed */
   struct grey_soil micro;            /* results of --micro */
   struct survey survey;              /* survey of the greys as stored, in the axes of the scan */
@@ -60,8 +58,7 @@ struct pipeline {
   struct denoise_effect denoised;    /* if requested */
   float *turned;                     /* the scan with turned axes (--flow); NULL if z stays z */
   struct grey_histogram histogram;   /* of the region */
-  struct grey_histogram calibration; /* of the region of interest; without --roi that of the region
-                                      */
+  struct grey_histogram calibration; /* of the region of interest; else that of the region */
   /* Inside the pipeline z is the axis that is mirrored; axis a of the model is `place[a]` here. The
    * model itself is turned last. */
   int place[3];

@@ -6,9 +6,8 @@
 #include "ct2model/scan/enclosed.h"
 #include "ct2model/state.h"
 
-/* Sides of the volume that the walls enclose: as mirrored in a model of the scan's own voxels;
- * otherwise those of the region, so that the walls do not depend on which axis the model mirrors.
- */
+/* Sides of the volume that the walls enclose: as mirrored in a model of the scan's own voxels, else
+ * those of the region. So walls do not depend on which axis the model mirrors. */
 struct enclosed_sides wall_level_sides(const struct pipeline *pipeline);
 
 /* Sets pipeline->walls; threshold and restored scan must be known. A threshold given by the user is

@@ -98,8 +98,7 @@ double grey_histogram_otsu(const struct grey_histogram *histogram) {
       threshold = edge;
       tied = 1;
     } else if (between >= best * (1.0 - 1e-12) && best > 0.0) {
-      /* With empty bins between the classes all their edges are equally good: the middle is taken.
-       */
+      /* Empty bins between the classes have equally good edges: the middle is taken. */
       tied++;
       threshold = edge - 0.5 * histogram->width * (double)(tied - 1);
     }

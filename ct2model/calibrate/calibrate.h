@@ -51,8 +51,7 @@ struct grey_phases {
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
                            struct grey_phases *phases);
 
-/* Axes of a volume that are mirrored in the model. Along these all layers but the last occur twice.
- */
+/* Axes of a volume that are mirrored in the model: there all layers but the last occur twice. */
 struct mirroring {
   size_t size[3];
   bool mirrored[3];

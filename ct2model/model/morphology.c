@@ -149,8 +149,7 @@ static uint64_t count_work(const struct voxel_model *model, float *widest) {
   return work;
 }
 
-/* Paints the parts of all balls that lie in a few layers, so that threads write to separate layers.
- */
+/* Paints the parts of all balls that lie in a few layers: each thread writes to its own layers. */
 static void paint_layers(const struct voxel_model *model, size_t low, size_t high, float widest,
                          uint8_t *width) {
   const size_t plane = model->size[0] * model->size[1], nz = model->size[2];

@@ -10,8 +10,7 @@
  * of 1.3 (uniform) to 1.4 (normal). A scan is smooth except for its noise; only its low bytes are
  * random. */
 #define ROUGHNESS_RATIO 2.0
-/* Largest roughness of neighbouring pixels in a noisy scan; the two bytes of a pixel differ more.
- */
+/* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
 #define ROUGHNESS_SCAN 0.8
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
@@ -76,8 +75,7 @@ static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_
   return values == 16 && given > 0.001 && jump_fraction(pixels, width, n, turned) < 0.1 * given;
 }
 
-/* Mean difference of pixels `lag` apart, for some thousand pixels spread over the first n - most.
- */
+/* Mean difference of pixels `lag` apart, for some thousand spread over the first n - most. */
 static double lag_difference(const float *pixels, size_t n, size_t most, size_t lag) {
   enum { SAMPLES = 4096 };
   double sum = 0.0;

@@ -8,8 +8,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-/* Pages are read several at a time, as a chunk may hold many; the HDF5 library is not thread-safe.
- */
+/* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
 #define BLOCK_BYTES 64e6
 enum { BLOCK_MOST = 64 };
 
@@ -71,8 +70,7 @@ static enum status name_datasets(struct h5_file *file) {
               h5_path(file), h5_path(file), list);
 }
 
-/* The type of a pixel, and that in which the numbers are read: the HDF5 layer below has no others.
- */
+/* The type of a pixel, and that in which numbers are read: the HDF5 layer below has no others. */
 static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_type *type) {
   const bool whole = format != 'f';
   if (!whole || bits > 32 || !pixel_type_of(bits, format, pixel))

@@ -326,8 +326,7 @@ static enum status map_palette(const struct row_decoder *decoder, const unsigned
   return STATUS_OK;
 }
 
-/* Decodes n samples from column x0 on of row y into `page`. `small`: work space for a row of bytes.
- */
+/* Decodes n samples from column x0 on of row y into `page`; `small`: space for a row of bytes. */
 static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
                               size_t n, size_t y, unsigned char *small, void *page) {
   const struct tiff_layout *layout = &decoder->layout;

@@ -7,8 +7,7 @@
 enum { LANES = RESAMPLE_LANES };
 
 /* Rows are summed while they are in the first-level cache: each input row is added to the few
- * output rows in which it has a weight, and an output row is reduced along x once it is complete.
- */
+ * output rows in which it has a weight; an output row is reduced along x once it is complete. */
 
 TARGETS static void start_row(float *restrict sum, const float *restrict row, float weight,
                               size_t n) {

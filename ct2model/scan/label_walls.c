@@ -107,8 +107,7 @@ static float is_grain(const struct drawing *d, size_t voxel) {
 static float excess(const struct drawing *d, size_t voxel) {
   return grain_fraction(d->judged[voxel]) - (float)d->grain[voxel];
 }
-/* Measure of surface whose sum across it is one voxel: the integral of 6 t (1 - t) over 0 < t < 1.
- */
+/* Measure of surface that sums to one voxel across it: the integral of 6 t (1 - t), 0 < t < 1. */
 static float surface_measure(const struct drawing *d, size_t voxel) {
   const float part = grain_fraction(d->judged[voxel]);
   return 6.0f * part * (1.0f - part);
@@ -157,8 +156,7 @@ static inline void filter(const struct drawing *d, quantity *of, const struct ke
   }
 }
 
-/* Processes one slice in a stage of the computation. work: as for `filter`; a and b: a slice each.
- */
+/* Processes one slice in a stage of the computation. work: as for `filter`; a, b: a slice each. */
 typedef void stage(const struct drawing *d, size_t z, float *work, float *a, float *b);
 
 /* The distance from the surface follows from the blurred labels: at a flat wall they are 1/2, with

@@ -188,8 +188,7 @@ cleanup:
   return status;
 }
 
-/* If there are two values they are labels; which one is pore follows a convention, and is reported.
- */
+/* Two values are labels; which one is pore follows a convention, and is reported. */
 static enum status find_labels(const struct region *region, const struct label_rules *rules,
                                bool dark, struct labels *labels) {
   bool few;

@@ -8,8 +8,7 @@
 
 enum { POROSITIES_MOST = 32 };
 
-/* Porosity as a function of grey, for rising greys: linear between them, constant beyond the ends.
- */
+/* Porosity as a function of rising greys: linear between them, constant beyond the ends. */
 struct porosity_table {
   int count;
   double grey[POROSITIES_MOST], porosity[POROSITIES_MOST];

@@ -12,8 +12,7 @@ static int phase_of(uint8_t kind) {
   return kind == MICRO_PORE ? PORE : kind == MICRO_GRAIN ? GRAIN : SOIL;
 }
 
-/* Number of voxels of each phase within `rim` voxels, and the sum of the levels of soil among them.
- */
+/* Number of voxels of each phase within `rim` voxels, and sum of the levels of soil among them. */
 struct phase_counts {
   int count[3], levels;
 };

@@ -13,8 +13,7 @@ double edge_bin_distance(size_t bin) {
 
 /* ---- fit ---- */
 
-/* The non-empty bins within reach: the distance of each, its number of voxels and their mean grey.
- */
+/* The non-empty bins within reach: distance, number of voxels and mean grey of each. */
 struct filled {
   size_t count;
   double distance[EDGE_BINS], n[EDGE_BINS], mean[EDGE_BINS];
@@ -31,8 +30,7 @@ static void find_filled(const struct edge_response *response, double reach, stru
 }
 
 /* Fits a + b u + c v to the bins by least squares, where u is the step response and v the fringe
- * response. If `fringe` is finite, c is fixed at b * fringe. Returns the sum of squared residuals.
- */
+ * response. A finite `fringe` fixes c at b * fringe. Returns the sum of squared residuals. */
 static double fit_linear(const struct filled *filled, double deviation, double shift, double fringe,
                          double out[3]) {
   const bool fringe_fixed = isfinite(fringe);

@@ -46,8 +46,7 @@ double edge_fit_transfer(const struct edge_fit *fit, double frequency);
  * shortest). distance[z][y][x]. */
 enum status edge_distances(const float *smooth, const size_t size[3], const double stretch[3],
                            double limit, float *distance);
-/* The smallest `limit` of edge_distances that does not affect edge_response_add with that `reach`.
- */
+/* The smallest `limit` of edge_distances that leaves edge_response_add with `reach` unaffected. */
 double edge_response_limit(double reach, const double stretch[3]);
 /* Adds the voxels of `grey` within `reach` of a surface that has no other surface within about
  * `reach` on either side and borders on a grain of common grey. With `middle` (in voxels of the

@@ -89,8 +89,7 @@ struct pass {
 };
 
 /* Filters one slice of the volume or, along z, the rows of one y. Rows that follow each other along
- * the axis are summed in turn, since most of the input of the next one is then still in the cache.
- */
+ * the axis are summed in turn: most of the input of the next one is then still in the cache. */
 static void filter_slice(const float *in, const size_t size[3], const struct pass *pass,
                          size_t slice, float *out) {
   const int axis = pass->axis, reach = pass->reach;

@@ -21,8 +21,7 @@ struct grain_surface {
 /* Lipschitz constant of the gradient of the cost: an upper bound of its change over the change of
  * u. */
 double grain_surface_stiffness(const struct grain_surface *surface);
-/* downhill -= the derivative of the cost with respect to share[z][y][x]; `work` has the same size.
- */
+/* downhill -= the derivative of the cost with respect to share[z][y][x]; `work` is as large. */
 void grain_surface_pull(const struct grain_surface *surface, const float *share, float *work,
                         float *downhill);
 

@@ -13,8 +13,7 @@ enum { LEVELS = 255 };
  * most; and above which voxels are averaged as far as the blur allows. */
 static const double VOXELS_WORKED = 24e6, VOXELS_HELD = 1.5e9, VOXELS_UNAVERAGED = 150e6;
 /* Cost of surface on smooth walls, relative to the usual one: they have no relief that a low cost
- * would preserve, and show all the relief that noise makes (docs/notes/2026-11-25-smooth-walls.md).
- */
+ * would keep, and show all the relief that noise makes (docs/notes/2026-11-25-smooth-walls.md). */
 static const double COST_SMOOTH = 8.0;
 /* Cost of surface, relative to the usual one, where relief is much finer than in uniform sand: the
  * usual one would remove grains there (docs/notes/2026-11-26-scanner-bias.md). */
@@ -125,9 +124,8 @@ static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, s
   restored->histogram.total += count * nx * ny;
 }
 
-/* Correlation volume of the noise (m^3): its power at low frequencies over its variance. For white
- * noise filtered by a Gaussian of the given length it is (2 sqrt(pi) length)^3; at least a voxel.
- */
+/* Correlation volume of the noise (m^3): its power at low frequencies over its variance. White
+ * noise filtered by a Gaussian of the given length has (2 sqrt(pi) length)^3; at least a voxel. */
 static double noise_volume(double length, const double voxel[3]) {
   double noise = 1.0;
   for (int d = 0; d < 3; d++) noise *= fmax(voxel[d], 2.0 * sqrt(M_PI) * length);

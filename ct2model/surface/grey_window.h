@@ -1,6 +1,5 @@
-/* A window of slices that moves once through a region, from its first slice to its last. It holds
- * greys as 16-bit distances from the threshold, without islands that are too small for the model.
- */
+/* A window of slices that moves once through a region, from first to last slice. It holds greys as
+ * 16-bit distances from the threshold, without islands that are too small for the model. */
 #ifndef TOSUI_CT2MODEL_SURFACE_GREY_WINDOW_H
 #define TOSUI_CT2MODEL_SURFACE_GREY_WINDOW_H
 
@@ -32,8 +31,7 @@ struct grey_window {
   size_t specks;     /* voxels changed so far */
 };
 
-/* Starts a window of at most `room` slices. `contrast` scales the greys. Free with grey_window_end.
- */
+/* Starts a window of up to `room` slices. `contrast` scales greys. Free with grey_window_end. */
 enum status grey_window_start(const struct region *region, double threshold, double contrast,
                               bool mirror, size_t speck_limit, long low, long high, size_t room,
                               struct grey_window *window);
@@ -49,7 +47,7 @@ void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z
  * `volume` through the resampler `area`. */
 enum status grey_window_fractions(const struct grey_window *window, size_t z0, size_t z1,
                                   struct resampler *area, float *volume);
-/* Whether the trilinear field is grain at a point, in voxels (the centre of voxel i is at i + 1/2).
+/* Whether the trilinear field is grain at a point, in voxels (voxel i has its centre at i + 1/2).
  */
 bool grey_window_in_grain(const struct grey_window *window, const double point[3]);
 

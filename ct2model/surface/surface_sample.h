@@ -10,8 +10,7 @@ enum { SAMPLE_WINDOWS = 8 };
 
 struct surface_sample {
   const struct region *region;
-  size_t count, size[3];           /* number of windows, and the size of each; count 0: not started
-                                    */
+  size_t count, size[3];           /* windows, and the size of each; count 0: not started */
   size_t first[SAMPLE_WINDOWS][3]; /* first voxel of each in the region */
   float *greys;                    /* [count][z][y][x] */
 };

@@ -51,8 +51,7 @@ TARGETS static void make_surfels(const struct cells *cells, const float stretch[
         n * (CROSSING(a, c) + CROSSING(b, d) + CROSSING(e, g) + CROSSING(f, h) + x1 + x3 + z2 + z3);
     const float z =
         n * (CROSSING(a, e) + CROSSING(b, f) + CROSSING(c, g) + CROSSING(d, h) + x2 + x3 + y2 + y3);
-    /* The gradient at the centre: each component is bilinear between the four edges along its axis.
-     */
+    /* The gradient there: each component is bilinear between the four edges along its axis. */
     const float dx = sx * BILINEAR(y, z, b - a, d - c, f - e, h - g);
     const float dy = sy * BILINEAR(x, z, c - a, d - b, g - e, h - f);
     const float dz = sz * BILINEAR(x, y, e - a, f - b, g - c, h - d);

@@ -31,9 +31,8 @@ struct surfel_box {
 struct surfels {
   size_t size[3], blocks[3];
   double stretch[3];
-  struct surfel_box *boxes; /* box of each block of 4x4x4 cells; undefined if it holds no disc */
-  uint32_t *first;          /* index in `items` of the first disc of each block; blocks + 1 values
-                             */
+  struct surfel_box *boxes; /* of each block of 4x4x4 cells; undefined without a disc */
+  uint32_t *first;          /* of each block, index of its first disc; blocks + 1 values */
   uint64_t *occupied;       /* a bit for each block with a disc, `words` words per row */
   size_t words;
   uint32_t *items; /* the places of all discs, then the normals of all discs */

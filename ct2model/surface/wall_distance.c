@@ -113,8 +113,7 @@ static void centre_of(const struct walk *walk, size_t row, size_t x, double poin
   for (int d = 0; d < 3; d++) point[d] = ((double)at[d] + 0.5) * walk->factor[d];
 }
 
-/* Phases of the voxel centres of one layer, while its slices are in the window: -1 grain, 1 pore.
- */
+/* Phases of the voxel centres of one layer, whose slices are in the window: -1 grain, 1 pore. */
 static void sign_layer(const struct walk *walk, size_t layer, float *distance) {
   const size_t *size = walk->request->size;
 #pragma omp parallel for schedule(static)

@@ -14,8 +14,7 @@ struct wall_request {
   double contrast;  /* grain minus pore grey, for scaling only */
   size_t size[3];   /* of the model before mirroring, along x, y, z */
   bool distances;   /* false: surface area only */
-  bool mirror; /* reflected about z = 0 and about the centre of the last layer; otherwise periodic
-                */
+  bool mirror;      /* reflected at z = 0 and at the centre of the last layer; else periodic */
 };
 
 struct wall_result {
