@@ -79,7 +79,9 @@ static struct grey_histogram bins_between(const struct grey_histogram *whole, do
   return part;
 }
 
-#define VALLEY_SHALLOW 0.8 /* over the lower peak: a valley not filled by noise */
+/* Ratio of a valley to the lower peak up to which noise has not filled it. */
+#define VALLEY_SHALLOW 0.8
+
 /* Warns of a third phase, as Otsu's threshold separates two. With a bright mineral the darker side
  * is pore and another phase: it has two peaks, with a valley between them and one to the bright
  * mineral. */

@@ -356,7 +356,7 @@ static enum status restore(struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
   if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->as_read, &pipeline->scanner));
-  TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
+  TRY(restored_make(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;

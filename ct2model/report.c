@@ -143,7 +143,7 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
   }
   json_t *pore = json_array(), *grain = json_array(), *soil = json_array();
   for (size_t i = 0; i < labels->count; i++)
-    if (labels->soily[i])
+    if (labels->is_soil[i])
       json_array_append_new(soil, json_pack("{s:f,s:f,s:f}", "label", labels->value[i], "porosity",
                                             labels->soil[i].porosity, "permeability",
                                             labels->soil[i].permeability));
@@ -279,10 +279,10 @@ static void print_model(const struct pipeline *pipeline) {
 
 /* Prints the fractions of pore voxels by width, until all but 1 % are listed. */
 static void print_widths(const struct morphology *m) {
-  double told = 0.0;
+  double printed = 0.0;
   printf("width histogram   ");
-  for (int b = 0; b < THICKNESS_BINS && told < 0.99; b++) {
-    told += m->thickness_histogram[b];
+  for (int b = 0; b < THICKNESS_BINS && printed < 0.99; b++) {
+    printed += m->thickness_histogram[b];
     if (m->thickness_histogram[b] >= 0.005)
       printf("%d-%d: %.0f %%, ", b, b + 1, 100.0 * m->thickness_histogram[b]);
   }
@@ -387,10 +387,10 @@ static void print_labels(const struct labels *labels) {
   for (int pore = 1; labels->count > 0 && pore >= 0; pore--) {
     printf(pore ? "labels            pore" : "; grain");
     for (size_t i = 0; i < labels->count; i++)
-      if (labels->pore[i] == pore && !labels->soily[i]) printf(" %g", labels->value[i]);
+      if (labels->pore[i] == pore && !labels->is_soil[i]) printf(" %g", labels->value[i]);
   }
   for (size_t i = 0; i < labels->count; i++)
-    if (labels->soily[i])
+    if (labels->is_soil[i])
       printf("; soil %g (porosity %.3g, permeability %.3g m^2)", labels->value[i],
              labels->soil[i].porosity, labels->soil[i].permeability);
   if (labels->count > 0) putchar('\n');

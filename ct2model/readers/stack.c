@@ -169,16 +169,16 @@ static bool is_named_alike(const char *a, const char *b) {
  * those of the majority. False if there is none, or if nearly all names differ. The majority is
  * found by the vote of Boyer and Moore (MJRTY, 1981), in one pass. */
 static bool warn_of_other_names(const struct name_list *list) {
-  const char *own = NULL, *other = NULL;
+  const char *majority = NULL, *other = NULL;
   size_t votes = 0, owns = 0;
   for (size_t i = 0; i < list->count; i++) {
-    if (votes == 0) own = list->names[i];
-    votes = is_named_alike(list->names[i], own) ? votes + 1 : votes - 1;
+    if (votes == 0) majority = list->names[i];
+    votes = is_named_alike(list->names[i], majority) ? votes + 1 : votes - 1;
   }
   for (size_t i = 0; i < list->count; i++) {
     const char *name = list->names[i];
-    if (is_named_alike(name, own))
-      own = owns++ == 0 ? name : own;
+    if (is_named_alike(name, majority))
+      majority = owns++ == 0 ? name : majority;
     else if (other == NULL)
       other = name;
   }
@@ -186,7 +186,7 @@ static bool warn_of_other_names(const struct name_list *list) {
   log_warning(
       "%zu of %zu files, such as %s, are not named as %s: if they are masks or of another scan, "
       "name the slices alone, with a * for their numbers",
-      list->count - owns, list->count, base_name(other), base_name(own));
+      list->count - owns, list->count, base_name(other), base_name(majority));
   return true;
 }
 

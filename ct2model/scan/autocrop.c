@@ -7,7 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-enum { BLOCKS = 48, LEAST_BLOCK = 8, SLICES = 24 };
+enum { BLOCKS = 48, BLOCK_PIXELS_LEAST = 8, SLICES = 24 };
 /* BRUSH: blocks on each side of the middle of a brush. WIDE: number of its positions along a side
  * of the slice, including those that reach in from outside. */
 enum { BRUSH = 1, WIDE = BLOCKS + 2 * BRUSH };
@@ -152,9 +152,9 @@ enum status autocrop(struct region *region) {
   struct blocks *blocks = NULL;
   TRY(memory_allocate(&slice, region->size[0] * region->size[1], sizeof *slice, "a slice"));
   TRY(memory_allocate(&blocks, 1, sizeof *blocks, "blocks of a slice"));
-  blocks->n = least / LEAST_BLOCK < BLOCKS ? least / LEAST_BLOCK : BLOCKS;
+  blocks->n = least / BLOCK_PIXELS_LEAST < BLOCKS ? least / BLOCK_PIXELS_LEAST : BLOCKS;
   memset(inside, true, sizeof inside);
-  for (size_t i = 0; i < nz && blocks->n >= LEAST_BLOCK; i++) {
+  for (size_t i = 0; i < nz && blocks->n >= BLOCK_PIXELS_LEAST; i++) {
     size_t z = nz > 1 ? i * (region->size[2] - 1) / (nz - 1) : 0;
     double middle;
     TRY(read_slice(region, z, slice));

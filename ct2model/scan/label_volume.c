@@ -22,7 +22,8 @@
 #include "common/memory.h"
 
 static const double VARIANCE_PER_PERIMETER = 0.0728;
-static const double CROSSING_FACTOR = 1.7; /* 1.7: 0.0728 (pi / 4) 2 / 1.7 = 0.067 */
+/* Chosen such that 0.0728 (pi / 4) 2 / 1.7 = 0.067. */
+static const double FACE_RATIO_FACTOR = 1.7;
 
 /* A slice across an axis: its voxels of grain, and its faces between labels along the two other
  * axes. */
@@ -79,8 +80,8 @@ static bool is_symmetric(const struct label_slices *seen, int b, int c) {
  * labels along each axis. */
 static double variance(const struct label_slices *seen, const double faces[3], int a) {
   const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
-  const double run =
-      fmin((double)seen->size[a], fmax(1.0, (faces[b] + faces[c]) / (CROSSING_FACTOR * faces[a])));
+  const double run = fmin((double)seen->size[a],
+                          fmax(1.0, (faces[b] + faces[c]) / (FACE_RATIO_FACTOR * faces[a])));
   double sum = 0.0, images = 1.0;
   for (size_t i = 0; i < seen->size[a]; i++) {
     const struct slice *slice = &seen->slice[a][i];

@@ -36,7 +36,7 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
       snprintf(soil, sizeof soil, "%.*s", (int)inside, end + 6);
       const enum status status = soil_parse("segmented", soil, &rules->soil[i]);
       if (status != STATUS_OK) return status;
-      rules->soily[i] = true;
+      rules->is_soil[i] = true;
       at = end + 6 + inside + 1;
       if (*at != '\0' && *at != ',') goto wrong;
       at += *at == ',';
@@ -79,11 +79,11 @@ static size_t find_label(const struct labels *labels, double value) {
 
 static void swap_labels(struct labels *labels, size_t i, size_t j) {
   const double value = labels->value[i];
-  const bool pore = labels->pore[i], soily = labels->soily[i];
+  const bool pore = labels->pore[i], is_soil = labels->is_soil[i];
   const struct soil soil = labels->soil[i];
   labels->value[i] = labels->value[j], labels->value[j] = value;
   labels->pore[i] = labels->pore[j], labels->pore[j] = pore;
-  labels->soily[i] = labels->soily[j], labels->soily[j] = soily;
+  labels->is_soil[i] = labels->is_soil[j], labels->is_soil[j] = is_soil;
   labels->soil[i] = labels->soil[j], labels->soil[j] = soil;
 }
 
@@ -161,22 +161,22 @@ static enum status classify(const struct region *region, const struct label_rule
         if (at == LABELS_MOST) TRY(name_greys(region, ""));
         labels->value[labels->count++] = value;
       }
-      const bool open = labels->pore[at] || labels->soily[at];
+      const bool open = labels->pore[at] || labels->is_soil[at];
       seen[at]++;
       grain[z * plane + p] = !open;
       pores += open;
       if (labels->micro.kind != NULL)
-        labels->micro.kind[z * plane + p] = labels->soily[at]  ? (uint8_t)(at + 1)
-                                            : labels->pore[at] ? MICRO_PORE
-                                                               : MICRO_GRAIN;
+        labels->micro.kind[z * plane + p] = labels->is_soil[at] ? (uint8_t)(at + 1)
+                                            : labels->pore[at]  ? MICRO_PORE
+                                                                : MICRO_GRAIN;
     }
   }
   const double count = (double)plane * (double)region->size[2];
   for (size_t i = 0; i < labels->count; i++) {
-    voids += (double)seen[i] * (labels->pore[i]    ? 1.0
-                                : labels->soily[i] ? labels->soil[i].porosity
-                                                   : 0.0);
-    if (*fits && labels->soily[i] && seen[i] == 0)
+    voids += (double)seen[i] * (labels->pore[i]      ? 1.0
+                                : labels->is_soil[i] ? labels->soil[i].porosity
+                                                     : 0.0);
+    if (*fits && labels->is_soil[i] && seen[i] == 0)
       TRY_FAIL(STATUS_INPUT, "%s: --segmented: no voxel has the label %g, which is said to be soil",
                region->stack->files[0].path, labels->value[i]);
     labels->micro.soil[i + 1] = labels->soil[i];
@@ -269,14 +269,14 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   *labels = (struct labels){.on = true, .count = rules->count};
   memcpy(labels->value, rules->value, sizeof labels->value);
   memcpy(labels->pore, rules->pore, sizeof labels->pore);
-  memcpy(labels->soily, rules->soily, sizeof labels->soily);
+  memcpy(labels->is_soil, rules->is_soil, sizeof labels->is_soil);
   memcpy(labels->soil, rules->soil, sizeof labels->soil);
   memcpy(labels->micro.size, region->size, sizeof region->size);
   if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
   if (!labels->on) goto cleanup;
   TRY(memory_allocate(&grain, count, 1, "the labels"));
   for (size_t i = 0; i < rules->count; i++)
-    if (rules->soily[i] && labels->micro.kind == NULL)
+    if (rules->is_soil[i] && labels->micro.kind == NULL)
       TRY(memory_allocate(&labels->micro.kind, count, 1, "the labels"));
   TRY(classify(region, rules, labels, grain, &fits));
   labels->on = fits;

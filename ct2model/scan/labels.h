@@ -20,7 +20,7 @@ struct label_rules {
   size_t count; /* 0: found automatically */
   double value[LABELS_MOST];
   bool pore[LABELS_MOST];
-  bool soily[LABELS_MOST];       /* this label is soil, with pores of its own */
+  bool is_soil[LABELS_MOST];     /* this label is soil, with pores of its own */
   struct soil soil[LABELS_MOST]; /* its properties */
   bool rest_is_grain;            /* only one label is named, and it is pore */
 };
@@ -34,7 +34,7 @@ struct labels {
   size_t count;
   double value[LABELS_MOST]; /* labels found, in rising order */
   bool pore[LABELS_MOST];
-  bool soily[LABELS_MOST];
+  bool is_soil[LABELS_MOST];
   struct soil soil[LABELS_MOST];
   struct micro micro;    /* kind of each voxel, if there is soil */
   double noisy;          /* with --micro: fraction of the voxels whose phase noise had changed */

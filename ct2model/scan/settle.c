@@ -36,31 +36,32 @@ static struct phase_counts count_phases(const struct micro *m, const size_t at[3
   return phase_counts;
 }
 
-static uint8_t without_edge(const struct micro *m, const size_t at[3], uint8_t own, double middle) {
-  if (phase_of(own) != SOIL) return own;
+static uint8_t without_edge(const struct micro *m, const size_t at[3], uint8_t kind,
+                            double middle) {
+  if (phase_of(kind) != SOIL) return kind;
   const struct phase_counts c = count_phases(m, at, SETTLE_RIM);
   const double least = SETTLE_SHARE * (c.count[PORE] + c.count[SOIL] + c.count[GRAIN]);
-  if (c.count[PORE] <= least || c.count[GRAIN] <= least) return own;
-  return own < middle ? MICRO_PORE : MICRO_GRAIN;
+  if (c.count[PORE] <= least || c.count[GRAIN] <= least) return kind;
+  return kind < middle ? MICRO_PORE : MICRO_GRAIN;
 }
 
 /* Whether all six neighbours have the same phase as the voxel. */
-static bool is_inside(const struct micro *m, const size_t at[3], const uint8_t *own) {
+static bool is_inside(const struct micro *m, const size_t at[3], const uint8_t *kind) {
   const size_t step[3] = {1, m->size[0], m->size[0] * m->size[1]};
-  const int phase = phase_of(*own);
+  const int phase = phase_of(*kind);
   for (int d = 0; d < 3; d++) {
-    if (at[d] > 0 && phase_of(own[-(ptrdiff_t)step[d]]) != phase) return false;
-    if (at[d] + 1 < m->size[d] && phase_of(own[step[d]]) != phase) return false;
+    if (at[d] > 0 && phase_of(kind[-(ptrdiff_t)step[d]]) != phase) return false;
+    if (at[d] + 1 < m->size[d] && phase_of(kind[step[d]]) != phase) return false;
   }
   return true;
 }
 
 /* The phase of a voxel without noise. A level at an edge is not noise: its grey decides, in
  * without_edge. */
-static uint8_t without_noise(const struct micro *m, const size_t at[3], uint8_t own) {
+static uint8_t without_noise(const struct micro *m, const size_t at[3], uint8_t kind) {
   const struct phase_counts c = count_phases(m, at, 1);
   const int all = c.count[PORE] + c.count[SOIL] + c.count[GRAIN];
-  int phase = phase_of(own);
+  int phase = phase_of(kind);
   const bool edge =
       phase == SOIL && c.count[PORE] > SETTLE_SHARE * all && c.count[GRAIN] > SETTLE_SHARE * all;
   if (c.count[phase] <= SETTLE_SPECK * all && !edge)
@@ -79,11 +80,13 @@ static size_t settle_round(const struct micro *m, bool edges, double middle, uin
   for (size_t row = 0; row < ny * nz; row++)
     for (size_t x = 0; x < nx; x++) {
       const size_t at[3] = {x, row % ny, row / ny}; // NOLINT: has rows
-      const uint8_t *own = m->kind + row * nx + x;
-      const bool inside = phase_of(*own) != SOIL && is_inside(m, at, own);
+      const uint8_t *kind = m->kind + row * nx + x;
+      const bool inside = phase_of(*kind) != SOIL && is_inside(m, at, kind);
       uint8_t *to = settled + row * nx + x;
-      *to = edges ? without_edge(m, at, *own, middle) : inside ? *own : without_noise(m, at, *own);
-      changed += phase_of(*to) != phase_of(*own);
+      *to = edges    ? without_edge(m, at, *kind, middle)
+            : inside ? *kind
+                     : without_noise(m, at, *kind);
+      changed += phase_of(*to) != phase_of(*kind);
     }
   return changed;
 }

@@ -6,7 +6,9 @@
 
 #include "common/memory.h"
 
-enum { SLICES = 8, SMOOTH = 8, BINS = 4096 };
+/* Slices that are sampled; radii on each side over which rings are averaged; bins of a histogram.
+ */
+enum { SLICES = 8, RING_AVERAGE = 8, BINS = 4096 };
 /* Smallest number of radii: within fewer pixels of the axis a few grains look like rings and like
  * beam hardening. */
 enum { RADII_LEAST = 48 };
@@ -106,12 +108,14 @@ static void ring_deviations(const double *sum, const double *number, size_t radi
     const double *s[2] = {sum + side * radii, sum + (2 + side) * radii};
     const double *n[2] = {number + side * radii, number + (2 + side) * radii};
     for (size_t r = 0; r < radii; r++) {
-      double total = 0.0, weight = 0.0, here = n[0][r] + n[1][r];
-      for (size_t k = r > SMOOTH ? r - SMOOTH : 0; k <= r + SMOOTH && k < radii; k++) {
+      double total = 0.0, weight = 0.0, count_here = n[0][r] + n[1][r];
+      for (size_t k = r > RING_AVERAGE ? r - RING_AVERAGE : 0; k <= r + RING_AVERAGE && k < radii;
+           k++) {
         total += s[0][k] + s[1][k];
         weight += n[0][k] + n[1][k];
       }
-      ring[side * radii + r] = here < least ? NAN : (s[0][r] + s[1][r]) / here - total / weight;
+      ring[side * radii + r] =
+          count_here < least ? NAN : (s[0][r] + s[1][r]) / count_here - total / weight;
     }
   }
 }
@@ -133,7 +137,8 @@ static double ring_covariance(const double *a, const double *b, size_t radii) {
 static void ring_estimate(const double *ring, size_t radii, double variance, float *profile) {
   for (size_t r = 0; r < radii; r++) {
     double noise = 0.0, n = 0.0;
-    for (size_t k = r > 2 * SMOOTH ? r - 2 * SMOOTH : 0; k <= r + 2 * SMOOTH && k < radii; k++) {
+    for (size_t k = r > 2 * RING_AVERAGE ? r - 2 * RING_AVERAGE : 0;
+         k <= r + 2 * RING_AVERAGE && k < radii; k++) {
       double gap = ring[k] - ring[radii + k];
       if (isnan(gap)) continue;
       noise += 0.25 * gap * gap;

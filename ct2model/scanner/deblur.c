@@ -51,7 +51,7 @@ struct filters {
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner, .rounds = DEBLUR_ROUNDS};
+  *deblur = (struct deblur){.scanner = *scanner, .iterations = DEBLUR_ITERATIONS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -257,7 +257,7 @@ enum status deblur_run(struct deblur *deblur) {
   iterate(deblur, &filters, ITERATIONS_FIRST);
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
-  iterate(deblur, &filters, deblur->rounds);
+  iterate(deblur, &filters, deblur->iterations);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;

@@ -15,7 +15,7 @@
  * 15 half as many leave throats too wide, and k up to 6 % too high; twice as many change it by 2 %
  * at most (docs/notes/2026-11-27-faces.md). Slabs that are compared with a simulated scan restored
  * in the same way need fewer. */
-enum { DEBLUR_ROUNDS = 60, DEBLUR_ROUNDS_COMPARED = 30 };
+enum { DEBLUR_ITERATIONS = 60, DEBLUR_ITERATIONS_COMPARED = 30 };
 
 /* Properties of the scanner in the units of the slab. Arrays of 3 are along x, y, z, in voxels of
  * the slab. */
@@ -35,7 +35,7 @@ struct deblur {
    * not used. */
   size_t beyond[3][2];
   struct deblur_scanner scanner;
-  int rounds;   /* DEBLUR_ROUNDS, or as set after deblur_start */
+  int iterations; /* DEBLUR_ITERATIONS, or as set after deblur_start */
   float *grey;  /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
   float *share; /* result [z][y][x]: share of grain, 0 to 1 */
   float *grain, *u, *y, *a, *b;

@@ -67,8 +67,8 @@ static enum status try_fringe(const struct windows *scan, const struct edge_resp
   *found = edge_fit_find(seen, request->reach, trial->fringe, &fit);
   if (!*found) return STATUS_OK;
   for (int sign = -1; sign <= 1; sign += 2) {
-    TRY(windows_make_up(scan, *ratio * edge_fit_blur(&fit), trial->fringe, sign * request->noise,
-                        request->length, &simulated));
+    TRY(windows_simulate(scan, *ratio * edge_fit_blur(&fit), trial->fringe, sign * request->noise,
+                         request->length, &simulated));
     TRY(windows_find_surfaces(&simulated, request->contrast_to_noise,
                               edge_response_limit(request->reach, scan->stretch)));
     for (size_t i = 0; i < simulated.count; i++) {

@@ -14,11 +14,11 @@
 
 /* Two parts belong to one grain if the depth where they meet is at least this fraction of the depth
  * of the shallower one; else the meeting is a neck between two grains. */
-static const float MERGE = 0.7F;
-/* BESIDE: pores further than this from grains, in voxels, belong to none. STEPS: levels per voxel
- * of depth; voxels of one level are flooded in the order of the scan. NOBODY: number of the part of
- * voxels that belong to none. */
-enum { BESIDE = 6, STEPS = 65536, NOBODY = 0 };
+static const float MERGE_DEPTH_RATIO = 0.7F;
+/* PORE_RANGE: pores further than this from grains, in voxels, belong to none. LEVELS_PER_VOXEL:
+ * levels per voxel of depth; voxels of one level are flooded in the order of the scan. NOBODY:
+ * number of the part of voxels that belong to none. */
+enum { PORE_RANGE = 6, LEVELS_PER_VOXEL = 65536, NOBODY = 0 };
 /* Neighbours: along axis d the previous one is way 2 d, the next one way 2 d + 1. DEEPEST: the
  * voxel is the deepest of a part. NONE: it belongs to no grain. */
 enum { WAYS = 6, DEEPEST = 6, NONE = 7 };
@@ -37,7 +37,8 @@ struct flood {
 /* Level at which a voxel is flooded; 0 is the deepest. */
 static uint32_t level_of(float depth) {
   const float most = depth < (float)GRAIN_DEEPEST ? depth : (float)GRAIN_DEEPEST;
-  return depth > -BESIDE ? (uint32_t)(((float)GRAIN_DEEPEST - most) * (float)STEPS) : NEVER;
+  return depth > -PORE_RANGE ? (uint32_t)(((float)GRAIN_DEEPEST - most) * (float)LEVELS_PER_VOXEL)
+                             : NEVER;
 }
 
 /* Whether a neighbour is flooded before a voxel of the given level. */
@@ -177,7 +178,7 @@ static bool may_join(const struct flood *flood, size_t voxel, const size_t at[3]
     if (!has_neighbour(flood, at, way)) continue;
     const uint32_t other = flood->part[neighbour_of(flood, voxel, way)];
     if (other != part && other != NOBODY &&
-        !(depth < MERGE * fminf(flood->peak[part], flood->peak[other])))
+        !(depth < MERGE_DEPTH_RATIO * fminf(flood->peak[part], flood->peak[other])))
       return true;
   }
   return false;
@@ -214,7 +215,8 @@ static void join_at(struct flood *flood, const struct meeting *meeting) {
       continue;
     const uint32_t a = root_of(flood->parent, flood->part[voxel]),
                    b = root_of(flood->parent, flood->part[other]);
-    if (a == b || flood->depth[voxel] < MERGE * fminf(flood->peak[a], flood->peak[b])) continue;
+    if (a == b || flood->depth[voxel] < MERGE_DEPTH_RATIO * fminf(flood->peak[a], flood->peak[b]))
+      continue;
     const bool first = flood->peak[a] >= flood->peak[b];
     flood->parent[first ? b : a] = first ? a : b;
   }

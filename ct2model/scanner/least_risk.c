@@ -57,7 +57,7 @@ enum status least_risk_find(struct windows *scan, double noise, double length,
   for (size_t i = 0; i < n; i++)
     piece->distance[i] = 1.0F; /* all pore: the simulated scan is noise
                                   alone */
-  TRY(windows_make_up(scan, 0.0, 0.0, noise, length, &simulated));
+  TRY(windows_simulate(scan, 0.0, 0.0, noise, length, &simulated));
   const float *added_noise = simulated.window[0].grey;
   for (int i = 0; i < COSTS; i++) {
     double trace = 0.0;

@@ -93,7 +93,8 @@ static enum status estimate_scanner(struct windows *scan, const struct deblur_sc
   int least = 0;
   TRY(grain_window(piece, scan->stretch, work, deblur, piece->distance));
   for (int t = 0; t < BLUR_TRIALS; t++) {
-    TRY(windows_make_up(scan, BLUR_MIN * pow(BLUR_RATIO, t), estimate->fringe, 0.0, 1.0, &blurred));
+    TRY(windows_simulate(scan, BLUR_MIN * pow(BLUR_RATIO, t), estimate->fringe, 0.0, 1.0,
+                         &blurred));
     residual[t] = fit_levels(blurred.window[0].grey, piece->grey, n, estimate);
     if (residual[t] < residual[least]) least = t;
     windows_end(&blurred);
@@ -103,7 +104,7 @@ static enum status estimate_scanner(struct windows *scan, const struct deblur_sc
   const double up = residual[least + 1] - residual[least],
                down = residual[least - 1] - residual[least];
   estimate->blur = BLUR_MIN * pow(BLUR_RATIO, least + 0.5 * (down - up) / (down + up));
-  TRY(windows_make_up(scan, estimate->blur, estimate->fringe, 0.0, 1.0, &blurred));
+  TRY(windows_simulate(scan, estimate->blur, estimate->fringe, 0.0, 1.0, &blurred));
   fit_levels(blurred.window[0].grey, piece->grey, n, estimate);
   estimate_noise(blurred.window[0].grey, piece, scan->stretch, estimate);
 cleanup:
@@ -122,8 +123,8 @@ static enum status correct_bias(const struct windows *scan, const struct deblur_
   struct estimate simulated_estimate = {.levels = seen->levels, .fringe = seen->fringe};
   *estimate = *seen;
   for (int round = 0; *found && round < CORRECTIONS; round++) {
-    TRY(windows_make_up(scan, estimate->blur, estimate->fringe,
-                        estimate->noise / estimate->contrast, estimate->length, &simulated));
+    TRY(windows_simulate(scan, estimate->blur, estimate->fringe,
+                         estimate->noise / estimate->contrast, estimate->length, &simulated));
     float *grey = simulated.window[0].grey;
     for (size_t i = 0; i < n; i++)
       grey[i] = (float)(estimate->pore + estimate->contrast * (double)grey[i]);

@@ -4,7 +4,7 @@
 #include <stdbool.h>
 
 /* Distance between the two slices of a pair, in slices. */
-enum { APART = 6 };
+enum { SLICES_APART = 6 };
 /* A scan with a larger fraction of voxels at the end of its range is a synthetic image without
  * noise. */
 static const double CLIPPED_FRACTION_MAX = 0.5;
@@ -19,7 +19,7 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
   const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * ny;
   const size_t step[3] = {1, nx, plane};
   double mean = 0.0, last = 0.0; /* mean greys of this slice and of the one before */
-  double means[APART + 1] = {0}; /* mean greys of the latest slices, in a ring */
+  double means[SLICES_APART + 1] = {0}; /* mean greys of the latest slices, in a ring */
   for (size_t z = 0; z < nz; z++, last = mean) {
     double sum = 0.0, n = 0.0;
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
@@ -29,10 +29,10 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
     }
     mean = n > 0.0 ? sum / n : level;
     if (n < 30.0) {
-      means[z % (APART + 1)] = mean;
+      means[z % (SLICES_APART + 1)] = mean;
       continue;
     }
-    means[z % (APART + 1)] = mean;
+    means[z % (SLICES_APART + 1)] = mean;
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
       if (!is_inside(grey[i], distance[i], depth, sign, level, most)) continue;
       const double here = (double)grey[i] - mean;
@@ -47,10 +47,11 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
         sums->product[a] += here * ((double)grey[other] - (a == 2 ? last : mean));
         sums->pairs[a] += 1.0;
       }
-      if (z < APART) continue;
-      const size_t far = i - APART * plane;
+      if (z < SLICES_APART) continue;
+      const size_t far = i - SLICES_APART * plane;
       if (!is_inside(grey[far], distance[far], depth, sign, level, most)) continue;
-      sums->apart += pow(here - ((double)grey[far] - means[(z - APART) % (APART + 1)]), 2.0);
+      sums->apart +=
+          pow(here - ((double)grey[far] - means[(z - SLICES_APART) % (SLICES_APART + 1)]), 2.0);
       sums->apart_pairs += 1.0;
     }
   }
@@ -65,7 +66,7 @@ double noise_deviation(const struct noise_sums *sums) {
  * (Tobin 1958, Econometrica 26: 24). At a contrast of 4 times the noise, dark pores lose a tenth
  * and more of their noise when a scan is saved with greys clipped at black; walls, whose grey is in
  * the middle, lose none. */
-double noise_left(const struct noise_sums *sums) {
+double noise_clipping_ratio(const struct noise_sums *sums) {
   const double share = sums->at_end / sums->count;
   double low = 0.0, high = 6.0;
   if (!(share > 0.0 && share < CLIPPED_FRACTION_MAX)) return 1.0;

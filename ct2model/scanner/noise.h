@@ -11,8 +11,7 @@ struct noise_sums {
   double square, count;
   double apart, apart_pairs;
   double product[3], pairs[3];
-  double end, at_end; /* the grey at which the scan is clipped on the side of this phase; number of
-                         voxels there */
+  double end, at_end; /* grey at which the scan is clipped on this side; voxels that have it */
 };
 
 /* Adds the voxels at least `depth` (voxels) from the surface: those of the pores if `sign` is 1, of
@@ -23,7 +22,7 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
 /* Standard deviation of the noise; NAN without voxels. */
 double noise_deviation(const struct noise_sums *sums);
 /* Ratio of the standard deviation after clipping to that before it; 1 if not clipped. */
-double noise_left(const struct noise_sums *sums);
+double noise_clipping_ratio(const struct noise_sums *sums);
 /* Correlation length along `axis`: standard deviation (voxels) of the Gaussian filter that gives
  * white noise the same correlation between neighbours; 0 if not correlated. */
 double noise_length(const struct noise_sums *sums, int axis);

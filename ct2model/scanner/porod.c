@@ -25,9 +25,9 @@
  * Restored grains show the correct probability beyond about two blurs: S and B are fitted from that
  * distance to twice that. */
 static const double BEND = 1.0 / 64.0;
-/* Range of the fit: from FROM_BLURS blurs, but at most FROM_MOST of a and at least FROM_VOXELS
- * voxels, to TO times that. */
-static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2.0;
+/* Range of the fit: from RANGE_BLURS blurs, but at most RANGE_MOST of a and at least RANGE_VOXELS
+ * voxels, to RANGE_FACTOR times that. */
+static const double RANGE_BLURS = 2.0, RANGE_VOXELS = 2.0, RANGE_MOST = 0.7, RANGE_FACTOR = 2.0;
 /* B tells edges and contacts from walls that are smooth all over, where noise and relief cannot be
  * told apart: it is 0.21 or more for true sands, 0.23 to 0.3 for touching balls and 0.25 or less
  * for balls that stand apart; tubes, fibres and slits do not follow the law equally in all
@@ -174,9 +174,10 @@ static enum status measure_law(const struct restored *restored, double blur, con
   const double n = restored->void_ratio / (1.0 + restored->void_ratio);
   const double a = 4.0 * n * (1.0 - n) / surface;
   const double widest = fmax(voxel[0], fmax(voxel[1], voxel[2]));
-  const double from = fmax(FROM_VOXELS * widest, fmin(FROM_BLURS * blur, FROM_MOST * a));
+  const double from = fmax(RANGE_VOXELS * widest, fmin(RANGE_BLURS * blur, RANGE_MOST * a));
   *found = *slope = *scatter = NAN;
-  if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
+  if (!choose_vectors(restored->scan.size, voxel, from, RANGE_FACTOR * from, vectors))
+    return STATUS_OK;
   TRY(count_all(restored, vectors));
   *found = extrapolate(vectors, n, surface, slope, scatter);
 cleanup:

@@ -16,11 +16,11 @@ enum { BATCH = 32 };
  * or less grain than the edges of the scan allow. */
 static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0;
 
-/* Islands of few voxels ("specks") are removed from CHUNK slices at a time, with BESIDE slices on
- * either side; no speck is longer. The first slice is adjacent to the last one, as are the ends of
- * rows and columns (specks.h): at an end of the slab specks would be kept, but one on a face of the
- * scan obstructs the flow like any other. */
-enum { CHUNK = 64, BESIDE = 12 };
+/* Islands of few voxels ("specks") are removed from CHUNK_SLICES slices at a time, with
+ * OVERLAP_SLICES slices on either side; no speck is longer. The first slice is adjacent to the last
+ * one, as are the ends of rows and columns (specks.h): at an end of the slab specks would be kept,
+ * but one on a face of the scan obstructs the flow like any other. */
+enum { CHUNK_SLICES = 64, OVERLAP_SLICES = 12 };
 
 /* Volume of the largest speck, in voxels of the restored scan: an island smaller than what the
  * scanner resolves is noise, since a grain touches others. */
@@ -41,7 +41,8 @@ static enum status drop_specks(const struct region *region, const struct scanner
   enum status status = STATUS_OK;
   const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2], plane = nx * ny;
   const size_t words = phase_words(nx), limit = speck_limit(region, scan, scanner);
-  const size_t most = (nz < CHUNK ? nz : CHUNK) + 2 * BESIDE, kept = nz < BESIDE ? nz : BESIDE;
+  const size_t most = (nz < CHUNK_SLICES ? nz : CHUNK_SLICES) + 2 * OVERLAP_SLICES,
+               kept = nz < OVERLAP_SLICES ? nz : OVERLAP_SLICES;
   int16_t *field = NULL;
   uint64_t *bits = NULL, *scratch = NULL;
   uint8_t *previous = NULL, *first = NULL; /* original levels of the slices before the chunk, and of
@@ -49,32 +50,33 @@ static enum status drop_specks(const struct region *region, const struct scanner
   TRY(memory_allocate(&field, most * plane, sizeof *field, "specks"));
   TRY(memory_allocate(&bits, most * ny * words, sizeof *bits, "specks"));
   TRY(memory_allocate(&scratch, 2 * most * ny * words, sizeof *scratch, "specks"));
-  TRY(memory_allocate(&previous, BESIDE * plane, 1, "specks"));
+  TRY(memory_allocate(&previous, OVERLAP_SLICES * plane, 1, "specks"));
   TRY(memory_allocate(&first, kept * plane, 1, "specks"));
   memcpy(first, scan->levels, kept * plane);
-  for (size_t i = 0; i < BESIDE; i++)
-    memcpy(previous + i * plane, scan->levels + (nz * BESIDE + i - BESIDE) % nz * plane, plane);
-  for (size_t z = 0; z < nz; z += CHUNK) {
-    const size_t count = nz - z < CHUNK ? nz - z : CHUNK;
-    const size_t size[3] = {nx, ny, count + 2 * BESIDE};
+  for (size_t i = 0; i < OVERLAP_SLICES; i++)
+    memcpy(previous + i * plane,
+           scan->levels + (nz * OVERLAP_SLICES + i - OVERLAP_SLICES) % nz * plane, plane);
+  for (size_t z = 0; z < nz; z += CHUNK_SLICES) {
+    const size_t count = nz - z < CHUNK_SLICES ? nz - z : CHUNK_SLICES;
+    const size_t size[3] = {nx, ny, count + 2 * OVERLAP_SLICES};
 #pragma omp parallel for schedule(static)
     for (size_t row = 0; row < size[2] * ny; row++) {
-      const size_t layer = row / ny, at = z + layer - BESIDE;
-      const uint8_t *levels = (layer < BESIDE ? previous + layer * plane
-                               : at < nz      ? scan->levels + at * plane
-                                              : first + (at - nz) % nz * plane) +
+      const size_t layer = row / ny, at = z + layer - OVERLAP_SLICES;
+      const uint8_t *levels = (layer < OVERLAP_SLICES ? previous + layer * plane
+                               : at < nz              ? scan->levels + at * plane
+                                                      : first + (at - nz) % nz * plane) +
                               row % ny * nx;
       for (size_t x = 0; x < nx; x++)
         field[row * nx + x] = (int16_t)lrint(64.0 * ((double)levels[x] - threshold));
       phase_row(field + row * nx, nx, bits + row * words);
     }
     specks_remove(field, bits, size, limit, scratch);
-    if (count >= BESIDE)
-      memcpy(previous, scan->levels + (z + count - BESIDE) * plane, BESIDE * plane);
+    if (count >= OVERLAP_SLICES)
+      memcpy(previous, scan->levels + (z + count - OVERLAP_SLICES) * plane, OVERLAP_SLICES * plane);
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < count * plane; i++) {
       uint8_t *level = &scan->levels[z * plane + i];
-      if ((field[BESIDE * plane + i] > 0) == ((double)*level > threshold)) continue;
+      if ((field[OVERLAP_SLICES * plane + i] > 0) == ((double)*level > threshold)) continue;
       const double distance = fmax(fabs((double)*level - threshold), LEVEL_STEP);
       const double to = (double)*level > threshold ? threshold - distance : threshold + distance;
       *level = (uint8_t)lrint(fmin(fmax(to, 0.0), 255.0));
@@ -99,7 +101,7 @@ struct region restored_region(const struct restored *restored, const struct regi
   return coarse_region(&restored->scan, region);
 }
 
-enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
+enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored) {
   enum status status = STATUS_OK;

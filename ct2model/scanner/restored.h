@@ -20,7 +20,7 @@ struct restored {
 /* Removes `blur` (m) from the region and finds the level that encloses `void_ratio`. `restored` has
  * no levels, and a warning is given, where the edges of the scan do not allow that void ratio or
  * memory would not suffice. `sides`: as in enclosed.h. Free with restored_end. */
-enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
+enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored);
 void restored_end(struct restored *restored);

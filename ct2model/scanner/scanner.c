@@ -127,17 +127,18 @@ static double measure_noise(struct windows *all, double noise_ratio, const struc
                             struct scanner *scanner) {
   const double contrast = all->grain - all->pore, *voxel = all->region->voxel;
   double ends[2];
-  windows_find_ends(all, ends);
+  windows_find_clipping(all, ends);
   windows_bound_depth(all);
   struct noise_sums pore = sum_noise(all, noise_ratio, fit, false, ends[0]);
   const struct noise_sums grain = sum_noise(all, noise_ratio, fit, true, ends[1]);
   if (pore.count < NOISE_VOXELS) pore = grain; /* too few voxels in pores */
   const double pore_length = mean_length(&pore, voxel), grain_length = mean_length(&grain, voxel);
-  const double kept = noise_left(&pore);
+  const double kept = noise_clipping_ratio(&pore);
   const double pore_noise = noise_deviation(&pore), grain_noise = noise_deviation(&grain);
   const bool less = has_less_noise(&grain, grain_length / all->unit, &pore, pore_length / all->unit,
-                                   grain_noise / noise_left(&grain) * kept / pore_noise);
-  scanner->noise = contrast * (less ? grain_noise / noise_left(&grain) * kept : pore_noise);
+                                   grain_noise / noise_clipping_ratio(&grain) * kept / pore_noise);
+  scanner->noise =
+      contrast * (less ? grain_noise / noise_clipping_ratio(&grain) * kept : pore_noise);
   scanner->noise_correlation = less ? fmin(pore_length, grain_length) : pore_length;
   scanner->contrast_to_noise = (fit->grain - fit->pore) * contrast / scanner->noise;
   return kept;
@@ -156,7 +157,7 @@ static enum status correct_fit(const struct windows *grains, const struct edge_f
     struct scanner simulated_scanner = {0};
     struct edge_fit simulated_fit;
     const double blur = edge_fit_blur(fit), fringe = fmax(fit->fringe, 0.0);
-    TRY(windows_make_up(grains, blur, fringe, scan->noise, scan->length, &simulated));
+    TRY(windows_simulate(grains, blur, fringe, scan->noise, scan->length, &simulated));
     TRY(windows_find_surfaces(&simulated, scan->contrast_to_noise,
                               edge_response_limit(scan->reach, grains->stretch)));
     if (!fit_windows(&simulated, scan->reach, &simulated_scanner, &simulated_fit) ||
@@ -393,7 +394,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
    * them the surfaces are found anew. */
   const bool deep = shows_own_grey(&all, survey);
   if (deep) {
-    windows_take_levels(&all, fit.pore, fit.grain);
+    windows_rescale(&all, fit.pore, fit.grain);
     TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
     if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
   }

@@ -29,8 +29,8 @@ static const double RATIO_SMOOTH = 1.11, RATIO_ROUGH = 1.18;
  * grows faster than the noise. So the simulated noise is adjusted until it leaves the same residual
  * as the scan does. */
 static const double COST_FINE = 0.25;
-static const double RATIO_IMPLAUSIBLE = 2.0; /* from this ratio on, the scanner must differ from the
-                                                one that was measured */
+/* From this ratio on, the scanner must differ from the one that was measured. */
+static const double RATIO_IMPLAUSIBLE = 2.0;
 /* Change of the cost of surface, in octaves, per octave of the cost of least risk (least_risk.h),
  * and for a ratio of fine relief of 2. With these values the error of k of 102 generated sands is
  * smallest (docs/notes/2026-11-28-surface-cost.md). A change of up to OCTAVES_CHANCE may be chance;
@@ -51,8 +51,8 @@ static const double OCTAVES_FINEST = -2.0, OCTAVES_SMOOTH = 3.0, OCTAVES_NOISY =
                     CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
 /* Side of the piece, in voxels: enough walls, and restored six times within a second. */
 enum { SIDE = 64 };
-static const double WALL_RANGE = 0.5; /* voxels: beyond this distance from walls, shares of grain
-                                         are 0 or 1 */
+/* Distance from walls, in voxels, beyond which shares of grain are 0 or 1. */
+static const double WALL_RANGE = 0.5;
 
 /* What a higher cost of surface removes, summed over voxels: the cubes of the removed shares of
  * grain, and the squares of the residual of the scan. */
@@ -112,8 +112,8 @@ static enum status compare(const struct windows *scan, const struct scanner *sca
   const double length = fmin(scanner->noise_correlation / scan->unit, deblur->scanner.correlation);
   /* With the noise and its negative, effects to second order remain. */
   for (int sign = -1; sign <= 1; sign += 2) {
-    TRY(windows_make_up(scan, scanner->blur / scan->unit, scanner->fringe, sign * noise, length,
-                        &simulated));
+    TRY(windows_simulate(scan, scanner->blur / scan->unit, scanner->fringe, sign * noise, length,
+                         &simulated));
     TRY(add_removal(&simulated.window[0], surface, deblur, lower, &expected));
     windows_end(&simulated);
   }
@@ -196,7 +196,7 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const size_t *size = scan.window[0].size, n = size[0] * size[1] * size[2];
   TRY(memory_allocate(&lower, n, sizeof *lower, "a piece of the scan"));
   TRY(deblur_start(n, &work, &deblur));
-  deblur.rounds = DEBLUR_ROUNDS_COMPARED;
+  deblur.iterations = DEBLUR_ITERATIONS_COMPARED;
   const double smooth[2] = {1.0, work.surface};
   TRY(measure_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   TRY(find_touching(region, &deblur, scanner->blur, &touching));

@@ -115,7 +115,7 @@ cleanup:
   return status;
 }
 
-void windows_take_levels(struct windows *all, double pore, double grain) {
+void windows_rescale(struct windows *all, double pore, double grain) {
   const double contrast = all->grain - all->pore;
   for (size_t i = 0; i < all->count; i++) {
     struct window *w = &all->window[i];
@@ -189,7 +189,7 @@ static void end_grey_add(struct end_grey *last, double grey) {
   last->next_count += grey == last->next;
 }
 
-void windows_find_ends(const struct windows *all, double ends[2]) {
+void windows_find_clipping(const struct windows *all, double ends[2]) {
   for (int side = 0; side < 2; side++) {
     const double sign = side == 0 ? 1.0 : -1.0;
     struct end_grey last = {INFINITY, INFINITY, 0.0, 0.0};
@@ -233,8 +233,8 @@ size_t windows_step(const struct windows *scan) {
   return scan->count > WINDOWS / 2 ? 2 : 1;
 }
 
-enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
-                            double length, struct windows *simulated) {
+enum status windows_simulate(const struct windows *scan, double blur, double fringe, double noise,
+                             double length, struct windows *simulated) {
   enum status status = STATUS_OK;
   double sigma[3], weight[3];
   *simulated = *scan;

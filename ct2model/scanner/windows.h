@@ -38,14 +38,14 @@ void windows_end(struct windows *windows);
 enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
                                 size_t side, struct windows *windows);
 /* Rescales the greys so that `pore` and `grain`, greys of the windows, become 0 and 1. */
-void windows_take_levels(struct windows *windows, double pore, double grain);
+void windows_rescale(struct windows *windows, double pore, double grain);
 /* Smooths the greys as far as their noise requires, and finds the distances to the surface where
  * they are 1/2, limited to `limit` (shortest voxel edges). */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double limit);
 /* The darkest and the brightest grey if the scan is clipped there, that is if more voxels have it
  * than the next grey; otherwise -infinity and
  * infinity. */
-void windows_find_ends(const struct windows *windows, double ends[2]);
+void windows_find_clipping(const struct windows *windows, double ends[2]);
 /* Limits depths to the distance to the side of the window, as there may be a surface beyond. */
 void windows_bound_depth(struct windows *windows);
 /* Simulations use every windows_step()th window, three at most. */
@@ -55,7 +55,7 @@ size_t windows_step(const struct windows *scan);
  * (voxels), fringe, noise (standard deviation over the contrast) and correlation length of the
  * noise (voxels). The noise is the same at every call, and its negative if `noise` is negative.
  * Free with windows_end, on failure too. */
-enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
-                            double length, struct windows *made);
+enum status windows_simulate(const struct windows *scan, double blur, double fringe, double noise,
+                             double length, struct windows *made);
 
 #endif

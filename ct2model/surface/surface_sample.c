@@ -69,10 +69,10 @@ enum status surface_sample_measure(const struct surface_sample *sample,
 #pragma omp parallel for schedule(dynamic)
   for (size_t i = 0; i < sample->count; i++) {
     struct wall_result walls = {0};
-    struct region mine = window;
-    mine.held_type = PIXEL_F32;
-    mine.held = sample->greys + i * mine.size[0] * mine.size[1] * mine.size[2];
-    enum status window_status = wall_measure(&mine, &part, &walls);
+    struct region sampled = window;
+    sampled.held_type = PIXEL_F32;
+    sampled.held = sample->greys + i * sampled.size[0] * sampled.size[1] * sampled.size[2];
+    enum status window_status = wall_measure(&sampled, &part, &walls);
     surfaces[i] = walls.surface_area / volume;
     wall_result_end(&walls);
     if (window_status != STATUS_OK) {
