@@ -6,8 +6,7 @@
 
 #include "common/memory.h"
 
-/* Slices that are sampled; radii on each side over which rings are averaged; bins of a histogram.
- */
+/* Slices that are sampled; radii on each side in the average of rings; bins of a histogram. */
 enum { SLICES = 8, RING_AVERAGE = 8, BINS = 4096 };
 /* Smallest number of radii: within fewer pixels of the axis a few grains look like rings and like
  * beam hardening. */

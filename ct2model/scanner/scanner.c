@@ -71,7 +71,8 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
   const double mean = sum / fmax(n, 1.0), blur = edge_fit_blur(fit);
   const double scatter = n > 1.0 ? sqrt(fmax(square / n - mean * mean, 0.0) / (n - 1.0)) : 0.0;
   scanner->blur = blur * all->unit;
-  /* Few windows tell their scatter poorly, so it is taken as at least a twentieth of the blur. */
+  /* Few windows tell their scatter poorly: it is taken as at least a twentieth of the blur, or a
+   * tenth with fewer than WINDOWS_FOR_SCATTER windows. */
   scanner->blur_error = fmax(scatter, (n < WINDOWS_FOR_SCATTER ? 0.1 : 0.05) * blur) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   return true;
