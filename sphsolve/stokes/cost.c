@@ -1,5 +1,5 @@
-/* The constants were measured on sand models of 60 to 240 sites a side and on the exact cases of
- * verify_stokes. */
+/* Predicted cost of a solve. The constants were measured on sand models of 60 to 240 sites a side
+ * and on the exact cases of verify_stokes. */
 #include "sphsolve/stokes/cost.h"
 
 #include <math.h>
@@ -7,21 +7,24 @@
 
 #include "sphsolve/stokes/solver/rows.h"
 
-/* Iterations until k is within e of its limit, the same for lattices of any size:
+/* Number of iterations until the relative error of k is below e; it does not depend on the size of
+ * the lattice:
  *   ITERATIONS_FIRST - ITERATIONS_DECADE log10(e),
- * 21 to 1e-3 and 31 to 1e-4; times STRAIGHT between straight walls, times ADAMI with those walls.
- * The error of k goes with the square of the residual. */
+ * i.e. 21 for e = 1e-3 and 31 for e = 1e-4. Multiplied by STRAIGHT for pores with straight walls
+ * and by ADAMI for Adami walls. The error of k is proportional to the square of the residual. */
 #define ITERATIONS_DECADE 9.5
 #define ITERATIONS_FIRST (-7.0)
 #define STRAIGHT 0.5
 #define ADAMI 1.8
-/* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
+/* CPU seconds: per site and iteration, per fluid site and iteration, and per fluid site for the
+ * assembly. */
 #define SECONDS_SITE 30e-9
 #define SECONDS_FLUID 165e-9
 #define SECONDS_BUILD 1e-6
-/* An iteration, and to begin, take so many times as long where sites are soil with pores below
- * them. Iterations are as many: in packings of 60 and 120 sites a side with a third of it 0.7
- * to 1.4 times those with the soil closed, for k_micro/dx^2 from 1e-8 to 1. */
+/* Ratio of the CPU time, of an iteration and of the assembly, with soil (pores below the voxel
+ * size) to that without. The number of iterations hardly changes: in packings of 60 and 120 sites a
+ * side, one third of it soil, it is 0.7 to 1.4 times that with impermeable soil, for k_micro/dx^2
+ * from 1e-8 to 1. */
 #define SOIL_SECONDS 1.3
 
 double stokes_soil_seconds(const struct lattice *l) {
