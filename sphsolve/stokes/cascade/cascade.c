@@ -11,8 +11,9 @@
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 #include "sphsolve/stokes/cascade/start.h"
 
-/* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
- * to the limit makes some three times as much of it. */
+/* Share of the wanted error of k that is allowed to the solver of each lattice, and bounds of the
+ * resulting tolerance. The extrapolation to spacing 0 amplifies the solver's error about
+ * threefold. */
 #define SOLVER_SHARE 0.02
 #define GOAL_FINEST 3e-4
 #define GOAL_COARSEST 1e-3
@@ -62,7 +63,8 @@ enum status cascade_build(const struct cascade *c, const struct lattice *lattice
       lattice->dimensions == 2
           ? sqrt(lattice->spacing[0] * lattice->spacing[2])
           : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  /* An open cascade is of one process; any other has the same bits on any number of ranks. */
+  /* Ranks do not solve half lattices; a fixed cascade does not either, so that its results are
+   * identical on any number of ranks. */
   return (c->fixed > 0 ? stokes_solver_build : stokes_solver_build_half)(
       lattice, c->scene, stokes_support(c->scene, context->spacing) * spacing, wall,
       context->kinematic_viscosity, c->scene->driving, s);
@@ -169,8 +171,9 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   u->averaging = given.averaging;
   u->steadiness = given.steadiness;
   u->micro = given.micro, u->slope_micro = given.slope_micro;
-  /* What the run's own k differs by: its walls, or what its method leaves; where the run cannot say
-   * how far its flow has settled that is what it has still to change by. */
+  /* Difference between the run's k and the estimate, due to its walls or to what its method
+   * leaves. If the run cannot tell how far its flow is from steady, the difference is taken as
+   * that error. */
   if (c.uncertainty.level_count > 0 && found > 0.0) {
     const double off = c.uncertainty.extrapolated / found - 1.0;
     if (isnan(given.steadiness)) {
@@ -187,7 +190,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     u->resolution_high = fmax(u->resolution_high, plan->expected.error);
     u->resolution = fmax(u->resolution_low, u->resolution_high);
   }
-  /* Through none that is coarser a pore leads: throats have a site or two. */
+  /* No coarser lattice has a continuous pore: the throats are one or two sites wide. */
   if (c.uncertainty.level_count == 1 && c.tried > 1) {
     u->resolution = u->resolution_low = u->resolution_high = fmax(u->resolution, 1.0);
     if (cascade_sides_copies(base) > 1.0) u->sides_unknown = 1.0;
@@ -197,7 +200,7 @@ cleanup:
   return status;
 }
 
-/* /state/cascade: what a cascade knows beside the solve that goes on. */
+/* /state/cascade: the state of a cascade other than the current solve. */
 #define CASCADE_NUMBERS 16
 #define LEVEL_NUMBERS 6
 

@@ -9,9 +9,9 @@
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/plan/method.h"
 
-/* 1 / k_micro is made less by this share of it. The flux corrected by the residual is linear in it
- * but for the slip at surfaces, so that one step, and one assembly, is enough: rounding of single
- * precision leaves 2e-3 of the slope, slip 7e-3 of its part. */
+/* Relative reduction of 1 / k_micro. The corrected flux is linear in 1 / k_micro except for the
+ * slip at surfaces, so that one step, and one assembly, is enough: rounding in single precision
+ * leaves an error of 2e-3 of the slope, slip one of 7e-3 of its part. */
 #define STEP 0.01
 
 static double along_force(const struct stokes_solver *s) {
@@ -23,7 +23,7 @@ static double along_force(const struct stokes_solver *s) {
 static void find_shares(const struct stokes_solver *s, const struct lattice *l,
                         struct micropores_point *point) {
   const struct stokes_grid *grid = &s->grid;
-  double sums[2] = {0.0}, soils = 0.0; /* flux; sites on a path */
+  double sums[2] = {0.0}, soils = 0.0; /* flux through soil, soil sites on a path; all soil sites */
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
     double own = 0.0, sites = 0.0;
@@ -87,7 +87,8 @@ void soil_response_describe(const struct lattice *l, struct micropores *m) {
   m->permeability = exp(logarithm / soils);
 }
 
-/* One point of the curve, from the solution of another; `s` is its own afterwards, stripped. */
+/* Solves one point of the curve, starting from the solution of another; `s` is the solver of the
+ * point, of which soil_response_measure leaves the solution. */
 static enum status solve_point(const struct cascade *c, const struct lattice *lattice,
                                const struct stokes_solver *from, struct micropores_point *point,
                                struct stokes_solver *s) {
@@ -114,7 +115,8 @@ enum status soil_response_curve(const struct cascade *c, const struct lattice *l
   const int count = c->scene->micro.factor_count;
   m->own.factor = 1.0, m->own.k = k;
   if (count > 0) micropores_add(m, &m->own);
-  /* Away from the soil as it is, up and then down, each from the one before. */
+  /* Starts from the model's own soil, first towards higher, then towards lower permeability; each
+   * point starts from the preceding one. */
   for (int up = 1; up >= 0; up--) {
     struct stokes_solver s[2];
     memset(s, 0, sizeof s);

@@ -14,7 +14,8 @@ void stokes_solver_strip(struct stokes_solver *s) {
   s->residual = NULL;
 }
 
-/* One row of the coarse lattice: velocities, pressure and where it flows, with zeros between. */
+/* One row of the coarse lattice: velocities, pressure and a mask of active sites; zero at all
+ * others. */
 static void unpack_row(const struct stokes_solver *s, size_t row, float *out, size_t pitch) {
   const struct stokes_grid *grid = &s->grid;
   const bool image = row >= grid->row_end;
@@ -85,7 +86,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
         const float *values = own + (size_t)r * block + i[sx];
         for (int c = 0; c <= components; c++) sum[c] += w * values[(size_t)c * pitch];
       }
-      /* Velocity falls to zero in the walls; pressure has no value there. */
+      /* Velocity falls to zero in the walls; pressure is averaged over active sites only. */
       for (int c = 0; c + 1 < components; c++)
         fine->x[(size_t)c * grid->active + n] = scale[c] * (double)sum[c];
       fine->x[(size_t)(components - 1) * grid->active + n] =

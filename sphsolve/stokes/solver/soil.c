@@ -8,22 +8,23 @@
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 
-/* Enclosed pores are soil of this permeability, times the largest of soil, and porosity; where soil
- * of more than ENCLOSED_BELOW (spacing^2) occurs they stay pores. */
+/* Enclosed pores are treated as soil of porosity ENCLOSED_POROSITY and of ENCLOSED times the
+ * largest permeability of soil. If the model has soil of more than ENCLOSED_BELOW (spacing^2) they
+ * stay pores. */
 #define ENCLOSED 500.0
 #define ENCLOSED_BELOW 2e-3
 #define ENCLOSED_POROSITY 0.999
-/* Those that touch pores over an edge or a corner alone have links to them that the preconditioner,
- * which knows faces, has not: they are soil of its own permeability. With ENCLOSED times that the
- * solve takes four times the iterations. */
+/* Enclosed pores that touch other pores only over an edge or a corner have links to them that the
+ * preconditioner, which couples over faces, does not contain. They get the largest permeability of
+ * soil itself; with ENCLOSED times that value the solve would take four times the iterations. */
 enum { ENCLOSED_PORE = 1, ENCLOSED_TOUCHING };
 
 bool stokes_soil_is(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   return (s->enclosed && s->enclosed[site]) || lattice_is_soil(l, site);
 }
 
-/* Whether a pore touches others over an edge or a corner alone: no path over faces joins them among
- * its 26 neighbours. */
+/* Whether a pore touches others only over an edge or a corner: some pore among its 26 neighbours is
+ * not connected to it over faces within these. */
 static bool touches(const struct lattice *l, const uint8_t *kind, size_t site) {
   const size_t *size = l->size;
   const size_t at[3] = {site % size[0], site / size[0] % size[1], site / size[0] / size[1]};
@@ -67,7 +68,7 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
   TRY(percolation_find(&pores, driving, false, flowing, &flows));
   for (size_t i = 0; i < l->count; i++)
     s->enclosed[i] = pores.kind[i] == SITE_FLUID && flowing[i] != PERCOLATION_FLOWS;
-  for (bool more = true; more;) { /* what is soil now may have joined others */
+  for (bool more = true; more;) { /* a site that became soil may have connected others */
     more = false;
     for (size_t i = 0; i < l->count; i++) {
       if (s->enclosed[i] != ENCLOSED_PORE || !touches(l, pores.kind, i)) continue;
@@ -83,7 +84,7 @@ cleanup:
   return status;
 }
 
-/* Of soil, spacing^2. */
+/* Permeability of soil or of an enclosed pore, spacing^2. */
 static double permeability_at(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   const int enclosed = s->enclosed ? s->enclosed[site] : 0;
   if (enclosed == ENCLOSED_PORE) return s->enclosed_permeability;
@@ -91,7 +92,7 @@ static double permeability_at(const struct stokes_soil *s, const struct lattice 
   return (double)l->micro_permeability[site] / (s->unit * s->unit);
 }
 
-/* Harmonic mean of two mobilities, over a pore's, less the first product V_0(a) V_0(b). */
+/* Harmonic mean of two mobilities, over that of a pore, minus the first product V_0(a) V_0(b). */
 static double left_by_pores(double a, double b) {
   return 2.0 * a * b / (a + b) - stokes_soil_mobility_to_pore(a) * stokes_soil_mobility_to_pore(b);
 }
@@ -121,11 +122,11 @@ struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct
                    sqrt(fmax(left_by_pores(m, m) - second * second, 0.0)), second}};
 }
 
-/* Soils whose mobilities differ by less are taken as one in the sums. */
+/* Soils whose mobilities differ by less than this factor count as one in the sums. */
 #define SOILS_ALIKE 1.05
 
-/* The mobility nearest to the geometric mean of the least and the largest; 0 where all are alike.
- */
+/* The mobility of soil nearest to the geometric mean of the least and the largest; 0 if all are
+ * alike. */
 static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
   double least = INFINITY, most = 0.0, pivot = 0.0;
   for (int pass = 0; pass < 2; pass++)
@@ -140,13 +141,14 @@ static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
   return most > SOILS_ALIKE * least ? pivot : 0.0;
 }
 
-/* Where the velocity falls within a tenth of a spacing beneath the surface of soil, viscous forces
- * between soils are negligible beside the drag, and the second product is left out. */
+/* If the velocity decays within a tenth of a spacing beneath the surface of soil, viscous forces
+ * between soil sites are negligible beside the drag, and the second product is omitted. */
 #define THIN_LAYER 0.1
-/* And to precondition, within three tenths. */
+/* In the preconditioner it is omitted below three tenths. */
 #define THICK_LAYER 0.3
 
-/* sqrt(k / n), the largest. */
+/* The largest thickness sqrt(k / n) of the boundary layer beneath a surface of soil, in
+ * spacings. */
 static double boundary_layer(const struct stokes_soil *s, const struct lattice *l) {
   double most = 0.0;
   for (size_t i = 0; i < l->count; i++)
