@@ -6,8 +6,9 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 
-/* Where cells are coarse for a flow the residual may stop shrinking. At this much D* of a sand at
- * 50 a cell differs by 1e-5 of it; the residual is counted in its error. */
+/* On cells that are coarse for the flow the residual may stop decreasing. At this relative
+ * residual, D* of a sand at a cell Peclet number of 50 differs by 1e-5; the residual is included in
+ * the error. */
 #define STALLED 1e-3
 
 enum status solute_closure_build(const struct solute_flow *flow, int coarsenings,
@@ -44,8 +45,8 @@ void solute_closure_free(struct solute_closure *c) {
   for (int a = 0; a < 3; a++) memory_free(&c->b[a]);
 }
 
-/* s <u_a> V less what leaves a cell of x_a itself: through the faces across a with the distance to
- * them, conduction and, on the cell's own place, the flow. */
+/* Source: s <u_a> V minus what leaves a cell if b is the coordinate x_a itself, relative to the
+ * cell's centre: conduction and advection through the faces across a. */
 static void set_source(struct solute_closure *c, int a, double s) {
   const struct solute_cells *cells = &c->solver.cells[0];
 #pragma omp parallel for schedule(static)
@@ -97,7 +98,8 @@ void solute_dispersion_parts(const double n[3], int dimensions, struct solute_di
   d->transverse = (trace - along) / (dimensions - 1);
 }
 
-/* Each rank has all of the flow; the directions are dealt out between them. */
+/* Solves this rank's directions. Each rank has the whole flow; the directions are divided among
+ * them. */
 static enum status solve_own(struct solute_closure *c, double s, double tolerance,
                              struct solute_dispersion *d) {
   enum status status = STATUS_OK;
@@ -136,7 +138,7 @@ enum status solute_closure_solve(struct solute_closure *c, double diffusion, dou
     for (int q = 0; q < 3; q++) {
       double *entry = &d->tensor[c->axis[p]][c->axis[q]];
       if (c->b[p] == NULL || c->b[q] == NULL)
-        *entry = p == q ? 1 : 0; /* one cell along: nothing is in the way */
+        *entry = p == q ? 1 : 0; /* one cell along this axis: unobstructed */
       else if (q < p)
         *entry = d->tensor[c->axis[q]][c->axis[p]];
       else

@@ -10,10 +10,10 @@
 
 #define SEED 20230723u
 #define MOST_STEPS 65536.0
-/* D_T / D, for the time in which walkers spread across the box: measured on the sample sand. */
+/* D_T / D, for the time in which walkers spread across the box; measured on the sample sand. */
 #define ACROSS_STILL 0.6
 #define ACROSS_PECLET 0.04
-#define FIRST_LOOK 64u /* intervals before the first verdict */
+#define FIRST_LOOK 64u /* intervals before the first evaluation */
 
 struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
                                   double wanted) {
@@ -25,13 +25,13 @@ struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_pe
   return walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
 }
 
-/* `expected`: steps. */
+/* Walks at one Peclet number until done. `expected`: number of steps, for the progress bar. */
 static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
                              double peclet, double expected, struct progress *progress, double done,
                              double weight, struct solute_state *state,
                              struct walk_record *record) {
   enum status status = STATUS_OK;
-  static struct walk walk; /* as large as a small stack */
+  static struct walk walk; /* too large for a small stack */
   struct walk_verdict verdict;
   uint64_t next = FIRST_LOOK;
   char note[80], error[32];
@@ -66,7 +66,8 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
                                 .steps = record->steps,
                                 .walkers = record->walkers};
   if (v->lag < 0) return;
-  /* Errors of very small coefficients are relative to more than these; here to themselves. */
+  /* The errors of very small coefficients refer to a larger unit (walk_error_unit); here they are
+   * converted to errors relative to the coefficients. */
   const double along = walk_error_unit(v->longitudinal) / fabs(v->longitudinal);
   const double across = walk_error_unit(v->transverse) / fabs(v->transverse);
   out->value = (struct solute_estimate){
@@ -77,7 +78,8 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
   out->asymptotics[1] = across * v->transverse_drift;
 }
 
-/* One coefficient's. A difference that its standard error could be is no difference. */
+/* Extrapolates one coefficient; returns the relative shift. A difference within its standard error
+ * is given little weight. */
 static double move_to_limit(double *value, double *error, double coarse, double coarse_error,
                             double ratio) {
   const double change = coarse / *value - 1;
@@ -98,7 +100,8 @@ void solute_walk_limit(struct solute_estimate *fine, const struct solute_estimat
                                 coarse->transverse_error, ratio);
 }
 
-/* `weight`: of one Peclet number, for the progress line. */
+/* Walks on one lattice at all Peclet numbers. `weight`: share of one of them in the progress
+ * bar. */
 static enum status walk_lattice(const struct solute_flow *flow, int lattice,
                                 const struct solute_result *r, struct progress *progress,
                                 double weight, double *done, struct solute_state *state) {
@@ -164,7 +167,7 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
     const struct solute_walked *coarse = &state->walked[SOLUTE_COARSE][i];
     r->walk[i] = state->walked[SOLUTE_FINE][i];
     if (!r->walk[i].settled) r->status = "steps";
-    if (!twice) { /* not known */
+    if (!twice) { /* no error of resolution */
       r->walk[i].resolution[0] = r->walk[i].resolution[1] = NAN;
       continue;
     }

@@ -7,8 +7,8 @@
 #include "sphsolve/solute/flow_internal.h"
 #include "sphsolve/solute/multigrid.h"
 
-/* The projection's residual, of the divergence before it; and of the fluxes, which are kept to
- * fewer digits: what is less is their rounding. */
+/* Residual of the projection, relative to the initial divergence or, if that is larger, to the
+ * fluxes: these are stored in single precision, and smaller values are rounding. */
 #define PROJECTED 1e-7
 
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
@@ -73,13 +73,14 @@ static uint32_t root_of(uint32_t *parent, uint32_t at) {
   return at;
 }
 
-/* Water carried by a pore of less than this share of the mean velocity: none. */
+/* A pore whose velocity is less than this fraction of the mean velocity counts as without flow. */
 #define STILL 1e-3
-/* Channels that are apart all carry the mean velocity, or a solute never finds it. */
+/* Largest relative difference of the mean velocities of separate channels; with different
+ * velocities dispersion never becomes Fickian. */
 #define ALIKE 0.02
 
-/* Closes the cells of pores that are joined by no face to what flows. At rest all stay but those
- * below a thousandth of the pores. */
+/* Closes the cells of pores that no face connects to the flowing ones. Without flow, only pores of
+ * less than a thousandth of the pore volume are closed. */
 static enum status close_isolated(struct solute_flow *f) {
   enum status status = STATUS_OK;
   uint32_t *parent = NULL;
@@ -140,7 +141,7 @@ cleanup:
   return status;
 }
 
-/* velocity -= the gradient of the potential whose Laplacian is the divergence. */
+/* Projection: velocity -= the gradient of the potential whose Laplacian is the divergence. */
 static enum status project(struct solute_flow *f) {
   enum status status = STATUS_OK;
   static const int axis[3] = {0, 1, 2};
@@ -188,8 +189,8 @@ cleanup:
   return status;
 }
 
-/* Whether layer i of the pores along an axis is that of n - 1 - i, but for rounding, and layers
- * differ at all. */
+/* Whether the pores in layers i and n - 1 - i along an axis are the same, up to rounding, and vary
+ * along the axis at all. */
 static bool is_mirrored(const struct solute_flow *f, int axis) {
   double difference = 0, change = 0, sum = 0;
   for (int k = 0; k < f->n[2]; k++)
@@ -199,9 +200,9 @@ static bool is_mirrored(const struct solute_flow *f, int axis) {
         const double here = (double)f->volume[solute_flow_at(f, i, j, k)];
         x[axis] = f->n[axis] - 1 - x[axis];
         difference += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
-        x[axis] = (f->n[axis] - x[axis]) % f->n[axis]; /* that after (i, j, k) */
+        x[axis] = (f->n[axis] - x[axis]) % f->n[axis]; /* the layer after (i, j, k) */
         change += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
-        sum += fmin(here, 1 - here); /* cells that walls cut */
+        sum += fmin(here, 1 - here); /* cells cut by walls */
       }
   return difference < 0.01 * sum && change > 0.01 * sum;
 }

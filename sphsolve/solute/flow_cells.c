@@ -1,18 +1,19 @@
-/* What walls leave of cells and faces: the distance is taken as that to a plane normal to its
- * gradient, at its mean over the cell or face: d + h^2/24 of its second derivatives, which puts the
- * share of a bent wall right (else spheres of 5 spacings' radius are 1 % too large). */
+/* Open parts of cells and faces. The wall is taken as a plane normal to the gradient of the
+ * distance, at the mean distance over the cell or face: d + h^2/24 times its second derivatives,
+ * which corrects for curved walls (without this term, spheres with a radius of 5 spacings are 1 %
+ * too large). */
 #include <math.h>
 
 #include "sphsolve/geometry/plane_cut.h"
 #include "sphsolve/solute/flow_internal.h"
 
-/* The least component of a normal that counts: below it the plane stands straight. */
+/* Smallest component of a normal that is resolved, relative to the largest length. */
 #define STRAIGHT 1e-3
-/* The most that a wall bends in a spacing. */
+/* Largest second difference of the distance by curvature, in spacings. */
 #define SHARPEST 0.3
 
-/* Integral of max(0, x) times x^(power - 1) / (power - 1)! over a square, by its corners: of the
- * area (power 2) and of the distance (power 3). */
+/* Sum over the corners of a square that gives the integral of the Heaviside function of x (power 2:
+ * the area) or of max(0, x) (power 3: the distance) for a linear x. */
 static double corner_sum(double highest, double m0, double m1, int power) {
   const double at[4] = {highest, highest - m0, highest - m1, highest - m0 - m1};
   double sum = 0;
@@ -32,7 +33,7 @@ void solute_face_open(double d, double m0, double m1, double *area, double *mome
   *moment = fmax(corner_sum(d + reach, m0, m1, 3), 0);
 }
 
-/* Gradient of the distance at a cell's centre, without a unit. */
+/* Gradient of the distance at a cell's centre (dimensionless). */
 static void gradient(const struct solute_flow *f, const int x[3], double g[3]) {
   for (int a = 0; a < 3; a++) {
     int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
@@ -43,14 +44,15 @@ static void gradient(const struct solute_flow *f, const int x[3], double g[3]) {
   }
 }
 
-/* To length 1; where two walls meet it may be anything shorter, and is left as the mean of both. */
+/* Normalises to length 1. Where two walls meet the gradient may be much shorter; it is then left as
+ * the mean of both. */
 static void normalise(double g[3]) {
   const double length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   for (int a = 0; a < 3 && length > 0.5; a++) g[a] /= length;
 }
 
-/* Second difference of the distance along an axis, m; that of a ridge, where walls are equally
- * near, is no wall's. */
+/* Second difference of the distance along an axis, m, limited: that on a ridge between two equally
+ * near walls is not a curvature. */
 static double bend(const struct solute_flow *f, const int x[3], int axis) {
   int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
   up[axis]++, down[axis]--;
@@ -77,7 +79,7 @@ static float cell_open(const struct solute_flow *f, const int x[3]) {
   return (float)plane_box_below(m, 0.5 + d / sum);
 }
 
-/* The distance at the middle between two centres, of third order where the distance is smooth. */
+/* Interpolates the distance half-way between two centres, to third order where it is smooth. */
 static double between(const float d[4]) {
   const double mean = 0.5 * ((double)d[1] + (double)d[2]);
   const double low = (double)d[0] - 2 * (double)d[1] + (double)d[2];

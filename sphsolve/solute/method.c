@@ -1,4 +1,4 @@
-/* Method solute: what a flow carries that is solved already. */
+/* Method solute: transport of a solute by a flow that is already solved. */
 #include <math.h>
 #include <stdio.h>
 
@@ -15,7 +15,7 @@
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/result.h"
 
-/* Those of the scene, or that of the flow as it is. */
+/* Sets the Peclet numbers: those of the scene, or that of the flow as it is. */
 static enum status set_peclet(const struct scene *scene, const struct solute_flow *flow,
                               struct solute_result *result) {
   const double d = scene->solute.diffusion;
@@ -35,7 +35,7 @@ static enum status set_peclet(const struct scene *scene, const struct solute_flo
   return STATUS_OK;
 }
 
-/* Of two ways that know a coefficient the one that knows it better. */
+/* Reports the estimate with the smaller error where both methods give a coefficient. */
 static void take_best(struct solute_result *r) {
   for (int i = 0; i < r->count; i++) {
     struct solute_estimate *best = &r->best[i];
@@ -51,7 +51,7 @@ static void take_best(struct solute_result *r) {
   }
 }
 
-/* Says it where an error is asked for and not reached. */
+/* Warns if an error was asked for and not reached. */
 static void tell_missed(const struct scene *scene, const struct solute_result *r) {
   const double wanted = scene->solute.error;
   int missed = 0, worst = 0;
@@ -60,7 +60,7 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
   for (int i = 0; i < r->count; i++) {
     const double error = fmax(r->best[i].longitudinal_error,
                               walk_error_unit(r->best[i].transverse) > r->best[i].transverse
-                                  ? 0 /* next to nothing, as across a slit */
+                                  ? 0 /* practically 0, as across a slit */
                                   : r->best[i].transverse_error);
     missed += error > wanted;
     if (error > most) most = error, worst = i;
@@ -71,7 +71,7 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
                 missed, r->count, 100 * wanted, r->peclet[worst], percent_format(most, text));
 }
 
-/* Where cells are too large for the closure problem. */
+/* Warns if the cells are too large for the closure problem. */
 static void tell_cells(const struct scene *scene, const struct solute_flow *flow,
                        const struct solute_result *r) {
   for (int i = 0; i < r->count && scene->solute.way == SOLUTE_CLOSURE; i++) {
@@ -139,7 +139,7 @@ cleanup:
   return status;
 }
 
-/* It is asked for by name, or by the flow that a scene names. */
+/* Never chosen automatically: it is selected by name, or by a scene that names a flow. */
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   (void)context, (void)why;
   return false;

@@ -2,17 +2,17 @@
 
 #include "common/variants.h"
 
-#define RUN 256 /* cells at a time */
+#define RUN 256 /* cells processed at a time */
 #define INLINE static inline __attribute__((always_inline))
 
-/* Of a face, what the neighbour at its high and at its low side gives: G' - s F / 2 and
- * G' + s F / 2, with G' at least |s F| / 2. */
+/* Coefficients of a face for the neighbours at its high and its low side are G' - s F / 2 and G' +
+ * s F / 2, with G' = max(G, |s F| / 2). */
 INLINE float at_least(float g, float f) {
   const float size = f < 0 ? -f : f;
   return g > size ? g : size;
 }
 
-/* What the six neighbours of each cell of a run give it. */
+/* Sum of the contributions of the six neighbours of each cell of a run. */
 INLINE void given(const struct solute_cells *c, float half, bool flows, size_t at, int count,
                   const float *x, float *restrict sum) {
   for (int i = 0; i < count; i++) sum[i] = 0;
@@ -46,7 +46,8 @@ TARGETS void multigrid_row_inverse(const struct solute_cells *c, float half, boo
   }
 }
 
-/* All cells of a run, of which every other one is taken: vectors have no gaps. */
+/* All cells of a run are computed, but only every other one is stored: vector operations need
+ * contiguous cells. */
 TARGETS void multigrid_row_relax(const struct solute_cells *c, float half, bool flows, size_t at,
                                  int first, const float *inverse, const float *rest, float *x) {
   for (int begin = 0; begin < c->n[0]; begin += RUN, at += RUN) {
@@ -73,7 +74,8 @@ TARGETS void multigrid_row_defect(const struct solute_cells *c, float half, bool
   }
 }
 
-/* 9, 3, 3 and 1 times the four nearest coarse rows, from one before the first cell on. */
+/* Weighted sum of the four nearest coarse rows (9, 3, 3, 1), beginning one cell before the first.
+ * `ones`: with 1 for the values of open cells. */
 INLINE void between_rows(const float *y, size_t near, const ptrdiff_t steps[2], int from, int count,
                          bool ones, float *restrict row) {
   const float *a = y + near + from - 1, *b = a + steps[0], *c = a + steps[1],

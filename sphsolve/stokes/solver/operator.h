@@ -45,16 +45,16 @@ struct stokes_operator {
   double force[3];           /* driving force; with soil it is treated as part of the gradient */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
-  double stabilisation; /* gamma of the equations */
-  double laplace;       /* factor of L: with soil, such that L and div G cancel for linear p */
-  int components;       /* axis_count velocities, then the pressure */
-  size_t n;             /* active sites; vectors are [components][n] */
-  float *diagonal;      /* [n] diagonal of A */
-  float *parabola;      /* [n] D */
-  float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
-  float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
-  float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
-  float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
+  double stabilisation;      /* gamma of the equations */
+  double laplace;            /* factor of L: with soil, such that L and div G cancel for linear p */
+  int components;            /* axis_count velocities, then the pressure */
+  size_t n;                  /* active sites; vectors are [components][n] */
+  float *diagonal;           /* [n] diagonal of A */
+  float *parabola;           /* [n] D */
+  float *pore_sum;           /* [n] sum of c_ab over pore sites: diagonal of L */
+  float *pore_gradient;      /* [axis_count][n] sum of g_ab over pore sites */
+  float *correction;         /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
+  float *drag;               /* [axis_count][n] of moving walls; NULL: none moves */
   struct stokes_edge *edges; /* sites with a wall beside them, row by row */
   size_t *edge_start;        /* [rows + 1] */
   float (*edge_moving)[3];   /* contribution of moving walls; NULL: none moves */
