@@ -16,7 +16,7 @@
 
 #define GROUP "/solute_state"
 
-/* Structures as they stand in memory, by name. */
+/* Parts of the state that are stored as in memory, with their paths in the file. */
 struct block {
   const char *path;
   void *data;
@@ -42,7 +42,7 @@ static void frame_path(char path[64], int lattice, int peclet) {
   snprintf(path, 64, GROUP "/frames-%d-%d", lattice, peclet);
 }
 
-/* The tracks and pictures of the walks that are over. */
+/* Saves tracks and histograms of the completed walks. */
 static enum status save_tracks(const struct solute_state *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   for (int l = 0; l < SOLUTE_LATTICES; l++)
@@ -121,7 +121,7 @@ static enum status load(struct solute_state *s) {
   }
   for (int l = 0; l < SOLUTE_LATTICES; l++)
     for (int i = 0; i < SOLUTE_PECLET_MAX; i++) {
-      s->record[l][i].track = NULL; /* of that process */
+      s->record[l][i].track = NULL; /* pointer of the process that saved it */
       s->record[l][i].frame = NULL;
     }
   for (int l = 0; l < SOLUTE_LATTICES; l++)

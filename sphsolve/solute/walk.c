@@ -7,12 +7,13 @@
 #include "common/ranks.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 1.0  /* first spacings: the longest flight, and a cell at most */
-#define WALK_CARRIED 0.5 /* the longest mean displacement by the water in a step */
-/* The slowest wave across a box of width W fades in W^2 / (4 pi^2 D_T): twice that. */
+#define WALK_FLIGHT 1.0  /* longest flight, first spacings; and one cell at most */
+#define WALK_CARRIED 0.5 /* longest mean advection in a step, first spacings */
+/* Memory of the walkers over W^2 / D_T: the slowest wave across a box of width W decays in W^2 / (4
+ * pi^2 D_T); twice that. */
 #define MEMORY 0.05
-/* Variance of a coefficient times the number of its displacements; how many of each walker a result
- * waits for. */
+/* Variance of a coefficient times the number of its displacements; and the number of displacements
+ * of each walker that a result is based on. */
 #define DISPLACEMENTS_VARIANCE 6.0
 #define DISPLACEMENTS_EACH 4.0
 #define LEAST_WALKERS 4096
@@ -28,8 +29,8 @@ static double time_step(double peclet, double flight) {
   return peclet > 0 ? fmin(dt, WALK_CARRIED) : dt;
 }
 
-/* Two displacements of each walker at least, over the first lag of 32, 64 ... steps that is long
- * enough. */
+/* At least two displacements of each walker over the first lag, of 32, 64 ... steps, that exceeds
+ * the memory. */
 struct walk_pace walk_pace(double peclet, double widest, double across, double wanted) {
   struct walk_pace pace = {.dt = time_step(peclet, WALK_FLIGHT)};
   const double memory = MEMORY * widest * widest * (peclet > 0 ? peclet : 1) / across;
@@ -46,14 +47,14 @@ double walk_bytes(size_t walkers) {
 }
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
-  /* Corners and bricks of all cells; then the search for the surface (walk_surface.c), and after it
-   * a record and a place of each cell that is open. */
+  /* Corners and bricks of all cells; in addition, first the search for the surface
+   * (walk_surface.c), then a record and an index of each open cell. */
   return (sizeof(int16_t) + sizeof(struct walk_brick) / 64.0) * (double)cells +
          fmax(4 * sizeof(float) * (double)cells,
               (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores);
 }
 
-/* A cell, and a place in it, until the place is in the pore: even over it. */
+/* Draws a cell and a position in it until the position is in the pore: a uniform distribution. */
 static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   for (uint32_t draw = 0; draw < 1u << 20; draw++) {
     uint32_t word[4];
@@ -68,8 +69,8 @@ static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   return false;
 }
 
-/* Where each walker is, and how fast; the number of those in grain. Cells and spots of walkers to
- * come are fetched ahead. */
+/* Records the position and velocity of each walker; returns the number of walkers in grain. Cells
+ * and spots of the walkers that follow are prefetched. */
 static size_t look(const struct walk *walk, struct walk_spot *spots) {
   enum { AHEAD = 16 };
   const double *e = walk->settings.direction;
@@ -156,8 +157,8 @@ void walk_end(struct walk *walk) {
   walk_moments_free(&walk->moments);
 }
 
-/* Walkers of a brick beside each other: its cells are fetched once for all of them. By counting,
- * stable. */
+/* Sorts the walkers by brick (counting sort, stable), so that its cells are fetched only once for
+ * all of them. */
 static enum status sort(struct walk *walk) {
   enum status status = STATUS_OK;
   uint32_t *first = NULL;
@@ -184,7 +185,7 @@ double walk_passed(const struct walk *walk, const double direction[3], const str
   return sum;
 }
 
-/* First passages since the last look, taken as if walkers had moved evenly between. */
+/* Sets first passages since the last sample, assuming uniform motion in between. */
 static void pass_planes(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
   const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
@@ -226,14 +227,14 @@ cleanup:
 }
 
 int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
-  static struct walk_moments all; /* as large as a small stack */
-  all = walk->moments;            /* each group is one rank's; 0 on the others */
+  static struct walk_moments all; /* too large for a small stack */
+  all = walk->moments;            /* each group belongs to one rank; 0 on the others */
   ranks_sum_all(&all.sums[0][0][0], sizeof all.sums / sizeof(double));
   return walk_moments_lags(&all, walk->settings.direction, walk->cells->dimensions, walk->diffusion,
                            WALK_INTERVAL * walk->dt, (double)walk->step.time, lags);
 }
 
-/* For the longest distance across the flow, time units at D_T = D. */
+/* Memory for the longest distance across the flow, time units at D_T = D. */
 static double memory(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   double widest = 0;

@@ -1,4 +1,4 @@
-/* All bits of a walk, to go on from. */
+/* Saves and restores the complete state of a walk. */
 #include <stdio.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ cleanup:
   return status;
 }
 
-/* Each walker is one rank's; its places are 0 on the others. */
+/* Each walker belongs to one rank; its positions are 0 on the others. */
 enum status walk_sum_track(struct walk *w) {
   enum status status = STATUS_OK;
   const size_t count = (size_t)3 * WALK_TRACKED * WALK_TRACK;
@@ -36,7 +36,7 @@ cleanup:
   return status;
 }
 
-/* One array of a walk: `words` 32-bit words for each walker, whatever they stand for. */
+/* One array of a walk: `words` 32-bit words per walker, of any type. */
 struct part {
   char name[16];
   void *data;
@@ -84,7 +84,7 @@ cleanup:
   return status;
 }
 
-/* What all ranks have together: sums of groups, places of the tracked walkers. */
+/* Saves what is summed over all ranks: sums of groups, positions of the tracked walkers. */
 static enum status save_shared(struct h5_file *file, const char *group, struct walk *w) {
   enum status status = STATUS_OK;
   double *sums = NULL;
@@ -102,7 +102,7 @@ static enum status save_shared(struct h5_file *file, const char *group, struct w
   walk_frames_sum(w);
   snprintf(path, sizeof path, "%.255s/frames", group);
   TRY(h5_write(file, path, H5_U32, 1, frames, w->frame, true));
-  for (size_t i = 0; i < WALK_TRACKED; i++) /* again 0 where it is another rank's */
+  for (size_t i = 0; i < WALK_TRACKED; i++) /* set to 0 again where it belongs to another rank */
     for (int t = 0; t < WALK_TRACK && i - w->moments.first >= w->moments.count; t++)
       memset(w->track[t][i], 0, sizeof w->track[t][i]);
 cleanup:
@@ -132,7 +132,7 @@ cleanup:
   return status;
 }
 
-/* Of the walkers of a file, in any order, those of this rank. */
+/* Selects from the walkers of a file, in any order, those of this rank. */
 static enum status take_own(const struct walker *all, struct walk *w) {
   size_t count = 0;
   for (size_t i = 0; i < w->settings.walkers; i++) {
@@ -200,7 +200,7 @@ cleanup:
   return status;
 }
 
-/* What the moves take as given: walkers stand in cells that are, in the pore. */
+/* Checks what the moves rely on: walkers are in existing cells, in the pore. */
 static bool sound(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   for (size_t i = 0; i < walk->moments.count; i++) {

@@ -6,9 +6,10 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 
-#define LEAST_WAYS 2          /* of each walker, for a lag to count */
-#define LEAST_COEFFICIENT 0.1 /* of D: errors of less, as across a slit, are relative to this */
-#define LEAST_SPREAD 0.5      /* D_T / D below which walls, not slowness, hold walkers together */
+#define LEAST_WAYS 2          /* fewest displacements of each walker for a lag to be used */
+#define LEAST_COEFFICIENT 0.1 /* of D: errors of smaller coefficients are relative to this */
+#define LEAST_SPREAD 0.5 /* lower bound of D_T / D in the memory: below it walls confine walkers   \
+                          */
 #define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
 
 size_t walk_group_start(size_t walkers, int group) {
@@ -75,7 +76,7 @@ cleanup:
   return status;
 }
 
-/* Second moments of a group about the mean of all, along the flow and across, and each. */
+/* Second moments of a group about the overall mean: along the flow, across it, and all six. */
 struct moment {
   double along, across, product[6];
 };
@@ -122,7 +123,7 @@ static void judge_lag(const struct walk_moments *m, int k, const double e[3], in
                       double diffusion, double interval, struct walk_lag *lag) {
   double along[WALK_GROUPS], across[WALK_GROUPS], product[6][WALK_GROUPS], mean[3], before[3];
   const double span = 2 * diffusion * interval * (double)((uint64_t)1 << k);
-  const double share = k > 0 ? 0.5 : 1; /* of the lag over which the moment's growth is taken */
+  const double share = k > 0 ? 0.5 : 1; /* part of the lag in which the growth is taken */
   mean_displacement(m, k, mean);
   if (k > 0) mean_displacement(m, k - 1, before);
   for (int g = 0; g < WALK_GROUPS; g++) {
@@ -139,11 +140,12 @@ static void judge_lag(const struct walk_moments *m, int k, const double e[3], in
   for (int i = 0; i < 6; i++) mean_of(product[i], &lag->tensor[i], &lag->tensor_error[i]);
 }
 
-/* Flights of one length let a wave of number q fade by <cos(q.flight)> = 1 - x + .3 x^2 in a step,
- * x = D q^2 dt, where diffusion does by exp(-x). A velocity that walkers lose by diffusion alone,
- * as between plane walls, then gives per wave 1 / (1 - x + ...) summed over the steps, var(u) (1 /
- * (D q^2) - dt / 5): D_L lacks dt / 5 of the variance. 3 % of it across a slit of 6 flights; next
- * to nothing where the water itself takes walkers to other velocities. */
+/* Flights of fixed length damp a wave of number q by <cos(q.flight)> = 1 - x + .3 x^2 in a step,
+ * x = D q^2 dt, whereas diffusion damps it by exp(-x). If the velocity of walkers decorrelates by
+ * diffusion alone, as between plane walls, each wave contributes 1 / (1 - x + ...) summed over the
+ * steps, var(u) (1 / (D q^2) - dt / 5): D_L is too small by dt / 5 times the variance. Adds this
+ * term. It is 3 % across a slit of 6 flights, and negligible where advection changes the velocity
+ * of walkers. */
 static void add_lacking(const double e[3], double step, double variance, struct walk_lag *lag) {
   const double lacking = step / 5 * fmax(variance, 0);
   lag->longitudinal += lacking;
@@ -179,8 +181,8 @@ double walk_error_unit(double coefficient) {
   return fmax(fabs(coefficient), LEAST_COEFFICIENT);
 }
 
-/* Relative error of the value at `k` among those of all lags: of its statistics, and of the drift,
- * which is the change since the lag before, and what longer lags show beyond their own errors. */
+/* Relative error of the value at `k` among those of all lags: statistical, and by drift, which is
+ * the change since the preceding lag, or what longer lags show beyond their own errors. */
 static double error_at(const double *value, const double *error, int k, int count,
                        double *statistics, double *drift) {
   double change = fabs(value[k] - value[k - 1]);

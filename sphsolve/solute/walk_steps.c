@@ -5,16 +5,16 @@
 #include "sphsolve/solute/walk_random.h"
 
 #define GROUPS 8
-#define BLOCK (GROUPS * LANES) /* walkers whose places and displacements lie in the first cache */
+#define BLOCK (GROUPS * LANES) /* walkers whose data fit into the level 1 cache */
 
-enum { FLIGHTS, STARTS }; /* streams of random numbers, the second half of the key */
+enum { FLIGHTS, STARTS }; /* streams of random numbers, second word of the key */
 
 void walk_draw(uint32_t id, uint32_t number, uint32_t seed, uint32_t words[4]) {
   words[0] = id, words[1] = number, words[2] = words[3] = 0;
   philox4x32(words, seed, STARTS);
 }
 
-/* Sine and cosine of pi t for |t| <= 1/2: the Taylor series to the 11th power, off by 6e-8. */
+/* Sine and cosine of pi t for |t| <= 1/2: Taylor series up to the 11th power, error 6e-8. */
 static inline void half_turn(float t, float *sine, float *cosine) {
   const float x = 3.14159265f * t, y = x * x;
   *sine =
@@ -24,8 +24,8 @@ static inline void half_turn(float t, float *sine, float *cosine) {
                      y * (1.f / 24 + y * (-1.f / 720 + y * (1.f / 40320 - y * (1.f / 3628800)))));
 }
 
-/* Displacements of flights in directions that are even over the sphere: the height is even between
- * -1 and 1 (Archimedes), the angle over a turn. Two steps of each walker. */
+/* Displacements of flights in uniformly distributed directions: the height is uniform between -1
+ * and 1 (Archimedes), and so is the angle over a turn. For two steps of each walker. */
 WALK_HOT void draw_flights(const struct walk_cells *c, const struct walk_step *step,
                            const uint32_t id[LANES], uint64_t number, float move[2][3][LANES]) {
   uint32_t words[4][LANES];
@@ -46,15 +46,15 @@ WALK_HOT void draw_flights(const struct walk_cells *c, const struct walk_step *s
     }
 }
 
-/* Sixteen walkers on their way through a step. */
+/* State of sixteen walkers during a step. */
 struct group {
   struct walk_lanes at, middle, end;
-  int count;         /* walkers; lanes beyond repeat the last one, and are forgotten */
-  float part[LANES]; /* of the time: what the first part of the displacement with the water takes */
+  int count;         /* walkers; lanes beyond repeat the last one, and are discarded */
+  float part[LANES]; /* time of the first substep of advection */
   float move[2][3][LANES];
 };
 
-/* walk_shift met grain: the walker stays in its cell, at its face. */
+/* If walk_shift would end in grain: the walker stays in its cell, at the face. */
 WALK_COLD void stay(struct walk_lanes *to, const struct walk_lanes *from, int l,
                     const float move[3]) {
   struct walker w = lanes_take(from, l);
@@ -62,7 +62,7 @@ WALK_COLD void stay(struct walk_lanes *to, const struct walk_lanes *from, int l,
   lanes_put(to, l, &w);
 }
 
-/* From `from` by `move`. */
+/* Moves walkers from `from` by `move`. */
 WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, float move[3][LANES],
                     struct walk_lanes *to) {
   *to = *from;
@@ -75,7 +75,7 @@ WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, f
     if (to->number[l] < 0) stay(to, from, l, (float[3]){move[0][l], move[1][l], move[2][l]});
 }
 
-/* Half of the first part of the displacement with the water. */
+/* First half of the first substep of advection. */
 WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time) {
   float u[3][LANES];
   lanes_velocity(c, g->at.number, g->at.x, u);
@@ -86,7 +86,8 @@ WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time)
   shift(c, &g->at, u, &g->middle);
 }
 
-/* The rest of the displacement; where it ends in grain, on. */
+/* Remaining substeps of advection of one walker; if it ends in grain, it continues until it returns
+ * to the pore. False: it does not return. */
 WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
                      const struct walk_lanes *end, int l, float left, float time) {
   struct walker w = lanes_take(end, l);
@@ -96,7 +97,7 @@ WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
   return true;
 }
 
-/* The first part of the displacement with the water. */
+/* The whole first substep of advection, with the velocity at the midpoint. */
 WALK_HOT void to_end(const struct walk_cells *c, struct group *g) {
   float u[3][LANES];
   lanes_velocity(c, g->middle.number, g->middle.x, u);
@@ -105,7 +106,7 @@ WALK_HOT void to_end(const struct walk_cells *c, struct group *g) {
   shift(c, &g->at, u, &g->end);
 }
 
-/* The whole of it. */
+/* Completes the advection of all walkers. */
 WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
                     struct walk_kept *kept) {
   int rest[LANES], count = 0;
@@ -144,8 +145,8 @@ WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float 
   }
 }
 
-/* Each step in turns through the groups, so that the cells that the next turn reads are fetched in
- * this one. */
+/* Each phase of a step runs over all groups, so that the cells needed in the next phase are
+ * prefetched in this one. */
 TARGETS static void move_block(const struct walk_cells *c, const struct walk_step *step,
                                struct walker *walkers, int count, uint64_t first, int steps,
                                struct walk_kept *kept) {

@@ -6,14 +6,15 @@
 #include "common/variants.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define ROUNDS 8 /* of moving corners; what is left shrinks in each by a third to a half */
+#define ROUNDS 8 /* of shifting corners; each reduces the rest by a third to a half */
 #define SUB 4    /* samples along each side of a cell */
 #define SAMPLES (SUB * SUB * SUB)
-#define FARTHEST 0.5 /* spacings: how far a corner's distance may be moved in all */
-#define LEAST_AREA 1 /* of a face: surface around a corner, below which it moves less */
+#define FARTHEST 0.5 /* largest total shift of a corner's distance, spacings */
+#define LEAST_AREA 1 /* surface around a corner, in faces, below which it is shifted less */
 
-/* From the four centres along each axis (third order; the mean of the eight around would move a
- * bent wall by 1/8 of its curvature), between those of the eight around. */
+/* Interpolates from the four centres along each axis (third order; the mean of the eight centres
+ * around would shift a curved wall by 1/8 of its curvature), limited to the range of these
+ * eight. */
 static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
   const int corner[3] = {i, j, k};
@@ -32,7 +33,7 @@ static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   return (float)fmin(fmax(sum, least), most);
 }
 
-/* Of each corner at each sample. */
+/* Weight of each corner at each sample. */
 struct weights {
   float of[8][SAMPLES];
 };
@@ -48,8 +49,8 @@ static void set_weights(struct weights *weights) {
   }
 }
 
-/* Share of a cell in which the distance between its corners is positive, and how it grows with
- * them, 1/m: the surface over the volume. */
+/* Fraction of a cell in which the distance interpolated from its corners is positive, and its
+ * derivative with respect to that distance, 1/m: the surface per volume. */
 TARGETS static float share_open(const struct weights *weights, const float corner[8], float width,
                                 float *area) {
   float part[SAMPLES], partly[SAMPLES];
@@ -67,7 +68,8 @@ TARGETS static float share_open(const struct weights *weights, const float corne
   return part[0] / SAMPLES;
 }
 
-/* What each cell lacks of the flow's share, and its surface; 0 where no wall passes. */
+/* Difference of the flow's fluid fraction to that of each cell, and its surface; 0 where there is
+ * no wall. */
 static void compare(const struct solute_flow *f, const struct weights *weights,
                     const float *corners, float width, float *lacks, float *area) {
 #pragma omp parallel for schedule(static)
