@@ -3,10 +3,10 @@
  * sums of the integrand of D* (closure.h: |grad phi|^2). This holds for conduction and for most of
  * D_T. D_L at high Peclet numbers depends on few quantities: the differences of the water's
  * velocity, averaged over the length of the box, between columns along the flow. In terms of waves
- * k across the flow, D_L contains the sum over k of C_k = -Re(u'_k conj(b_k)) / D,   u', b: means
- * over columns. Each wave is one random realisation, whose square is as uncertain as it is large (a
- * complex normal amplitude: standard deviation = mean, so that C_k^2 / 2 is an estimate of its
- * variance).
+ * k across the flow it contains
+ *   the sum over k of C_k = -Re(u'_k conj(b_k)) / D,   u', b: means over columns.
+ * Each wave is one random realisation, whose square is as uncertain as it is large (a complex
+ * normal amplitude: standard deviation = mean, so that C_k^2 / 2 is an estimate of its variance).
  *
  * Periodicity. Water in a larger sample would leave its fast column after a while; here it enters
  * the same one again in each period. For a velocity with the spectrum S(k), advected with U and
@@ -30,8 +30,7 @@
 #include "common/memory.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define WAVES                                                                                      \
-  16 /* wave numbers across the flow, along each axis: shorter waves contribute little */
+#define WAVES 16   /* wave numbers across the flow, along each axis: shorter waves are negligible */
 #define BLOCKS 4   /* along each axis */
 #define ALONG 0.9  /* smallest cosine of the angle between the flow and its main axis */
 #define WAYS 4     /* directions that are transformed: the solver's three axes and the flow */

@@ -8,8 +8,7 @@
 
 #define LEAST_WAYS 2          /* fewest displacements of each walker for a lag to be used */
 #define LEAST_COEFFICIENT 0.1 /* of D: errors of smaller coefficients are relative to this */
-#define LEAST_SPREAD 0.5 /* lower bound of D_T / D in the memory: below it walls confine walkers   \
-                          */
+#define LEAST_SPREAD 0.5      /* least D_T / D in the memory: below it walls confine walkers */
 #define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
 
 size_t walk_group_start(size_t walkers, int group) {

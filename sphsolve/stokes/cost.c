@@ -10,12 +10,13 @@
 /* Number of iterations until the relative error of k is below e; it does not depend on the size of
  * the lattice:
  *   ITERATIONS_FIRST - ITERATIONS_DECADE log10(e),
- * i.e. 21 for e = 1e-3 and 31 for e = 1e-4. Multiplied by STRAIGHT for pores with straight walls
- * and by ADAMI for Adami walls. The error of k is proportional to the square of the residual. */
+ * i.e. 21 for e = 1e-3 and 31 for e = 1e-4. Multiplied by STRAIGHT_WALL_FACTOR for pores with
+ * straight walls and by ADAMI_WALL_FACTOR for Adami walls. The error of k is proportional to the
+ * square of the residual. */
 #define ITERATIONS_DECADE 9.5
 #define ITERATIONS_FIRST (-7.0)
-#define STRAIGHT 0.5
-#define ADAMI 1.8
+#define STRAIGHT_WALL_FACTOR 0.5
+#define ADAMI_WALL_FACTOR 1.8
 /* CPU seconds: per site and iteration, per fluid site and iteration, and per fluid site for the
  * assembly. */
 #define SECONDS_SITE 30e-9
@@ -25,30 +26,34 @@
  * size) to that without. The number of iterations hardly changes: in packings of 60 and 120 sites a
  * side, one third of it soil, it is 0.7 to 1.4 times that with impermeable soil, for k_micro/dx^2
  * from 1e-8 to 1. */
-#define SOIL_SECONDS 1.3
+#define SOIL_TIME_RATIO 1.3
 
 double stokes_soil_seconds(const struct lattice *l) {
-  return l->micro_porosity != NULL ? SOIL_SECONDS : 1.0;
+  return l->micro_porosity != NULL ? SOIL_TIME_RATIO : 1.0;
 }
 
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,
                          enum wall_scheme wall) {
-  const double least = goal->residual > 0.0 ? goal->residual * goal->residual : goal->mean;
-  const double count = fmax(ITERATIONS_FIRST - ITERATIONS_DECADE * log10(least), 3.0);
-  return count * (pores->straight ? STRAIGHT : 1.0) * (wall == WALL_ADAMI ? ADAMI : 1.0);
+  const double k_error = goal->residual > 0.0 ? goal->residual * goal->residual : goal->mean;
+  const double count = fmax(ITERATIONS_FIRST - ITERATIONS_DECADE * log10(k_error), 3.0);
+  return count * (pores->straight ? STRAIGHT_WALL_FACTOR : 1.0) *
+         (wall == WALL_ADAMI ? ADAMI_WALL_FACTOR : 1.0);
 }
 
 double stokes_seconds(double iterations, double sites, double fluid) {
   const char *rows = stokes_rows_best()->name;
-  const double slow = !strcmp(rows, "avx512") ? 1.0 : !strcmp(rows, "avx2") ? 1.3 : 2.5;
-  return iterations * (SECONDS_SITE * sites + SECONDS_FLUID * slow * fluid) + SECONDS_BUILD * fluid;
+  const double instruction_set_factor = !strcmp(rows, "avx512") ? 1.0
+                                        : !strcmp(rows, "avx2") ? 1.3
+                                                                : 2.5;
+  return iterations * (SECONDS_SITE * sites + SECONDS_FLUID * instruction_set_factor * fluid) +
+         SECONDS_BUILD * fluid;
 }
 
 double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *l,
                              double refined, const struct stokes_goal *goal,
                              enum wall_scheme wall) {
-  const double more = pow(refined, l->dimensions);
+  const double site_ratio = pow(refined, l->dimensions);
   return stokes_soil_seconds(l) * stokes_seconds(stokes_iterations(pores, goal, wall),
-                                                 more * (double)l->count,
-                                                 more * (double)l->fluid_count);
+                                                 site_ratio * (double)l->count,
+                                                 site_ratio * (double)l->fluid_count);
 }

@@ -30,7 +30,7 @@ struct stokes_job {
   struct run_result *result;
   struct cascade cascade;
   struct lattice lattice;     /* of the most recent solve */
-  bool own;                   /* `lattice` is the scene's own (base) lattice: not freed here */
+  bool lattice_is_base;       /* `lattice` is the scene's own (base) lattice: not freed here */
   struct h5_file *checkpoint; /* to resume from; NULL: none, or already read */
   long iterations;            /* total on the preceding lattices */
   bool kept;                  /* a checkpoint was written after the interrupt signal */
@@ -267,11 +267,11 @@ static void report_level(const struct cascade *c) {
  * uncertainty of k. */
 static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s) {
   struct uncertainty *u = &job->cascade.uncertainty;
-  struct micropores_point *own = &job->result->micropores.own;
-  const enum status status = soil_response_measure(s, &job->lattice, own);
-  u->slope_micro = own->slope;
+  struct micropores_point *point = &job->result->micropores.own;
+  const enum status status = soil_response_measure(s, &job->lattice, point);
+  u->slope_micro = point->slope;
   const double unsure = soil_response_uncertainty(job->scene, &job->lattice.model);
-  if (unsure > 0.0) u->micro = (1.0 + SOIL_SLOPE_SMALL) * fabs(own->slope) * unsure;
+  if (unsure > 0.0) u->micro = (1.0 + SOIL_SLOPE_SMALL) * fabs(point->slope) * unsure;
   return status;
 }
 
@@ -283,12 +283,12 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   struct cascade *c = &job->cascade;
   struct stokes_solver s = {0};
   struct lattice next = {0};
-  bool own, solved, built = false;
+  bool is_base, solved, built = false;
   const double started = clock_processor_seconds();
-  TRY(cascade_lattice(c, spacing, &next, &own));
-  if (!job->own) lattice_free(&job->lattice);
+  TRY(cascade_lattice(c, spacing, &next, &is_base));
+  if (!job->lattice_is_base) lattice_free(&job->lattice);
   job->lattice = next;
-  job->own = own;
+  job->lattice_is_base = is_base;
   job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
   built = true;
@@ -343,10 +343,10 @@ static void set_result(struct stokes_job *job) {
   result->k_finest = result->k;
   result->reynolds = job->reynolds;
   if (!(u->extrapolated > 0.0 && u->finest > 0.0)) return;
-  const double own = job->kept ? result->intrinsic_permeability : u->finest;
-  if (!(own > 0.0)) return;
-  const double scale = u->extrapolated / own;
-  result->k_finest *= u->finest / own;
+  const double current = job->kept ? result->intrinsic_permeability : u->finest;
+  if (!(current > 0.0)) return;
+  const double scale = u->extrapolated / current;
+  result->k_finest *= u->finest / current;
   result->k *= scale;
   result->intrinsic_permeability *= scale;
   for (int a = 0; a < 3; a++) result->darcy_velocity[a] *= scale;
@@ -389,7 +389,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   const char *why = "converged";
   double spacing;
   struct lattice base = *lattice;
-  struct stokes_job job = {.scene = scene, .recorder = recorder, .result = result, .own = true};
+  struct stokes_job job = {
+      .scene = scene, .recorder = recorder, .result = result, .lattice_is_base = true};
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
   cascade_begin(scene, plan, &base, &job.cascade);
@@ -408,7 +409,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (blocked) log_warning("%s: %s", scene->path, percolation_none(&base));
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
   result->ended = strcmp(why, "converged") != 0 ? job.cascade.ended : NULL;
-  if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
+  if (status == STATUS_OK && !job.lattice_is_base && log_level() >= LOG_VERBOSE) {
     struct throats throats;
     TRY(throats_compare(&base, &job.lattice, &throats));
     log_verbose("the last lattice closes %zu throats of the model's and opens %zu", throats.closed,
@@ -436,7 +437,7 @@ cleanup:
   h5_close(job.checkpoint);
   cascade_end(&job.cascade);
   /* The caller's record describes the lattice that was solved last. */
-  if (!job.own && job.lattice.count > 0) {
+  if (!job.lattice_is_base && job.lattice.count > 0) {
     lattice_free(&base);
     *lattice = job.lattice;
   }

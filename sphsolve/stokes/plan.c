@@ -43,7 +43,7 @@ enum status stokes_scales(struct plan *plan) {
 
 /* Lower bound of the memory of a run over stokes_solver_bytes of its solved sites. Measured runs
  * take 1.01 to 1.04 times that value. */
-#define SURE 0.9
+#define BYTES_LOWER_BOUND 0.9
 
 enum status stokes_bytes_least(const struct plan *plan, double *bytes) {
   enum status status = STATUS_OK;
@@ -56,8 +56,8 @@ enum status stokes_bytes_least(const struct plan *plan, double *bytes) {
   TRY(percolation_find(l, plan->context.scene->driving, false, flowing, &flows));
   for (size_t s = 0; s < l->count; s++) active += flowing[s] == PERCOLATION_FLOWS;
   if (active > 0)
-    *bytes =
-        SURE * stokes_solver_bytes((double)l->count, (double)active, l->micro_porosity != NULL);
+    *bytes = BYTES_LOWER_BOUND *
+             stokes_solver_bytes((double)l->count, (double)active, l->micro_porosity != NULL);
 cleanup:
   memory_free(&flowing);
   return status;

@@ -7,7 +7,7 @@
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/stokes/solver/rows.h"
 
-#define SLAB_LEAST 4.0 /* fewest planes of a slab */
+#define SLAB_PLANES_MIN 4.0 /* fewest planes of a slab */
 /* Per iteration: */
 #define COARSE_SECONDS 1.4e-9 /* CPU seconds per site, for the levels that every rank solves */
 #define GATHERINGS 4.0        /* all-to-all gatherings of a coarse level */
@@ -59,16 +59,16 @@ static struct sites sites_at(const struct plan *plan, double spacing, bool mirro
 static double solver_bytes(const struct plan *plan, const struct sites *s, double ranks) {
   const bool soil = plan->context.lattice->micro_porosity != NULL;
   const double whole = COARSER_BYTES * s->count, lattice = soil ? SOIL_BYTES : 0.0;
-  const double own = stokes_solver_bytes(s->count, s->fluid, soil) - whole -
-                     (LATTICE_BYTES + lattice) * s->count +
-                     FIELD_BYTES * (s->stride * s->rows - s->count);
+  const double divided = stokes_solver_bytes(s->count, s->fluid, soil) - whole -
+                         (LATTICE_BYTES + lattice) * s->count +
+                         FIELD_BYTES * (s->stride * s->rows - s->count);
   const double reach = floor(plan->context.support / plan->context.spacing);
-  const double slabs = fmin(ranks, floor(s->planes / SLAB_LEAST)) / ranks;
+  const double slabs = fmin(ranks, floor(s->planes / SLAB_PLANES_MIN)) / ranks;
   const double ghosts = ranks > 1.0 ? 2.0 * slabs *
                                           (reach * FIELD_BYTES * s->stride * s->rows / s->planes +
                                            2.0 * COARSE_BYTES * s->plane)
                                     : 0.0;
-  return own / ranks + whole + ghosts + SOLVER_BYTES;
+  return divided / ranks + whole + ghosts + SOLVER_BYTES;
 }
 
 static double rows_bytes(const struct sites *s) {
@@ -78,10 +78,10 @@ static double rows_bytes(const struct sites *s) {
 /* Mean bytes per rank while the mirrored lattice is solved at the given spacing (m). */
 static double sides_bytes(const struct plan *plan, double spacing, double ranks) {
   const struct lattice *l = plan->context.lattice;
-  const double own = plan->context.spacing;
+  const double base_spacing = plan->context.spacing;
   const double site = LATTICE_BYTES + (l->micro_porosity != NULL ? SOIL_BYTES : 0.0);
-  const struct sites first = sites_at(plan, cascade_fixed_ratios[0] * own, false);
-  const struct sites second = sites_at(plan, cascade_fixed_ratios[1] * own, false);
+  const struct sites first = sites_at(plan, cascade_fixed_ratios[0] * base_spacing, false);
+  const struct sites second = sites_at(plan, cascade_fixed_ratios[1] * base_spacing, false);
   const struct sites wrapped = sites_at(plan, spacing, false);
   const struct sites sides = sites_at(plan, spacing, true);
   const double lattices =
@@ -110,9 +110,10 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, planes = (double)l->size[2];
   const double nx = (double)l->size[0], ny = (double)l->size[1];
-  const double r = fmin(ranks, fmax(1, floor(planes / SLAB_LEAST)));
+  const double r = fmin(ranks, fmax(1, floor(planes / SLAB_PLANES_MIN)));
   cost->used = r;
-  cost->uneven = ceil(fmax(1, planes / SLAB_LEAST) / r) * r / fmax(1, planes / SLAB_LEAST);
+  cost->uneven =
+      ceil(fmax(1, planes / SLAB_PLANES_MIN) / r) * r / fmax(1, planes / SLAB_PLANES_MIN);
   cost->in_full = plan->steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
   cost->gathered = (1 - 1 / r) * sites * GATHERINGS / 64 * sizeof(float);
   cost->ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;

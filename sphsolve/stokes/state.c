@@ -39,7 +39,7 @@ double stokes_solver_bytes(double sites, double active, bool soil) {
 }
 
 /* Fewest active sites per thread. */
-#define SITES_A_THREAD 4000
+#define SITES_PER_THREAD_MIN 4000
 
 /* Scales the momentum and continuity rows of a residual by the weights of the soil (solver/soil.h,
  * row_scale). */
@@ -79,7 +79,7 @@ static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   const float *weight = s->operator.soil ? s->operator.soil->row_scale : NULL;
   double sum = 0.0;
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    double own = 0.0;
+    double row_sum = 0.0;
     for (size_t i = grid->row_start[row]; i < grid->row_start[row + 1]; i++) {
       double momentum = 0.0;
       for (size_t a = 0; a < axes; a++)
@@ -88,9 +88,9 @@ static double adjoint_correction(const struct stokes_solver *s, bool divide) {
       if (weight) momentum /= (double)weight[i], continuity *= (double)weight[i];
       if (divide || (s->operator.soil && s->operator.soil->relative[i]<1.0f))
         momentum /= (double)s->operator.parabola[i];
-      own += momentum - s->x[axes * n + i] * continuity;
+      row_sum += momentum - s->x[axes * n + i] * continuity;
     }
-    sum += stokes_grid_weight(grid, row) * own;
+    sum += stokes_grid_weight(grid, row) * row_sum;
   }
   return ranks_sum(sum);
 }
@@ -109,8 +109,8 @@ static void find_residual(struct stokes_solver *s, bool at_rest) {
   s->exact = true;
 }
 
-void stokes_solver_measure(struct stokes_solver *s, bool anew) {
-  if (anew) find_residual(s, false);
+void stokes_solver_measure(struct stokes_solver *s, bool recompute) {
+  if (recompute) find_residual(s, false);
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_operator *op = &s->operator;
   double sums[2] = {0.0}, flux[3], moved = 0.0, length = 0.0;
@@ -191,7 +191,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   TRY(stokes_grid_distribute(&s->grid, reach));
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  omp_set_num_threads(threads_for((double)s->grid.active, SITES_A_THREAD, threads));
+  omp_set_num_threads(threads_for((double)s->grid.active, SITES_PER_THREAD_MIN, threads));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
                             s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));

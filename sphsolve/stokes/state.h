@@ -68,6 +68,6 @@ double stokes_solver_bytes(double sites, double active, bool soil);
 void stokes_solver_restart(struct stokes_solver *solver);
 /* Computes mean and divergence of x, and the norm of its residual. With `anew` the residual is
  * first computed from x in double precision; else the one updated by the Krylov cycles is used. */
-void stokes_solver_measure(struct stokes_solver *solver, bool anew);
+void stokes_solver_measure(struct stokes_solver *solver, bool recompute);
 
 #endif

@@ -29,12 +29,12 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
  *   q / (1 - q) times the change in the round.
  * By chance, however, a round may leave the flux unchanged: the first round after a start from
  * another lattice's solution does so with a flux twice the true one. The square of the residual is
- * therefore a lower bound. It is the flux's own share for a residual spread over the pores like the
- * force; residuals left in rocks are 5 to 100 times it
+ * therefore a lower bound. For a residual spread over the pores like the force it is the error of
+ * the flux; for the residuals that are left in rocks the error is 5 to 100 times as large
  * (docs/notes/2026-11-26-twenty-first-hour.md). */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
-  const double left = s->residual_now / s->residual_before;
-  const double q = s->walls_move ? left : left * left;
+  const double ratio = s->residual_now / s->residual_before;
+  const double q = s->walls_move ? ratio : ratio * ratio;
   /* If all of the flux is in soil, its part of the initial residual may be small. */
   const double exact = s->operator.soil ? RESIDUAL_ROUNDING : RESIDUAL_EXACT;
   if (s->residual_now <= exact) return fmin(s->change, RESIDUAL_EXACT);
@@ -45,7 +45,7 @@ double stokes_solver_mean_error(const struct stokes_solver *s) {
 
 /* Below this fraction of the initial residual the single precision of the Krylov vectors matters:
  * the residual is then computed in double precision after each round. */
-#define EXACT_BELOW 1e-4
+#define RESIDUAL_RECOMPUTE 1e-4
 
 bool stokes_solver_round(struct stokes_solver *s) {
   double reached;
@@ -56,8 +56,8 @@ bool stokes_solver_round(struct stokes_solver *s) {
     s->iterations += done;
     s->exact = false;
     /* Adami walls are not part of the operator, only of the residual. */
-    stokes_solver_measure(s,
-                          s->operator.wall == WALL_ADAMI || reached * s->residual_now<EXACT_BELOW);
+    stokes_solver_measure(s, s->operator.wall == WALL_ADAMI ||
+                             reached * s->residual_now<RESIDUAL_RECOMPUTE);
   }
   omp_set_num_threads(threads);
   return done > 0 || s->residual_now == 0.0;

@@ -37,9 +37,9 @@ struct cascade {
  * Free with cascade_end. */
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *cascade);
-/* The lattice of the given spacing (m). *own: it is `base` itself, not to be freed. */
+/* The lattice of the given spacing (m). *is_base: it is `base` itself, not to be freed. */
 enum status cascade_lattice(const struct cascade *cascade, double spacing, struct lattice *lattice,
-                            bool *own);
+                            bool *is_base);
 /* Builds the solver of a lattice of the cascade; in an open cascade it starts from the preceding
  * solution. */
 enum status cascade_solver(struct cascade *cascade, const struct lattice *lattice,

@@ -11,13 +11,13 @@
 #include "sphsolve/stokes/cost.h"
 
 /* Number of sites of the first lattice across a mean pore, 4 V / S, and across the body. */
-#define FIRST_PORE 1.6
-#define FIRST_BODY 8.0
+#define FIRST_SITES_PER_PORE 1.6
+#define FIRST_SITES_PER_BODY 8.0
 /* Below so many pores across, k of a sand scatters too much for four lattices
  * (docs/notes/2026-11-25-sharper.md). */
-#define FEW_PORES 8.0
+#define PORES_ACROSS_FEW 8.0
 /* Fewest lattices of an open cascade, unless it is ended early. */
-#define LEVELS_LEAST 3
+#define LATTICES_MIN 3
 /* Tolerance for a share of about ten per cent; in a model with tight soil solves may stall before
  * `mean`, and `slack` is then accepted. */
 const struct stokes_goal cascade_sides_goal = {.mean = 1e-3, .slack = 0.02};
@@ -31,7 +31,7 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
 }
 
 /* Fraction of a model's length that is independent: a mirrored sample contains everything twice. */
-static double own_share(const struct lattice *base) {
+static double independent_fraction(const struct lattice *base) {
   return base->model.sides_mirrored ? 0.5 : 1.0;
 }
 
@@ -39,23 +39,24 @@ static double own_share(const struct lattice *base) {
  * grains, as in felts, the grains determine the resistance: between void ratios of 1 and 2 the
  * criterion changes from the number of sites across a pore to that across a grain, with as many
  * sites as in sands (docs/notes/2026-11-25-felts.md). */
-static double narrow_pore(const struct plan *plan) {
+static double pore_width(const struct plan *plan) {
   const double width = plan->shape.width, grain = plan->shape.grain;
   return plan->context.spacing * fmin(width, fmax(grain, 4.0 * grain * grain / width));
 }
 
-/* Spacing with FIRST_PORE sites across a mean pore and at least FIRST_BODY sites along `body`
- * (m). */
-static double few_sites(const struct plan *plan, double body) {
-  const double pore = narrow_pore(plan);
-  return fmin(isfinite(pore) ? pore / FIRST_PORE : plan->context.spacing, body / FIRST_BODY);
+/* Spacing with FIRST_SITES_PER_PORE sites across a mean pore and at least FIRST_SITES_PER_BODY
+ * sites along `body` (m). */
+static double coarse_spacing(const struct plan *plan, double body) {
+  const double pore = pore_width(plan);
+  return fmin(isfinite(pore) ? pore / FIRST_SITES_PER_PORE : plan->context.spacing,
+              body / FIRST_SITES_PER_BODY);
 }
 
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, own_share(base) * shortest);
+  return coarse_spacing(plan, independent_fraction(base) * shortest);
 }
 
 /* Whether the wall distance varies along an axis; it does not along a duct or a cylinder. */
@@ -72,36 +73,36 @@ static bool walls_change(const struct lattice *base, int axis) {
 
 /* Length of the sample along the shortest axis along which walls change, m, without mirrored
  * copies. */
-static double shortest_changing(const struct lattice *base) {
+static double shortest_varying_length(const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return own_share(base) * shortest;
+  return independent_fraction(base) * shortest;
 }
 
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base) {
-  return few_sites(plan, shortest_changing(base));
+  return coarse_spacing(plan, shortest_varying_length(base));
 }
 
 double cascade_pores_across(const struct plan *plan, const struct lattice *base) {
-  return shortest_changing(base) / narrow_pore(plan);
+  return shortest_varying_length(base) / pore_width(plan);
 }
 
-int cascade_enough(double pores_across) {
-  return pores_across < FEW_PORES ? CASCADE_ENOUGH_MOST : CASCADE_ENOUGH;
+int cascade_lattices_needed(double pores_across) {
+  return pores_across < PORES_ACROSS_FEW ? CASCADE_LATTICES_FEW_PORES : CASCADE_LATTICES_MIN;
 }
 
 /* The last lattice is the scene's own: below the voxel size of a model a lattice resolves the
  * interpolation of its voxels, not the walls. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base) {
   const double steps =
-      log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_SHRINKS);
-  return CASCADE_STEPS * (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+      log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_RATIO);
+  return CASCADE_STEPS * (int)fmin(fmax(round(steps), LATTICES_MIN - 1), ERROR_LEVELS_MAX - 1);
 }
 
 double cascade_step_ratio(int left) {
-  return pow(CASCADE_SHRINKS, (double)left / CASCADE_STEPS);
+  return pow(CASCADE_RATIO, (double)left / CASCADE_STEPS);
 }
 
 /* A lattice as fine as the voxels, or as the scene's chosen lattice, exhausts the model; a model as
@@ -127,14 +128,14 @@ double cascade_sides_spacing(const struct plan *plan, const struct lattice *base
 }
 
 /* Largest number of sites, copies included, of a refined lattice for the sides. */
-#define SIDES_SITES 8e6
+#define SIDES_SITES_MAX 8e6
 
 bool cascade_sides_finer(const struct lattice *base, double *spacing, double *sites) {
-  const double *own = base->spacing, finest = fmin(own[0], fmin(own[1], own[2]));
+  const double *h = base->spacing, finest = fmin(h[0], fmin(h[1], h[2]));
   const double finer = fmax(*spacing * M_SQRT1_2, finest);
-  *sites = cascade_sides_copies(base) * (double)base->count * own[0] * own[1] * own[2] /
+  *sites = cascade_sides_copies(base) * (double)base->count * h[0] * h[1] * h[2] /
            (finer * finer * finer);
-  if (*spacing <= 1.01 * finest || *sites > SIDES_SITES) return false;
+  if (*spacing <= 1.01 * finest || *sites > SIDES_SITES_MAX) return false;
   *spacing = finer;
   return true;
 }
@@ -179,12 +180,12 @@ double cascade_sides_finer_seconds(const struct plan *plan, bool open) {
   return seconds;
 }
 
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool with_base) {
   const struct lattice *l = plan->context.lattice;
   const struct stokes_goal goal = stokes_goal_of(scene);
   double seconds = 0.0;
   if (!cascade_is_possible(scene, plan)) return 0.0;
-  for (int i = 0; i < CASCADE_FIXED - (own ? 0 : 1); i++) {
+  for (int i = 0; i < CASCADE_FIXED - (with_base ? 0 : 1); i++) {
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
     seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / cascade_fixed_ratios[i], &goal,
                                               WALL_SUBVOXEL);
@@ -196,11 +197,11 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
  * of the estimate over the error predicted from three lattices of similar spacing. Set on sands
  * with 1.6 to 15 sites across a mean pore. */
 #define ITERATIONS_WARM 24.0
-#define OPEN_SHARE 0.55
+#define OPEN_ERROR_RATIO 0.55
 /* Bytes beside the solver. Per site of the base lattice: kind and wall distance. Per site of the
  * preceding lattice: its solution, indices, kind and wall distance. */
 #define BASE_BYTES 5.0
-#define BEFORE_BYTES 25.0
+#define PRECEDING_BYTES 25.0
 /* Bytes per site of the base lattice while the effect of the scan is computed: the lattice, its
  * blurred copy, and the work space of the blur. */
 #define BLUR_BYTES 14.0
@@ -212,7 +213,7 @@ static double expected_of_open(const struct plan *plan, int enough, int lattices
                                          1.0 / cascade_step_ratio(left))
                            .error;
   const double few = lattices < enough && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
-  return fmin(1.0, few * OPEN_SHARE * error);
+  return fmin(1.0, few * OPEN_ERROR_RATIO * error);
 }
 
 /* Whether the cascade is expected to end with this error of resolution: either it and the scan's
@@ -226,7 +227,7 @@ static bool is_expected_enough(const struct plan *plan, double error) {
 
 /* Steps from the last of `lattices` lattices to the next, as the run will choose them. */
 static int expected_steps(const struct plan *plan, int enough, int lattices, int left) {
-  for (int steps = 1; lattices >= enough && steps <= CASCADE_STEPS_MOST && steps <= left; steps++)
+  for (int steps = 1; lattices >= enough && steps <= CASCADE_STEPS_MAX && steps <= left; steps++)
     if (is_expected_enough(plan, expected_of_open(plan, enough, lattices + 1, left - steps)))
       return steps;
   return left == 1 ? 1 : CASCADE_STEPS;
@@ -242,7 +243,7 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  const int enough = cascade_enough(cascade_pores_across(plan, base));
+  const int enough = cascade_lattices_needed(cascade_pores_across(plan, base));
   int left = cascade_open_steps(plan, base);
   double before = 0.0; /* sites of the preceding lattice */
   for (int i = 0; left >= 0 && count < most; i++) {
@@ -253,15 +254,15 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
     double solves = 1.0;
     if (i == 1 && *scene->model_path) solves += 2.0;
     if ((i == 2 || i == 3) && base->model.scan.known) solves += 1.0;
-    const double own = solves * stokes_soil_seconds(base) *
-                       stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
-    seconds += own;
+    const double level_seconds = solves * stokes_soil_seconds(base) *
+                                 stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
+    seconds += level_seconds;
     if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal, true);
     const double error = expected_of_open(plan, enough, i + 1, left);
     const double solving =
-        BASE_BYTES * (double)base->count + BEFORE_BYTES * before +
+        BASE_BYTES * (double)base->count + PRECEDING_BYTES * before +
         stokes_solver_bytes(half * sites, half * phi * sites, base->micro_porosity != NULL);
-    if (i >= LEVELS_LEAST - 1) /* fewer lattices give no useful estimate */
+    if (i >= LATTICES_MIN - 1) /* fewer lattices give no useful estimate */
       levels[count++] = (struct predicted_level){
           .spacing = h / refined,
           .sites = sites,

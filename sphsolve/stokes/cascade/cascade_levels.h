@@ -11,15 +11,15 @@
 #include "sphsolve/stokes/step.h"
 
 /* Ratio of the spacings of successive lattices of an open cascade, which is CASCADE_STEPS steps of
- * its square root. The last lattice may be one to CASCADE_STEPS_MOST steps from the one before. */
-#define CASCADE_SHRINKS 1.4142135623730951
+ * its square root. The last lattice may be one to CASCADE_STEPS_MAX steps from the one before. */
+#define CASCADE_RATIO 1.4142135623730951
 #define CASCADE_STEPS 2
-#define CASCADE_STEPS_MOST 4
+#define CASCADE_STEPS_MAX 4
 /* Fewest lattices, counted from the coarsest, with which an open cascade may end: fewer do not show
  * how k scatters from lattice to lattice. A body of few pores, whose lattices are small and scatter
  * more, needs one more. */
-#define CASCADE_ENOUGH 4
-#define CASCADE_ENOUGH_MOST 5
+#define CASCADE_LATTICES_MIN 4
+#define CASCADE_LATTICES_FEW_PORES 5
 /* Lattices of a cascade that ends with the scene's own; ratios of their spacings to the scene's. */
 #define CASCADE_FIXED 3
 /* Number of copies of the body in the largest lattice solved for the effect of the sides; 1: none
@@ -35,7 +35,7 @@ extern const struct stokes_goal cascade_sides_goal;
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
 /* Factors on the error for fewer lattices than are enough: it exceeds what their fits say by up to
  * so much. */
-extern const double cascade_few_lattices[CASCADE_ENOUGH_MOST];
+extern const double cascade_few_lattices[CASCADE_LATTICES_FEW_PORES];
 
 /* Whether the flow can also be solved on coarser lattices: pore flow past resting walls, driven by
  * a force. */
@@ -50,7 +50,7 @@ double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
 /* Length, in mean pores, of the shortest axis along which the walls change. */
 double cascade_pores_across(const struct plan *plan, const struct lattice *base);
 /* Number of lattices that is enough for a body that is so many pores across. */
-int cascade_enough(double pores_across);
+int cascade_lattices_needed(double pores_across);
 /* Steps from the first lattice of an open cascade to the last, the scene's own. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
 /* Ratio of the spacing `left` steps before the scene's own to the scene's own. */
@@ -70,8 +70,8 @@ double cascade_sides_finer_seconds(const struct plan *plan, bool open);
 int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels);
 /* Sites of the largest lattice solved for the effect of the sides; 0: none is solved. */
 double cascade_sides_sites(const struct plan *plan);
-/* Processor seconds of cascade_measure (`own`: including the scene's own lattice), or of the
+/* Processor seconds of cascade_measure (`with_base`: including the scene's own lattice), or of the
  * coarser lattices of a stokes run. */
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool with_base);
 
 #endif

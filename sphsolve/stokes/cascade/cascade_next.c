@@ -12,10 +12,10 @@
 
 /* Factors on the error of the limit by the number of lattices. From 14 bodies of overlapping
  * spheres (docs/notes/2026-11-23-fourth-hour.md). */
-const double cascade_few_lattices[CASCADE_ENOUGH_MOST] = {1.0, 1.0, 3.8, 2.38, 1.8};
+const double cascade_few_lattices[CASCADE_LATTICES_FEW_PORES] = {1.0, 1.0, 3.8, 2.38, 1.8};
 /* The factors also apply to a fixed cascade if a mean pore of the scene has fewer sites across than
  * this. */
-#define COARSE 4.5
+#define PORE_SITES_COARSE 4.5
 
 /* Lists spacing and k of the lattices so far, the finest first. */
 static size_t list_values(const struct uncertainty *u, double *h, double *k) {
@@ -32,7 +32,7 @@ static size_t list_values(const struct uncertainty *u, double *h, double *k) {
  * order more than the wanted error remains. The coarsest lattices then miss throats that the finer
  * ones have, and four lattices do not show how k continues: in sandstones the limit estimated from
  * them is off by up to twice its error (docs/notes/2026-11-26-twenty-first-hour.md). */
-static bool wanders(const struct cascade *c, const double *h, const double *k, size_t n) {
+static bool is_not_converging(const struct cascade *c, const double *h, const double *k, size_t n) {
   for (size_t i = 0; i + 2 < n; i++) {
     const double now = log(k[i] / k[i + 1]), before = log(k[i + 1] / k[i + 2]);
     const double shrinks = h[i + 1] / h[i];
@@ -45,8 +45,10 @@ static bool wanders(const struct cascade *c, const double *h, const double *k, s
 
 /* Number of lattices needed for an estimate from k [n] at h [n], the finest first. */
 static size_t lattices_wanted(const struct cascade *c, const double *h, const double *k, size_t n) {
-  const size_t enough = (size_t)cascade_enough(c->pores_across);
-  return n == CASCADE_ENOUGH && c->fixed == 0 && wanders(c, h, k, n) ? CASCADE_ENOUGH_MOST : enough;
+  const size_t enough = (size_t)cascade_lattices_needed(c->pores_across);
+  return n == CASCADE_LATTICES_MIN && c->fixed == 0 && is_not_converging(c, h, k, n)
+             ? CASCADE_LATTICES_FEW_PORES
+             : enough;
 }
 
 static bool is_enough(const struct cascade *c) {
@@ -64,7 +66,7 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
    * exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
-  const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
+  const bool few = c->fixed == 0 || c->plan->shape.width < PORE_SITES_COARSE;
   if (few && n < lattices_wanted(c, h, k, n) && !c->plan->shape.flat) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
@@ -111,7 +113,7 @@ void cascade_estimate(struct cascade *c) {
 
 /* Whether the other parts of the error, which no lattice can reduce, exceed the goal and are at
  * least twice the error of resolution. */
-static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *u) {
+static bool refinement_is_useless(const struct cascade *c, const struct uncertainty *u) {
   struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
   const double left = uncertainty_largest(&rest);
@@ -121,16 +123,16 @@ static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *
 /* Predicted uncertainty with one more lattice, `steps` steps finer, if its k follows the fit of the
  * preceding ones. The stated error will be within some per cent of this: it depends on how far
  * apart the lattices' values are, and hardly on their noise. */
-#define FORETOLD_MARGIN 1.02
-static struct uncertainty foretold(const struct cascade *c, int steps) {
+#define PREDICTION_MARGIN 1.02
+static struct uncertainty predicted_uncertainty(const struct cascade *c, int steps) {
   struct uncertainty u = c->uncertainty;
   double h[ERROR_LEVELS_MAX + 1] = {0}, k[ERROR_LEVELS_MAX + 1] = {0};
   const size_t n = list_values(&u, h + 1, k + 1);
   h[0] = h[1] / cascade_step_ratio(steps);
   k[0] = u.extrapolated + (k[1] - u.extrapolated) * pow(h[0] / h[1], u.order);
   struct limit_estimate limit = limit_of(c, h, k, n + 1);
-  limit.low *= FORETOLD_MARGIN;
-  limit.high *= FORETOLD_MARGIN;
+  limit.low *= PREDICTION_MARGIN;
+  limit.high *= PREDICTION_MARGIN;
   set_resolution(&limit, &u);
   return u;
 }
@@ -140,9 +142,9 @@ static int steps_to_end(const struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
   /* If the estimate is the finest value itself there is no fit to predict from. */
   if (!is_enough(c) || u->extrapolated == u->finest) return 0;
-  for (int steps = 1; steps <= CASCADE_STEPS_MOST && steps <= c->left; steps++) {
-    const struct uncertainty then = foretold(c, steps);
-    if (uncertainty_largest(&then) <= c->wanted || finer_is_in_vain(c, &then)) return steps;
+  for (int steps = 1; steps <= CASCADE_STEPS_MAX && steps <= c->left; steps++) {
+    const struct uncertainty then = predicted_uncertainty(c, steps);
+    if (uncertainty_largest(&then) <= c->wanted || refinement_is_useless(c, &then)) return steps;
   }
   return 0;
 }
@@ -194,7 +196,7 @@ static int steps_to_next(const struct cascade *c) {
   if (end > 0 && has_time(c, lattice_seconds(c, end))) return end;
   if (!is_enough(c)) return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
   if (has_time(c, lattice_seconds(c, usual) + lattice_seconds(c, usual + 1))) return usual;
-  int steps = c->left < CASCADE_STEPS_MOST ? c->left : CASCADE_STEPS_MOST;
+  int steps = c->left < CASCADE_STEPS_MAX ? c->left : CASCADE_STEPS_MAX;
   while (steps > 0 && !has_time(c, lattice_seconds(c, steps))) steps--;
   return steps;
 }
@@ -226,7 +228,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   if (enough && uncertainty_largest(u) <= c->wanted) return false;
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";
-  if (enough && finer_is_in_vain(c, u)) return false;
+  if (enough && refinement_is_useless(c, u)) return false;
   c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
   if (last) return false;
   c->ended = "the next lattice would take longer than --time";

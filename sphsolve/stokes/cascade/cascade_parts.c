@@ -29,14 +29,14 @@ double cascade_permeability(const struct stokes_solver *s) {
   return k;
 }
 
-/* Whether every rank has enough memory for its part of a solve: an even share, and RANK_SPARE as
- * much to allow for uneven parts and ghosts. */
-#define RANK_SPARE 1.3
-static bool have_room(const struct lattice *lattice, double sites) {
+/* Whether every rank has enough memory for its part of a solve: an even share, and
+ * RANK_MEMORY_FACTOR as much to allow for uneven parts and ghosts. */
+#define RANK_MEMORY_FACTOR 1.3
+static bool have_memory(const struct lattice *lattice, double sites) {
   const double share = sites / (double)lattice->count;
   const double bytes = stokes_solver_bytes(sites, share * (double)lattice->fluid_count,
                                            lattice->micro_porosity != NULL);
-  return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
+  return !ranks_any(!memory_has_room((size_t)(RANK_MEMORY_FACTOR * bytes / ranks_count()), 1));
 }
 
 enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
@@ -46,7 +46,7 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   struct stokes_solver s = {0};
   *k = NAN;
   if (ranks_count() > 1 && lattice->fluid_count > 0 &&
-      !have_room(lattice, (double)lattice->count)) {
+      !have_memory(lattice, (double)lattice->count)) {
     log_warning("a part of the error of k is not known: memory is short for a solve of its own");
     return STATUS_OK;
   }
@@ -141,7 +141,7 @@ enum status cascade_add_sides(struct cascade *c) {
   c->sides = uncertainty_share_of_sides(k, count);
   double sites;
   while (!isnan(k[0]) && !isnan(k[count - 1]) && !sides_are_settled(before, c->sides) &&
-         cascade_sides_finer(c->base, &spacing, &sites) && have_room(c->base, sites)) {
+         cascade_sides_finer(c->base, &spacing, &sites) && have_memory(c->base, sites)) {
     before = k[count - 1] > 0.0 ? c->sides : NAN;
     lattice_free(&wrapped);
     TRY(solve_sides(c, spacing, &wrapped, k, &count));
@@ -197,14 +197,14 @@ cleanup:
 }
 
 /* The effect of the scan is not settled if it grew by this factor from one lattice to the next and
- * is at least SCAN_LEAST. */
-#define SCAN_GROWS 1.25
-#define SCAN_LEAST 0.003
+ * is at least SCAN_SLOPE_MIN. */
+#define SCAN_GROWTH 1.25
+#define SCAN_SLOPE_MIN 0.003
 
 static bool scan_grew(const struct uncertainty *u, int lattices) {
   if (lattices < 2) return false;
   const double last = fabs(u->levels[lattices - 1].slope_blur);
-  return last > SCAN_LEAST && last > SCAN_GROWS * fabs(u->levels[lattices - 2].slope_blur);
+  return last > SCAN_SLOPE_MIN && last > SCAN_GROWTH * fabs(u->levels[lattices - 2].slope_blur);
 }
 
 /* Number of the first lattice on which the effect of the scan is computed. It must be finer than
@@ -213,7 +213,7 @@ static bool scan_grew(const struct uncertainty *u, int lattices) {
  * of a few voxels in labels far finer than that lattice are not resolved by it: for labels, the
  * effect is therefore also computed on the third lattice and, as long as it grows, on each
  * following one. */
-static int scan_first(const struct cascade *c) {
+static int first_scan_lattice(const struct cascade *c) {
   return c->fixed > 0 ? 2 : 4;
 }
 
@@ -223,12 +223,12 @@ static bool scan_closed(const struct uncertainty *u, int lattices) {
 }
 
 bool cascade_scan_grows(const struct cascade *c) {
-  return c->base->model.scan.labels && c->uncertainty.level_count >= scan_first(c) &&
+  return c->base->model.scan.labels && c->uncertainty.level_count >= first_scan_lattice(c) &&
          scan_grew(&c->uncertainty, c->uncertainty.level_count);
 }
 
 bool cascade_scan_is_due(const struct cascade *c) {
-  const int n = c->uncertainty.level_count, first = scan_first(c);
+  const int n = c->uncertainty.level_count, first = first_scan_lattice(c);
   const bool labels = c->base->model.scan.labels;
   return n == first || (n == first - 1 && (labels || isfinite(c->seconds))) ||
          (n > first &&

@@ -1,10 +1,11 @@
-/* Response of k to the permeability of soil with pores below the site spacing, from a given
- * solution: d ln k / d ln k_micro: without another solve. The system is its own adjoint (state.c),
- * so that the flux of the solution, corrected by its residual in the system with slightly more
+/* Response of k to the permeability k_micro of soil with pores below the site spacing, from a given
+ * solution:
+ *   d ln k / d ln k_micro, without another solve. The system is its own adjoint (state.c), so that
+ *     the flux of the solution, corrected by its residual in the system with slightly more
  *     permeable soil, is accurate to second order (Pierce, Giles 2000, SIAM Review 42). It equals
  *     the fraction of the power of the force that is dissipated by drag;
  *   the fraction of the flux through soil: the sum of the superficial velocity over its sites;
- *   k as a function of k_micro: one solve per value, started from the solution of the one beside.
+ *   k as a function of k_micro: one solve per value, started from the solution of the one before.
  */
 #ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H
 #define TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H

@@ -21,8 +21,8 @@ struct site_sums {
   double surface;          /* part of D due to the surface of soil beside a pore */
   double unweighted[3][3]; /* with soil: the moment without weights by mobility */
   double lost[3][3];       /* the weighted moment minus the one that B inverts */
-  double towards[3];       /* sum of g_ab times the jump of mobility: along the soil's normal */
-  double beside[3];        /* sum of the jumps to the two nearest sites along each axis */
+  double jump_gradient[3]; /* sum of g_ab times the jump of mobility: along the soil's normal */
+  double axis_jump[3];     /* sum of the jumps to the two nearest sites along each axis */
   double inverse[3][3];    /* B */
   struct wall_shape wall;  /* of the nearest wall; zero if there is none */
   bool smooth;             /* the wall distances are consistent with a smooth surface */
@@ -76,11 +76,11 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
   for (int a = 0; a < stencil->axis_count; a++) {
     const double g = offset->gradient[stencil->axes[a]];
     sums->pore_gradient[a] += g * mobility;
-    sums->towards[a] += g * jump;
+    sums->jump_gradient[a] += g * jump;
     if (offset->step[0] * offset->step[0] + offset->step[1] * offset->step[1] +
             offset->step[2] * offset->step[2] ==
         1)
-      sums->beside[a] += offset->step[stencil->axes[a]] != 0 ? jump : 0.0;
+      sums->axis_jump[a] += offset->step[stencil->axes[a]] != 0 ? jump : 0.0;
     for (int c = 0; c < stencil->axis_count; c++) {
       const int axis = stencil->axes[c];
       const double moment = g * offset->step[axis] * stencil->spacing[axis];
@@ -92,7 +92,7 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
 
 /* Bound above which the sum of the jumps (M_b - M_a) / (M_b + M_a) on both sides of a site cannot
  * come from one side alone. */
-#define BOTH_SIDES 1.1
+#define JUMP_ONE_SIDE_MAX 1.1
 
 /* Sets the moment m that the correction B inverts, at a site beside the surface of soil with normal
  * n. Along the surface the pressure gradient is continuous, and differences are weighted by the
@@ -100,12 +100,12 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
  * differences weighted by mobilities are already those of the site's own gradient, and the
  * unweighted moment m' is correct:
  *   m = T m T + n (n.m'.n) n,   T = 1 - n n. */
-static void join_soil(int axes, struct site_sums *sums) {
+static void set_soil_moment(int axes, struct site_sums *sums) {
   double n[3] = {0}, length = 0.0, across = 0.0;
-  for (int a = 0; a < axes; a++) length = hypot(length, sums->towards[a]);
+  for (int a = 0; a < axes; a++) length = hypot(length, sums->jump_gradient[a]);
   memcpy(sums->lost, sums->moment, sizeof sums->lost);
   if (length > 1e-6)
-    for (int a = 0; a < axes; a++) n[a] = sums->towards[a] / length;
+    for (int a = 0; a < axes; a++) n[a] = sums->jump_gradient[a] / length;
   for (int a = 0; a < axes; a++)
     for (int c = 0; c < axes; c++) across += n[a] * sums->unweighted[a][c] * n[c];
   if (length > 1e-6) moment_free_normal(axes, n, sums->moment);
@@ -113,7 +113,7 @@ static void join_soil(int axes, struct site_sums *sums) {
     for (int c = 0; c < axes; c++) sums->moment[a][c] += (across - 1.0) * n[a] * n[c];
   /* A layer one site thick has a surface on both sides, whose normals cancel in the sum. */
   for (int a = 0; a < axes; a++) {
-    if (fabs(sums->beside[a]) < BOTH_SIDES) continue;
+    if (fabs(sums->axis_jump[a]) < JUMP_ONE_SIDE_MAX) continue;
     for (int c = 0; c < axes; c++) sums->moment[a][c] = sums->moment[c][a] = 0.0;
     sums->moment[a][a] = sums->unweighted[a][a];
   }
@@ -178,7 +178,7 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
-  if (op->soil) join_soil(stencil->axis_count, sums);
+  if (op->soil) set_soil_moment(stencil->axis_count, sums);
   if (linear > 0.0) wall_shape_find(op->lattice, site, stencil->unit, &sums->wall);
   const double curvature = sums->wall.curvature * stencil->unit;
   if (sums->parabola > 0.0 && !own.soil) {

@@ -115,8 +115,8 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     subtract(k, -left[i] * (i == 0 ? unit : 1.0), k->basis + (size_t)i * k->length, last);
   scale(k, g[0] * unit, first);
   for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
-  float *free_one = n < k->basis_max ? last + k->length : first + k->length;
-  k->precondition(k->system, first, free_one, k->work);
+  float *scratch = n < k->basis_max ? last + k->length : first + k->length;
+  k->precondition(k->system, first, scratch, k->work);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
   memcpy(first, last, k->length * sizeof *first);

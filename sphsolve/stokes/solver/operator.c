@@ -18,7 +18,7 @@ void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int
   stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
 }
 
-#define NEXT_SUM 4 /* slots from the fields of one sum over weights of soil to the next */
+#define SLOTS_PER_SUM 4 /* slots from the fields of one sum over weights of soil to the next */
 
 static void scale_row(const struct stokes_operator *op, size_t row, const float *packed,
                       const float *weight, float *field) {
@@ -38,9 +38,9 @@ static void unpack_weighted(struct stokes_operator *op, const struct stokes_weig
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     for (int s = 0; s < weights->count; s++)
       scale_row(op, row, packed + grid->row_start[row], weights->value[s],
-                stokes_operator_field(op, slot + s * NEXT_SUM));
+                stokes_operator_field(op, slot + s * SLOTS_PER_SUM));
   for (int s = 0; s < weights->count; s++)
-    stokes_grid_post(grid, component, stokes_operator_field(op, slot + s * NEXT_SUM),
+    stokes_grid_post(grid, component, stokes_operator_field(op, slot + s * SLOTS_PER_SUM),
                      grid->stride * sizeof(float));
 }
 
@@ -93,7 +93,7 @@ static const float *convolve_weighted(const struct stokes_operator *op,
       op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size - 2 * grid->stride;
   for (size_t i = 0; i < count; i++) out[i] = weights->value[0][start + i] * sum[i];
   for (int s = 1; s < weights->count; s++) {
-    sum = convolve(op, convolution, slot + s * NEXT_SUM, row);
+    sum = convolve(op, convolution, slot + s * SLOTS_PER_SUM, row);
     for (size_t i = 0; i < count; i++) out[i] += weights->value[s][start + i] * sum[i];
   }
   return out;
@@ -155,7 +155,7 @@ static void unpack_flux(struct stokes_operator *op, size_t row, int slot, float 
     for (size_t i = 0; i < count; i++)
       scaled[i] = weight[i] * packed[i] / op->soil->relative[start + i];
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, scaled,
-                     stokes_operator_field(op, slot + s * NEXT_SUM) + row * grid->stride);
+                     stokes_operator_field(op, slot + s * SLOTS_PER_SUM) + row * grid->stride);
   }
 }
 
@@ -192,7 +192,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
     stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a),
                      grid->stride * sizeof(float));
     for (int s = 1; op->soil && s < op->soil->mobility.count; s++)
-      stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * NEXT_SUM),
+      stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * SLOTS_PER_SUM),
                        grid->stride * sizeof(float));
   }
 }

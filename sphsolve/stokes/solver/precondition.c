@@ -240,7 +240,7 @@ void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
 
 /* Subtracts the mean. A constant pressure has no effect, but in single precision it would hide the
  * small differences that matter in soil. Odd pressures have no mean. */
-static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
+static void subtract_mean(const struct stokes_preconditioner *pc, float *p) {
   const struct stokes_grid *grid = pc->op->grid;
   double sum = 0.0;
   if (grid->mirrored && grid->parity[3] < 0.0f) return;
@@ -310,7 +310,7 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++) r[i] = continuity[i] * scale[i];
     solve_pressure(pc, r, product, p);
-    take_mean_away(pc, p);
+    subtract_mean(pc, p);
   } else {
     solve_pressure(pc, continuity, product, p);
   }

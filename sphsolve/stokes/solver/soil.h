@@ -26,9 +26,9 @@ struct stokes_weights {
 struct stokes_soil {
   double unit; /* m */
   /* [sites] Enclosed pores: those connected only through soil, which alone limits the flow through
-   * them. They are treated as soil of ENCLOSED times the largest permeability of soil (1), or of
-   * that permeability (2); the error is this small part of the resistance. NULL: there are none, or
-   * the operator is already assembled. */
+   * them. They are treated as soil of ENCLOSED_FACTOR times the largest permeability of soil (1),
+   * or of that permeability (2); the error is this small part of the resistance. NULL: there are
+   * none, or the operator is already assembled. */
   uint8_t *enclosed;
   double enclosed_permeability; /* spacing^2 */
   double pivot;                 /* mobility of the second column over a pore's; 0: two columns */
