@@ -9,7 +9,7 @@
 /* On cells that are coarse for the flow the residual may stop decreasing. At this relative
  * residual, D* of a sand at a cell Peclet number of 50 differs by 1e-5; the residual is included in
  * the error. */
-#define STALLED 1e-3
+#define RESIDUAL_STALLED 1e-3
 
 enum status solute_closure_build(const struct solute_flow *flow, int coarsenings,
                                  struct solute_closure *c) {
@@ -100,8 +100,8 @@ void solute_dispersion_parts(const double n[3], int dimensions, struct solute_di
 
 /* Solves this rank's directions. Each rank has the whole flow; the directions are divided among
  * them. */
-static enum status solve_own(struct solute_closure *c, double s, double tolerance,
-                             struct solute_dispersion *d) {
+static enum status solve_directions(struct solute_closure *c, double s, double tolerance,
+                                    struct solute_dispersion *d) {
   enum status status = STATUS_OK;
   const size_t size = c->solver.cells[0].size;
   for (int a = 0; a < 3; a++) {
@@ -113,8 +113,8 @@ static enum status solve_own(struct solute_closure *c, double s, double toleranc
       continue;
     }
     set_source(c, a, s);
-    TRY(solute_solver_solve(&c->solver, c->source, tolerance, fmax(tolerance, STALLED), c->b[a],
-                            &iterations, &reached));
+    TRY(solute_solver_solve(&c->solver, c->source, tolerance, fmax(tolerance, RESIDUAL_STALLED),
+                            c->b[a], &iterations, &reached));
     solute_cells_wrap_exact(&c->solver.cells[0], c->b[a]);
     d->iterations += iterations;
     d->residual = fmax(d->residual, reached);
@@ -129,7 +129,7 @@ enum status solute_closure_solve(struct solute_closure *c, double diffusion, dou
   const double s = c->speed > 0 && isfinite(diffusion) ? c->speed * c->unit / diffusion : 0;
   *d = (struct solute_dispersion){0};
   solute_solver_set(&c->solver, s);
-  TRY(ranks_agree(solve_own(c, s, tolerance, d)));
+  TRY(ranks_agree(solve_directions(c, s, tolerance, d)));
   for (int a = 0; a < 3; a++)
     if (c->b[a] != NULL) ranks_sum_all(c->b[a], c->solver.cells[0].size);
   d->iterations = (int)ranks_sum(d->iterations);

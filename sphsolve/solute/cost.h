@@ -11,6 +11,6 @@
 enum status solute_explain(const struct scene *scene, int threads, bool json);
 
 /* Prefixes an input error of the flow with the line of flow.file; returns the status. */
-enum status solute_say_where(const struct scene *scene, enum status status);
+enum status solute_add_location(const struct scene *scene, enum status status);
 
 #endif

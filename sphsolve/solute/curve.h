@@ -9,7 +9,7 @@
 
 /* Fewest cells along each axis (that has more than one) for which the flow is also solved on cells
  * twice as large. */
-#define SOLUTE_CELLS_LEAST 4
+#define SOLUTE_CELLS_MIN 4
 /* Above this cell Peclet number U h / D the cells do not resolve the boundary layers in which a
  * solute leaves its streamline, and the closure problem has a larger error. */
 #define SOLUTE_CELL_PECLET 50.0

@@ -9,7 +9,7 @@
 
 /* Residual of the projection, relative to the initial divergence or, if that is larger, to the
  * fluxes: these are stored in single precision, and smaller values are rounding. */
-#define PROJECTED 1e-7
+#define PROJECTION_RESIDUAL 1e-7
 
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
   enum status status = STATUS_OK;
@@ -74,10 +74,10 @@ static uint32_t root_of(uint32_t *parent, uint32_t at) {
 }
 
 /* A pore whose velocity is less than this fraction of the mean velocity counts as without flow. */
-#define STILL 1e-3
+#define STAGNANT_FRACTION 1e-3
 /* Largest relative difference of the mean velocities of separate channels; with different
  * velocities dispersion never becomes Fickian. */
-#define ALIKE 0.02
+#define CHANNEL_VELOCITY_TOLERANCE 0.02
 
 /* Closes the cells of pores that no face connects to the flowing ones. Without flow, only pores of
  * less than a thousandth of the pore volume are closed. */
@@ -117,9 +117,9 @@ static enum status close_isolated(struct solute_flow *f) {
   }
   for (size_t at = 0; at < f->count; at++) {
     const uint32_t root = root_of(parent, (uint32_t)at);
-    const bool still =
-        f->speed > 0 ? !(fabs(sum[root]) > STILL * volume[root]) : !(volume[root] > STILL * pores);
-    if (!still) continue;
+    const bool stagnant = f->speed > 0 ? !(fabs(sum[root]) > STAGNANT_FRACTION * volume[root])
+                                       : !(volume[root] > STAGNANT_FRACTION * pores);
+    if (!stagnant) continue;
     closed += (double)f->volume[at];
     f->volume[at] = 0;
     for (int a = 0; a < 3; a++) f->aperture[a][at] = 0, f->velocity[a][at] = 0;
@@ -127,8 +127,9 @@ static enum status close_isolated(struct solute_flow *f) {
   f->isolated = pores > 0 ? closed / pores : 0;
   solute_flow_measure(f);
   for (size_t at = 0; at < f->count && f->speed > 0; at++)
-    if (root_of(parent, (uint32_t)at) == at && volume[at] > STILL * pores &&
-        sum[at] > STILL * volume[at] && fabs(sum[at] / volume[at] - 1) > ALIKE && closed < pores &&
+    if (root_of(parent, (uint32_t)at) == at && volume[at] > STAGNANT_FRACTION * pores &&
+        sum[at] > STAGNANT_FRACTION * volume[at] &&
+        fabs(sum[at] / volume[at] - 1) > CHANNEL_VELOCITY_TOLERANCE && closed < pores &&
         volume[at] < 0.999 * (pores - closed))
       TRY_FAIL(STATUS_INPUT,
                "the pores are channels that never meet, one with %.3g of the mean velocity: a "
@@ -164,8 +165,8 @@ static enum status project(struct solute_flow *f) {
         divergence += source[at] * source[at];
       }
   const double rounding = divergence > 0 ? sqrt(flux / divergence) : 0;
-  const double enough = PROJECTED * fmax(1, rounding);
-  TRY(solute_solver_solve(&solver, source, enough, enough, potential, &iterations, &reached));
+  const double tolerance = PROJECTION_RESIDUAL * fmax(1, rounding);
+  TRY(solute_solver_solve(&solver, source, tolerance, tolerance, potential, &iterations, &reached));
   solute_cells_wrap_exact(c, potential);
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)

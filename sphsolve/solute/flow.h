@@ -11,7 +11,7 @@ enum status solute_flow_read(const char *run_file, struct solute_flow *flow);
 
 /* The same without the final steps, for a forecast: cells, means and grain size are set, but the
  * fluxes are not yet divergence-free. */
-enum status solute_flow_look(const char *run_file, struct solute_flow *flow);
+enum status solute_flow_preview(const char *run_file, struct solute_flow *flow);
 
 /* For tests: a flow from functions of the position x (m; the box extends from 0 to n spacing): wall
  * distance (m) and velocity (m/s; NULL: at rest). Fluxes are means of the velocity over the open

@@ -8,9 +8,9 @@
 #include "sphsolve/solute/flow_internal.h"
 
 /* Smallest component of a normal that is resolved, relative to the largest length. */
-#define STRAIGHT 1e-3
+#define NORMAL_MIN 1e-3
 /* Largest second difference of the distance by curvature, in spacings. */
-#define SHARPEST 0.3
+#define SECOND_DIFFERENCE_MAX 0.3
 
 /* Sum over the corners of a square that gives the integral of the Heaviside function of x (power 2:
  * the area) or of max(0, x) (power 3: the distance) for a linear x. */
@@ -24,7 +24,7 @@ static double corner_sum(double highest, double m0, double m1, int power) {
 
 void solute_face_open(double d, double m0, double m1, double *area, double *moment) {
   const double unit = fmax(fmax(fabs(d), fabs(m0)), fabs(m1));
-  m0 = fmax(fabs(m0), STRAIGHT * unit), m1 = fmax(fabs(m1), STRAIGHT * unit);
+  m0 = fmax(fabs(m0), NORMAL_MIN * unit), m1 = fmax(fabs(m1), NORMAL_MIN * unit);
   const double reach = 0.5 * (m0 + m1);
   *area = d >= reach ? 1 : d <= -reach ? 0 : 0.5;
   *moment = d >= reach ? d : 0;
@@ -53,24 +53,24 @@ static void normalise(double g[3]) {
 
 /* Second difference of the distance along an axis, m, limited: that on a ridge between two equally
  * near walls is not a curvature. */
-static double bend(const struct solute_flow *f, const int x[3], int axis) {
+static double second_difference(const struct solute_flow *f, const int x[3], int axis) {
   int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
   up[axis]++, down[axis]--;
   const double second = (double)f->distance[solute_flow_at(f, up[0], up[1], up[2])] +
                         (double)f->distance[solute_flow_at(f, down[0], down[1], down[2])] -
                         2 * (double)f->distance[solute_flow_at(f, x[0], x[1], x[2])];
-  const double most = SHARPEST * f->spacing[axis];
+  const double most = SECOND_DIFFERENCE_MAX * f->spacing[axis];
   return fmin(fmax(second, -most), most);
 }
 
 static float cell_open(const struct solute_flow *f, const int x[3]) {
   double g[3], m[3], sum = 0;
   double d = (double)f->distance[solute_flow_at(f, x[0], x[1], x[2])];
-  for (int a = 0; a < 3; a++) d += bend(f, x, a) / 24;
+  for (int a = 0; a < 3; a++) d += second_difference(f, x, a) / 24;
   gradient(f, x, g);
   normalise(g);
   double least = 0;
-  for (int a = 0; a < 3; a++) least = fmax(least, STRAIGHT * f->spacing[a]);
+  for (int a = 0; a < 3; a++) least = fmax(least, NORMAL_MIN * f->spacing[a]);
   for (int a = 0; a < 3; a++) {
     m[a] = fmax(fabs(g[a]) * f->spacing[a], least);
     sum += m[a];
@@ -80,7 +80,7 @@ static float cell_open(const struct solute_flow *f, const int x[3]) {
 }
 
 /* Interpolates the distance half-way between two centres, to third order where it is smooth. */
-static double between(const float d[4]) {
+static double interpolate_midway(const float d[4]) {
   const double mean = 0.5 * ((double)d[1] + (double)d[2]);
   const double low = (double)d[0] - 2 * (double)d[1] + (double)d[2];
   const double high = (double)d[1] - 2 * (double)d[2] + (double)d[3];
@@ -106,7 +106,9 @@ static float face_open(const struct solute_flow *f, const int x[3], int axis) {
   normalise(g);
   const int p = (axis + 1) % 3, q = (axis + 2) % 3;
   const double mean =
-      between(d) + (bend(f, x, p) + bend(f, low, p) + bend(f, x, q) + bend(f, low, q)) / 48;
+      interpolate_midway(d) + (second_difference(f, x, p) + second_difference(f, low, p) +
+                               second_difference(f, x, q) + second_difference(f, low, q)) /
+                                  48;
   solute_face_open(mean, g[p] * f->spacing[p], g[q] * f->spacing[q], &area, &moment);
   return area < 1e-4 ? 0 : (float)area;
 }

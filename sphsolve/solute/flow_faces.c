@@ -7,12 +7,12 @@
 #include "sphsolve/solute/flow_internal.h"
 
 /* Sites nearer to the wall than this fraction of a spacing are not used for u / d. */
-#define NEAR 0.1
+#define WALL_DISTANCE_MIN 0.1
 
 /* Mean of u / d, 1/s, over the two sites at the face; if both are too near the wall, over those
  * around. */
 static double slope(const struct solute_flow *f, const float *sites, const int x[3], int axis) {
-  const double near = NEAR * f->spacing[axis];
+  const double near = WALL_DISTANCE_MIN * f->spacing[axis];
   for (int ring = 0; ring < 2; ring++) {
     double sum = 0, weights = 0;
     for (int s = 0; s < (ring ? 18 : 2); s++) {
@@ -40,16 +40,16 @@ static double site_mean(const struct solute_flow *f, const float *sites, const i
   const double u = (double)sites[3 * at + a], d = (double)f->distance[at];
   double mean = u;
   for (int t = 1; t < 3; t++) {
-    double change[2], way[2]; /* of velocity, and distance in spacings, to the sites beside it */
+    double change[2], apart[2]; /* of velocity, and distance in spacings, to the sites beside it */
     for (int side = 0; side < 2; side++) {
       int y[3] = {x[0], x[1], x[2]};
       y[(axis + t) % 3] += side ? 1 : -1;
       const size_t there = solute_flow_at(f, y[0], y[1], y[2]);
       const double other = (double)f->distance[there];
-      way[side] = other > 0 ? 1 : fmax(d / (d - other), NEAR);
+      apart[side] = other > 0 ? 1 : fmax(d / (d - other), WALL_DISTANCE_MIN);
       change[side] = (other > 0 ? (double)sites[3 * there + a] : 0) - u;
     }
-    mean += 2 * (change[0] / way[0] + change[1] / way[1]) / (way[0] + way[1]) / 24;
+    mean += 2 * (change[0] / apart[0] + change[1] / apart[1]) / (apart[0] + apart[1]) / 24;
   }
   return mean;
 }

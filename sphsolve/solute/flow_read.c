@@ -106,6 +106,6 @@ enum status solute_flow_read(const char *run_file, struct solute_flow *flow) {
   return read_flow(run_file, true, flow);
 }
 
-enum status solute_flow_look(const char *run_file, struct solute_flow *flow) {
+enum status solute_flow_preview(const char *run_file, struct solute_flow *flow) {
   return read_flow(run_file, false, flow);
 }

@@ -36,7 +36,7 @@ static enum status set_peclet(const struct scene *scene, const struct solute_flo
 }
 
 /* Reports the estimate with the smaller error where both methods give a coefficient. */
-static void take_best(struct solute_result *r) {
+static void choose_best(struct solute_result *r) {
   for (int i = 0; i < r->count; i++) {
     struct solute_estimate *best = &r->best[i];
     const struct solute_estimate *walk = &r->walk[i].value;
@@ -52,7 +52,7 @@ static void take_best(struct solute_result *r) {
 }
 
 /* Warns if an error was asked for and not reached. */
-static void tell_missed(const struct scene *scene, const struct solute_result *r) {
+static void warn_of_missed_error(const struct scene *scene, const struct solute_result *r) {
   const double wanted = scene->solute.error;
   int missed = 0, worst = 0;
   double most = 0;
@@ -72,8 +72,8 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
 }
 
 /* Warns if the cells are too large for the closure problem. */
-static void tell_cells(const struct scene *scene, const struct solute_flow *flow,
-                       const struct solute_result *r) {
+static void warn_of_large_cells(const struct scene *scene, const struct solute_flow *flow,
+                                const struct solute_result *r) {
   for (int i = 0; i < r->count && scene->solute.way == SOLUTE_CLOSURE; i++) {
     const double cell = r->peclet[i] * flow->spacing[0] / r->length;
     if (cell <= SOLUTE_CELL_PECLET) continue;
@@ -109,7 +109,7 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   TRY(memory_allocate(&state, 1, sizeof *state, "what is found so far"));
   TRY(solute_state_begin(scene, prefix, resume, state));
   interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
-  TRY(solute_say_where(scene, solute_flow_read(scene->flow_path, &flow)));
+  TRY(solute_add_location(scene, solute_flow_read(scene->flow_path, &flow)));
   TRY(set_peclet(scene, &flow, &result));
   if (flow.mirrored)
     log_warning("%s: the sample is its own mirror image along the flow, which brings every "
@@ -122,9 +122,9 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
               flow.correction);
   if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, state, &result));
   if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, state, &result));
-  take_best(&result);
-  tell_cells(scene, &flow, &result);
-  tell_missed(scene, &result);
+  choose_best(&result);
+  warn_of_large_cells(scene, &flow, &result);
+  warn_of_missed_error(scene, &result);
   result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
   checkpoint_remove(prefix);

@@ -30,22 +30,22 @@
 #include "common/memory.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define WAVES 16   /* wave numbers across the flow, along each axis: shorter waves are negligible */
-#define BLOCKS 4   /* along each axis */
-#define ALONG 0.9  /* smallest cosine of the angle between the flow and its main axis */
-#define WAYS 4     /* directions that are transformed: the solver's three axes and the flow */
-#define WAY_FLOW 3 /* the last of them */
+#define WAVES 16 /* wave numbers across the flow, along each axis: shorter waves are negligible */
+#define BLOCKS 4 /* along each axis */
+#define AXIS_COSINE_MIN 0.9 /* smallest cosine of the angle between the flow and its main axis */
+#define DIRECTIONS 4     /* directions that are transformed: the solver's three axes and the flow */
+#define DIRECTION_FLOW 3 /* the last of them */
 enum { ROW = 2 * WAVES + 1 };
 
 /* Columns along the flow: the sum of u' and the mean of b over the pores, for each direction. */
 struct columns {
   int n[2];
-  double *flux[WAYS], *mean[WAYS];
+  double *flux[DIRECTIONS], *mean[DIRECTIONS];
   double volume; /* of all pores */
 };
 
 static void columns_free(struct columns *c) {
-  for (int w = 0; w < WAYS; w++) {
+  for (int w = 0; w < DIRECTIONS; w++) {
     memory_free(&c->flux[w]);
     memory_free(&c->mean[w]);
   }
@@ -56,13 +56,13 @@ static enum status columns_find(const struct solute_closure *closure, struct col
   const struct solute_cells *cells = &closure->solver.cells[0];
   *c = (struct columns){.n = {cells->n[0], cells->n[1]}};
   const size_t count = (size_t)c->n[0] * (size_t)c->n[1];
-  for (int w = 0; w < WAYS; w++) {
+  for (int w = 0; w < DIRECTIONS; w++) {
     TRY(memory_allocate(&c->flux[w], count, sizeof(double), "columns of the flow"));
     TRY(memory_allocate(&c->mean[w], count, sizeof(double), "columns of the flow"));
   }
   for (int j = 0; j < c->n[1]; j++)
     for (int i = 0; i < c->n[0]; i++) {
-      double flux[WAYS] = {0}, mean[WAYS] = {0}, volume = 0;
+      double flux[DIRECTIONS] = {0}, mean[DIRECTIONS] = {0}, volume = 0;
       for (int k = 0; k < cells->n[2]; k++) {
         const size_t at = solute_cells_at(cells, i, j, k);
         const int x[3] = {i, j, k};
@@ -76,12 +76,13 @@ static enum status columns_find(const struct solute_closure *closure, struct col
               closure->mean[a] * own;
           const double b = closure->b[a][at] * own;
           flux[a] += u, mean[a] += b;
-          flux[WAY_FLOW] += closure->mean[a] * u, mean[WAY_FLOW] += closure->mean[a] * b;
+          flux[DIRECTION_FLOW] += closure->mean[a] * u,
+              mean[DIRECTION_FLOW] += closure->mean[a] * b;
         }
       }
       const size_t at = (size_t)j * (size_t)c->n[0] + (size_t)i;
       c->volume += volume;
-      for (int w = 0; w < WAYS; w++) {
+      for (int w = 0; w < DIRECTIONS; w++) {
         c->flux[w][at] = flux[w];
         c->mean[w][at] = volume > 0 ? mean[w] / volume : 0;
       }
@@ -115,13 +116,13 @@ static void transform(const int n[2], const double *values, double wave[WAVES + 
 }
 
 /* C_k of a wave and its opposite together, longitudinal and transverse. */
-static void wave_share(double flux[WAYS][2], double mean[WAYS][2], double scale, int dimensions,
-                       double share[2]) {
-  double each[WAYS];
-  for (int w = 0; w < WAYS; w++)
+static void wave_share(double flux[DIRECTIONS][2], double mean[DIRECTIONS][2], double scale,
+                       int dimensions, double share[2]) {
+  double each[DIRECTIONS];
+  for (int w = 0; w < DIRECTIONS; w++)
     each[w] = -scale * (flux[w][0] * mean[w][0] + flux[w][1] * mean[w][1]);
-  share[0] = each[WAY_FLOW];
-  share[1] = (each[0] + each[1] + each[2] - each[WAY_FLOW]) / (dimensions - 1);
+  share[0] = each[DIRECTION_FLOW];
+  share[1] = (each[0] + each[1] + each[2] - each[DIRECTION_FLOW]) / (dimensions - 1);
 }
 
 /* Adds the statistical variance of D*, and its excess due to periodicity, from the waves. */
@@ -134,10 +135,10 @@ static enum status add_waves(const struct solute_closure *closure, double s,
   double(*wave)[WAVES + 1][ROW][2] = NULL; /* of the fluxes, then of the means */
   double side[3] = {0}, step[2];
   TRY(columns_find(closure, &c));
-  TRY(memory_allocate(&wave, 2 * WAYS, sizeof *wave, "waves across the flow"));
-  for (int w = 0; w < WAYS; w++) {
+  TRY(memory_allocate(&wave, 2 * DIRECTIONS, sizeof *wave, "waves across the flow"));
+  for (int w = 0; w < DIRECTIONS; w++) {
     transform(c.n, c.flux[w], wave[w]);
-    transform(c.n, c.mean[w], wave[WAYS + w]);
+    transform(c.n, c.mean[w], wave[DIRECTIONS + w]);
   }
   for (int a = 0; a < 3; a++)
     for (int i = 0; i < cells->n[a]; i++) side[a] += cells->width[a][i];
@@ -148,10 +149,10 @@ static enum status add_waves(const struct solute_closure *closure, double s,
   for (int q = 0; q <= WAVES && 2 * q < c.n[1]; q++)
     for (int p = -WAVES; p <= WAVES; p++) {
       if (2 * abs(p) >= c.n[0] || (q == 0 && p <= 0)) continue;
-      double flux[WAYS][2], mean[WAYS][2], share[2];
-      for (int w = 0; w < WAYS; w++) {
+      double flux[DIRECTIONS][2], mean[DIRECTIONS][2], share[2];
+      for (int w = 0; w < DIRECTIONS; w++) {
         memcpy(flux[w], wave[w][q][p + WAVES], sizeof flux[w]);
-        memcpy(mean[w], wave[WAYS + w][q][p + WAVES], sizeof mean[w]);
+        memcpy(mean[w], wave[DIRECTIONS + w][q][p + WAVES], sizeof mean[w]);
       }
       wave_share(flux, mean, scale, closure->dimensions, share);
       const double k2 = pow(p * step[0], 2) + pow(q * step[1], 2);
@@ -226,7 +227,7 @@ enum status solute_sample_size(const struct solute_closure *closure, double diff
   *sample = (struct solute_sample){{NAN, NAN}, {NAN, NAN}};
   for (int a = 0; a < 3; a++)
     if (cells->n[a] > 1 && cells->n[a] < BLOCKS) return STATUS_OK;
-  if (s > 0 && fabs(closure->mean[2]) < ALONG) return STATUS_OK;
+  if (s > 0 && fabs(closure->mean[2]) < AXIS_COSINE_MIN) return STATUS_OK;
   if (s > 0) TRY(add_waves(closure, s, d, images, variance, repeats));
   add_blocks(closure, d, images, variance);
   double sides = 0;

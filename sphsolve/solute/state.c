@@ -218,7 +218,7 @@ cleanup:
   return status;
 }
 
-enum status solute_state_take_closure(struct solute_state *s, struct solute_closure *c) {
+enum status solute_state_restore_closure(struct solute_state *s, struct solute_closure *c) {
   enum status status = STATUS_OK;
   double *b = NULL;
   if (s->from == NULL) return STATUS_OK;
@@ -240,8 +240,8 @@ cleanup:
   return status;
 }
 
-enum status solute_state_take_walk(struct solute_state *s, const struct walk_cells *cells,
-                                   struct walk *walk, bool *found) {
+enum status solute_state_restore_walk(struct solute_state *s, const struct walk_cells *cells,
+                                      struct walk *walk, bool *found) {
   enum status status = STATUS_OK;
   *found = s->from != NULL && h5_exists(s->from, GROUP "/walk");
   if (*found) TRY(walk_load(s->from, GROUP "/walk", cells, walk));

@@ -51,8 +51,9 @@ enum status solute_state_save(struct solute_state *state, const struct solute_cl
                               struct walk *walk);
 /* Restore the closure variables, or the walk, that were in progress when the checkpoint was saved;
  * *found: whether there was a walk. */
-enum status solute_state_take_closure(struct solute_state *state, struct solute_closure *closure);
-enum status solute_state_take_walk(struct solute_state *state, const struct walk_cells *cells,
-                                   struct walk *walk, bool *found);
+enum status solute_state_restore_closure(struct solute_state *state,
+                                         struct solute_closure *closure);
+enum status solute_state_restore_walk(struct solute_state *state, const struct walk_cells *cells,
+                                      struct walk *walk, bool *found);
 
 #endif

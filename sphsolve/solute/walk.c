@@ -7,33 +7,34 @@
 #include "common/ranks.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 1.0  /* longest flight, first spacings; and one cell at most */
-#define WALK_CARRIED 0.5 /* longest mean advection in a step, first spacings */
+#define FLIGHT_MAX 1.0    /* longest flight, first spacings; and one cell at most */
+#define ADVECTION_MAX 0.5 /* longest mean advection in a step, first spacings */
 /* Memory of the walkers over W^2 / D_T: the slowest wave across a box of width W decays in W^2 / (4
  * pi^2 D_T); twice that. */
-#define MEMORY 0.05
+#define MEMORY_FACTOR 0.05
 /* Variance of a coefficient times the number of its displacements; and the number of displacements
  * of each walker that a result is based on. */
 #define DISPLACEMENTS_VARIANCE 6.0
-#define DISPLACEMENTS_EACH 4.0
-#define LEAST_WALKERS 4096
+#define DISPLACEMENTS_PER_WALKER 4.0
+#define WALKERS_MIN 4096
 
 size_t walk_walkers(double tolerance) {
   const double displacements = DISPLACEMENTS_VARIANCE / pow(0.4 * tolerance, 2);
-  const double groups = ceil(fmax(displacements / DISPLACEMENTS_EACH, LEAST_WALKERS) / WALK_GROUPS);
+  const double groups =
+      ceil(fmax(displacements / DISPLACEMENTS_PER_WALKER, WALKERS_MIN) / WALK_GROUPS);
   return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
 }
 
 static double time_step(double peclet, double flight) {
   const double diffusion = peclet > 0 ? 1 / peclet : 1, dt = flight * flight / (6 * diffusion);
-  return peclet > 0 ? fmin(dt, WALK_CARRIED) : dt;
+  return peclet > 0 ? fmin(dt, ADVECTION_MAX) : dt;
 }
 
 /* At least two displacements of each walker over the first lag, of 32, 64 ... steps, that exceeds
  * the memory. */
 struct walk_pace walk_pace(double peclet, double widest, double across, double wanted) {
-  struct walk_pace pace = {.dt = time_step(peclet, WALK_FLIGHT)};
-  const double memory = MEMORY * widest * widest * (peclet > 0 ? peclet : 1) / across;
+  struct walk_pace pace = {.dt = time_step(peclet, FLIGHT_MAX)};
+  const double memory = MEMORY_FACTOR * widest * widest * (peclet > 0 ? peclet : 1) / across;
   const double each = DISPLACEMENTS_VARIANCE / pow(0.4 * wanted, 2) / (double)walk_walkers(wanted);
   pace.steps = WALK_INTERVAL * exp2(ceil(log2(fmax(memory / pace.dt / WALK_INTERVAL, 1))));
   pace.steps *= fmax(2, each);
@@ -55,7 +56,7 @@ double walk_cells_bytes(size_t cells, size_t with_pores) {
 }
 
 /* Draws a cell and a position in it until the position is in the pore: a uniform distribution. */
-static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
+static bool place_walker(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   for (uint32_t draw = 0; draw < 1u << 20; draw++) {
     uint32_t word[4];
     walk_draw(w->id, draw, seed, word);
@@ -71,7 +72,7 @@ static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
 
 /* Records the position and velocity of each walker; returns the number of walkers in grain. Cells
  * and spots of the walkers that follow are prefetched. */
-static size_t look(const struct walk *walk, struct walk_spot *spots) {
+static size_t record_spots(const struct walk *walk, struct walk_spot *spots) {
   enum { AHEAD = 16 };
   const double *e = walk->settings.direction;
   const struct walk_cells *c = walk->cells;
@@ -110,7 +111,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   *walk = (struct walk){.cells = cells, .settings = *settings};
   struct walk_settings *s = &walk->settings;
   if (s->walkers == 0) s->walkers = walk_walkers(s->tolerance);
-  if (!(s->flight > 0)) s->flight = WALK_FLIGHT;
+  if (!(s->flight > 0)) s->flight = FLIGHT_MAX;
   for (int a = 0; a < 3; a++) s->flight = fmin(s->flight, 1 / (double)cells->stretch[a]);
   if (s->walkers >= UINT32_MAX)
     return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
@@ -137,11 +138,11 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
 #pragma omp parallel for schedule(static) reduction(&& : placed)
   for (size_t w = 0; w < m->count; w++) {
     walk->walkers[w].id = (uint32_t)(m->first + w);
-    placed = place(cells, s->seed, &walk->walkers[w]) && placed;
+    placed = place_walker(cells, s->seed, &walk->walkers[w]) && placed;
   }
   if (ranks_any(!placed))
     TRY_FAIL(STATUS_INPUT, "no pore to walk in: the flow's cells are all but closed");
-  look(walk, m->start);
+  record_spots(walk, m->start);
 cleanup:
   if (status != STATUS_OK) walk_end(walk);
   return status;
@@ -175,8 +176,8 @@ cleanup:
   return status;
 }
 
-double walk_passed(const struct walk *walk, const double direction[3], const struct walk_spot *spot,
-                   size_t w) {
+double walk_displacement(const struct walk *walk, const double direction[3],
+                         const struct walk_spot *spot, size_t w) {
   const struct walk_spot *start = &walk->moments.start[w];
   double sum = 0;
   for (int a = 0; a < 3; a++)
@@ -186,15 +187,15 @@ double walk_passed(const struct walk *walk, const double direction[3], const str
 }
 
 /* Sets first passages since the last sample, assuming uniform motion in between. */
-static void pass_planes(struct walk *walk) {
+static void record_passages(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
   const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
   const struct walk_spot *before =
       walk->moments.lags > 0 ? walk->moments.from[0] : walk->moments.start;
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < walk->moments.count; w++) {
-    const double to = walk_passed(walk, walk->settings.direction, &walk->now[w], w),
-                 from = walk_passed(walk, walk->settings.direction, &before[w], w);
+    const double to = walk_displacement(walk, walk->settings.direction, &walk->now[w], w),
+                 from = walk_displacement(walk, walk->settings.direction, &before[w], w);
     for (int p = 0; p < WALK_PLANES; p++)
       if (to >= walk->plane[p] && !(walk->passage[p][w] > 0))
         walk->passage[p][w] =
@@ -207,13 +208,13 @@ enum status walk_advance(struct walk *walk) {
   const size_t count = walk->moments.count;
   TRY(sort(walk));
   walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
-             &walk->kept);
+             &walk->rejected);
   walk->steps += WALK_INTERVAL;
-  const size_t lost = (size_t)ranks_sum((double)look(walk, walk->now));
+  const size_t lost = (size_t)ranks_sum((double)record_spots(walk, walk->now));
   if (lost > 0)
     TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost,
              walk->settings.walkers, (unsigned long long)walk->steps);
-  pass_planes(walk);
+  record_passages(walk);
   if (walk->moments.intervals < WALK_TRACK)
     for (size_t w = 0; w < count && walk->moments.first + w < WALK_TRACKED; w++)
       for (int a = 0; a < 3; a++)
@@ -241,7 +242,7 @@ static double memory(const struct walk *walk) {
   for (int a = 0; a < 3; a++)
     if ((c->dimensions == 3 || a != 1) && fabs(walk->settings.direction[a]) < 0.9)
       widest = fmax(widest, c->n[a] / (double)c->stretch[a]);
-  return MEMORY * widest * widest / walk->diffusion;
+  return MEMORY_FACTOR * widest * widest / walk->diffusion;
 }
 
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict) {

@@ -32,7 +32,7 @@ struct walk_settings {
   double direction[3]; /* unit vector of the mean flow */
   double tolerance;    /* relative error wanted of both coefficients */
   size_t walkers;      /* 0: as many as the tolerance requires */
-  double flight;       /* longest diffusive displacement, first spacings; 0: WALK_FLIGHT */
+  double flight;       /* longest diffusive displacement, first spacings; 0: the default */
   double most_steps;   /* step limit of a walker; 0: none */
   uint32_t seed;
 };
@@ -51,7 +51,7 @@ struct walk {
   float (*track)[WALK_TRACKED][3]; /* [WALK_TRACK] positions, first spacings */
   struct walk_frame *frame; /* [WALK_FRAMES], `frames` of them filled; this rank's walkers only */
   int frames;
-  struct walk_kept kept;
+  struct walk_rejected rejected;
 };
 
 /* Distributes the walkers; `cells` must outlive the walk. Free with walk_end. */
@@ -67,8 +67,8 @@ void walk_end(struct walk *walk);
 
 /* Displacement of walker w of this rank from its start to `spot`, along `direction`, first
  * spacings. */
-double walk_passed(const struct walk *walk, const double direction[3], const struct walk_spot *spot,
-                   size_t w);
+double walk_displacement(const struct walk *walk, const double direction[3],
+                         const struct walk_spot *spot, size_t w);
 /* Records a histogram of the plume if one is due; walk_frames_sum adds the counts of all ranks on
  * the first rank (walk_frames.c; collective). */
 void walk_frames_take(struct walk *walk);

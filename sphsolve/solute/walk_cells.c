@@ -7,7 +7,7 @@
 #include "sphsolve/solute/walk_slope.h"
 #include "sphsolve/solute/walk_surface.h"
 
-#define FARTHEST 32000 /* largest slope or distance in its unit, to fit 16 bits */
+#define INTEGER_MAX 32000 /* largest slope or distance in its unit, to fit 16 bits */
 
 static size_t at(const int n[3], const int x[3]) {
   return ((size_t)x[2] * (size_t)n[1] + (size_t)x[1]) * (size_t)n[0] + (size_t)x[0];
@@ -37,7 +37,7 @@ static enum status find_corners(const struct solute_flow *f, double unit, int16_
   TRY(memory_allocate(&distance, f->count, sizeof *distance, "distances of corners"));
   TRY(walk_surface_find(f, distance));
   for (size_t c = 0; c < f->count; c++)
-    corners[c] = (int16_t)lrint(fmin(fmax((double)distance[c] / unit, -FARTHEST), FARTHEST));
+    corners[c] = (int16_t)lrint(fmin(fmax((double)distance[c] / unit, -INTEGER_MAX), INTEGER_MAX));
 cleanup:
   memory_free(&distance);
   return status;
@@ -78,7 +78,7 @@ static void make_velocity(const struct solute_flow *f, const int x[3], float slo
 /* Whether walkers may enter a cell: it contains water, or one of its corners lies in the pore and
  * it adjoins a cell with water. The surface of the walkers and the cuts of the flow differ
  * slightly. */
-static bool takes_part(const struct solute_flow *f, const int16_t *corners, const int x[3]) {
+static bool is_used(const struct solute_flow *f, const int16_t *corners, const int x[3]) {
   if (f->volume[at(f->n, x)] > 0) return true;
   bool corner = false, near = false;
   for (int c = 0; c < 8 && !corner; c++) corner = corner_of(f, corners, x, c) > 0;
@@ -105,7 +105,7 @@ static void fill_bricks(const struct solute_flow *f, const int16_t *corners,
   for (size_t b = 0; b < cells->bricks; b++)
     for (int bit = 0; bit < 64; bit++) {
       int x[3];
-      if (!cell_of(cells, b, bit, x) || !takes_part(f, corners, x)) continue;
+      if (!cell_of(cells, b, bit, x) || !is_used(f, corners, x)) continue;
       struct walk_brick *brick = &cells->brick[b];
       brick->open |= (uint64_t)1 << bit;
       bool cut = false;
@@ -166,9 +166,9 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
   if (padded > INT32_MAX)
     return FAIL(STATUS_INPUT, "a walk counts at most %d cells, not %.0f", INT32_MAX, padded);
   /* Largest distance stored: two diagonals of a cell, beyond which no wall matters. */
-  const double unit = 2 * diagonal / FARTHEST;
+  const double unit = 2 * diagonal / INTEGER_MAX;
   cells->distance_unit = (float)(unit / f->spacing[0]);
-  cells->slope_unit = steepest(f) / FARTHEST;
+  cells->slope_unit = steepest(f) / INTEGER_MAX;
   TRY(memory_allocate(&corners, f->count, sizeof *corners, "distances of corners"));
   TRY(memory_allocate(&cells->brick, cells->bricks, sizeof *cells->brick, "bricks of cells"));
   TRY(find_corners(f, unit, corners));

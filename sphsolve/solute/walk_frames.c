@@ -22,8 +22,8 @@ static void direction_across(const struct walk *walk, double across[3]) {
 }
 
 static void place_of(const struct walk *walk, size_t w, const double across[3], double place[2]) {
-  place[0] = walk_passed(walk, walk->settings.direction, &walk->now[w], w);
-  place[1] = walk_passed(walk, across, &walk->now[w], w);
+  place[0] = walk_displacement(walk, walk->settings.direction, &walk->now[w], w);
+  place[1] = walk_displacement(walk, across, &walk->now[w], w);
 }
 
 void walk_frames_take(struct walk *walk) {

@@ -27,10 +27,10 @@
 #include "common/variants.h"
 #include "sphsolve/solute/walk_cells.h"
 
-#define WALK_PART 0.5f     /* longest substep of advection, cells */
-#define WALK_RETURNS 512   /* steps in grain after which the advection is rejected */
-#define WALK_MIRRORS 8     /* reflections of one flight after which it is rejected */
-#define WALK_AT_WALL 1e-4f /* distance that counts as at the wall, first spacings */
+#define WALK_SUBSTEP_MAX 0.5f     /* longest substep of advection, cells */
+#define WALK_RETURN_STEPS_MAX 512 /* steps in grain after which the advection is rejected */
+#define WALK_REFLECTIONS_MAX 8    /* reflections of one flight after which it is rejected */
+#define WALK_AT_WALL 1e-4f        /* distance that counts as at the wall, first spacings */
 
 /* 64 bytes: one cache line. */
 struct walker {
@@ -90,7 +90,7 @@ WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
 }
 
 /* Converts four of the cell's integer values. Eight are read; the record is long enough. */
-WALK_HOT walk_vector walk_counted(const int16_t *from) {
+WALK_HOT walk_vector walk_unpack(const int16_t *from) {
   typedef int16_t eight __attribute__((vector_size(16)));
   eight counted;
   memcpy(&counted, from, sizeof counted);
@@ -102,7 +102,7 @@ WALK_HOT walk_vector walk_counted(const int16_t *from) {
 WALK_HOT float walk_distance(const struct walk_cells *c, const struct walker *w) {
   if (w->number < 0) return -1;
   const int16_t *corner = c->cell[w->number].corner;
-  const walk_vector low = walk_counted(corner), high = walk_counted(corner + 4);
+  const walk_vector low = walk_unpack(corner), high = walk_unpack(corner + 4);
   const float x = w->x[0] + 0.5f, y = w->x[1] + 0.5f, z = w->x[2] + 0.5f;
   const walk_vector weight = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
   const walk_vector sum = weight * (low + walk_all(z) * (high - low));
@@ -132,10 +132,9 @@ WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, f
 /* Velocity at x in a cell, cells along the axis per time unit (walk_cells.h). */
 WALK_HOT walk_vector walk_velocity(const struct walk_cells *c, int32_t number, walk_vector x) {
   const struct walk_cell *cell = &c->cell[number];
-  const walk_vector low_next = walk_counted(cell->slope[0]),
-                    low_last = walk_counted(cell->slope[1]),
-                    high_next = walk_counted(cell->slope[2]),
-                    high_last = walk_counted(cell->slope[3]);
+  const walk_vector low_next = walk_unpack(cell->slope[0]), low_last = walk_unpack(cell->slope[1]),
+                    high_next = walk_unpack(cell->slope[2]),
+                    high_last = walk_unpack(cell->slope[3]);
   walk_vector low, high; /* fluxes of the faces at the walker's position along them */
   memcpy(&low, cell->face[0], sizeof low);
   memcpy(&high, &cell->face[0][2], sizeof high); /* from one value earlier: the record ends here */
@@ -168,16 +167,16 @@ WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vect
   for (int a = 0; a < 3; a++) w->x[a] = walk_inside(w->x[a] + move[a]);
 }
 
-WALK_HOT float walk_most(float u, float v, float w) {
+WALK_HOT float walk_largest(float u, float v, float w) {
   const float x = fabsf(u), y = fabsf(v), z = fabsf(w), most = x > y ? x : y;
   return most > z ? most : z;
 }
 
 /* Length in time of the next substep of advection; `left`: remaining time, `most`: the largest
  * velocity component, cells per time unit. */
-WALK_HOT float walk_part(float most, float left) {
-  const float part = left * WALK_PART / (most * left), half = 0.5f * left;
-  return most * left > WALK_PART ? (part < half ? part : half) : left;
+WALK_HOT float walk_substep(float most, float left) {
+  const float part = left * WALK_SUBSTEP_MAX / (most * left), half = 0.5f * left;
+  return most * left > WALK_SUBSTEP_MAX ? (part < half ? part : half) : left;
 }
 
 WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
@@ -186,10 +185,10 @@ WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
 
 /* Advection for a time, in as many substeps as needed, through the whole cubes, each by the
  * midpoint rule. */
-WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float time) {
+WALK_HOT void walk_advect(const struct walk_cells *c, struct walker *w, float time) {
   for (float left = time; left > 0;) {
     const walk_vector v = walk_velocity(c, w->number, w->x);
-    const float part = walk_part(walk_most(v[0], v[1], v[2]), left);
+    const float part = walk_substep(walk_largest(v[0], v[1], v[2]), left);
     struct walker middle = *w;
     walk_shift(c, &middle, walk_all(0.5f * part) * v);
     walk_shift(c, w, walk_all(part) * walk_velocity(c, middle.number, middle.x));
@@ -199,8 +198,8 @@ WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float ti
 
 /* Continues through grain until the walker is back in the pore; false: it was not. */
 WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float time) {
-  for (int r = 1; r < WALK_RETURNS; r++) {
-    walk_follow(c, w, time);
+  for (int r = 1; r < WALK_RETURN_STEPS_MAX; r++) {
+    walk_advect(c, w, time);
     if (walk_in_pore(c, w)) return true;
   }
   return false;
@@ -208,8 +207,8 @@ WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float t
 
 /* Fraction of the flight `move` from `from`, which ends in grain, at which it meets the wall:
  * regula falsi with the Illinois modification (Dowell, Jarratt 1971). */
-WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from, walk_vector move,
-                          float outside, struct walker *hit) {
+WALK_COLD float walk_find_wall(const struct walk_cells *c, const struct walker *from,
+                               walk_vector move, float outside, struct walker *hit) {
   float low = 0, high = 1, inside = walk_distance(c, from) - WALK_AT_WALL;
   outside -= WALK_AT_WALL;
   *hit = *from;
@@ -236,8 +235,8 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
 /* Whether the reverse flight, from the end along `move` with this total length, is reflected as
  * well: a straight one could pass the edge of a grain. Only reversible moves preserve the uniform
  * distribution. */
-WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker *end,
-                                 walk_vector move, float length) {
+WALK_COLD bool walk_reflects_back(const struct walk_cells *c, const struct walker *end,
+                                  walk_vector move, float length) {
   float square = 0;
   for (int a = 0; a < 3; a++) square += (move[a] / c->stretch[a]) * (move[a] / c->stretch[a]);
   struct walker back = *end;
@@ -247,21 +246,21 @@ WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker
 }
 
 /* A flight that ends in grain: to the wall, reflected there, and so on; false: rejected. */
-WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector move,
-                           float length) {
+WALK_COLD bool walk_reflect(const struct walk_cells *c, struct walker *w, walk_vector move,
+                            float length) {
   const struct walker start = *w;
-  for (int m = 0; m < WALK_MIRRORS; m++) {
+  for (int m = 0; m < WALK_REFLECTIONS_MAX; m++) {
     const struct walker from = *w;
     w->x += move;
     walk_settle(c, w);
     const float outside = walk_distance(c, w);
     if (outside > 0) {
-      if (m == 0 || walk_mirrors_back(c, w, move, length)) return true;
+      if (m == 0 || walk_reflects_back(c, w, move, length)) return true;
       break;
     }
     struct walker hit;
     float normal[3], along = 0;
-    const float share = walk_meet(c, &from, move, outside, &hit);
+    const float share = walk_find_wall(c, &from, move, outside, &hit);
     walk_normal(c, &hit, normal);
     for (int a = 0; a < 3; a++) along += normal[a] * move[a] / c->stretch[a];
     for (int a = 0; a < 3; a++)

@@ -26,8 +26,8 @@ enum status walk_record(struct walk *walk, struct walk_record *r) {
   r->count = walk_lags(walk, r->lags);
   r->walkers = (double)n, r->steps = (double)walk->steps;
   r->dt = walk->dt, r->flight = (double)walk->step.flight, r->interval = WALK_INTERVAL * walk->dt;
-  r->not_carried = ranks_sum((double)walk->kept.carried);
-  r->not_flown = ranks_sum((double)walk->kept.flown);
+  r->not_carried = ranks_sum((double)walk->rejected.advections);
+  r->not_flown = ranks_sum((double)walk->rejected.flights);
   TRY(memory_allocate(&sorted, n, sizeof *sorted, "times of passage"));
   for (int p = 0; p < WALK_PLANES; p++) {
     r->plane[p] = walk->plane[p];

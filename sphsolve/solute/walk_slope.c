@@ -7,12 +7,12 @@
 
 /* Largest distance of a wall from the middle of a face, cells, to lie between it and the next
  * face. */
-#define BESIDE 1.5
+#define WALL_DISTANCE_MAX 1.5
 /* Smaller fractions of a face, open or closed, are treated as mere corners. */
-#define CORNER 0.02
+#define FRACTION_MIN 0.02
 /* Smallest change of the distance along a face, over the spacing, from which the wall has a
  * direction. */
-#define LEVEL 0.1
+#define RISE_MIN 0.1
 
 /* Wall distance, m, at the middle of the face of axis `axis` that lies `by` cells from that of cell
  * x along `across`. */
@@ -39,7 +39,7 @@ static double wall_at(const struct solute_flow *f, const int x[3], int axis, int
   const double here = distance_at(f, x, axis, across, 0),
                there = distance_at(f, x, axis, across, by);
   const double wall = here > there ? here / (here - there) : INFINITY;
-  return wall <= BESIDE ? fmax(wall, 0.5) : INFINITY;
+  return wall <= WALL_DISTANCE_MAX ? fmax(wall, 0.5) : INFINITY;
 }
 
 /* Slope of an uncut face: that in its middle of the parabola that has the mean of this face and, on
@@ -71,11 +71,11 @@ static double cut_slope(const struct solute_flow *f, const int x[3], int axis, i
     m[t] = 0.5 * (distance_at(f, x, axis, along, 1) - distance_at(f, x, axis, along, -1));
   }
   const double own = m[(across - axis + 3) % 3 - 1], rise = fabs(m[0]) + fabs(m[1]);
-  if (rise < LEVEL * f->spacing[across]) return 0;
+  if (rise < RISE_MIN * f->spacing[across]) return 0;
   solute_face_open(d, m[0], m[1], &area, &moment);
-  if (area > CORNER && area < 1 - CORNER && moment > area * d)
+  if (area > FRACTION_MIN && area < 1 - FRACTION_MIN && moment > area * d)
     return own * q * (1 - area) / (moment - area * d);
-  return own * 2 * q / (rise * fmax((double)f->aperture[axis][at], CORNER));
+  return own * 2 * q / (rise * fmax((double)f->aperture[axis][at], FRACTION_MIN));
 }
 
 float walk_slope(const struct solute_flow *f, const int x[3], int axis, int across) {

@@ -76,11 +76,11 @@ WALK_HOT void shift(const struct walk_cells *c, const struct walk_lanes *from, f
 }
 
 /* First half of the first substep of advection. */
-WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time) {
+WALK_HOT void advect_to_midpoint(const struct walk_cells *c, struct group *g, float time) {
   float u[3][LANES];
   lanes_velocity(c, g->at.number, g->at.x, u);
   for (int l = 0; l < LANES; l++) {
-    g->part[l] = walk_part(walk_most(u[0][l], u[1][l], u[2][l]), time);
+    g->part[l] = walk_substep(walk_largest(u[0][l], u[1][l], u[2][l]), time);
     for (int a = 0; a < 3; a++) u[a][l] *= 0.5f * g->part[l];
   }
   shift(c, &g->at, u, &g->middle);
@@ -88,17 +88,17 @@ WALK_HOT void to_middle(const struct walk_cells *c, struct group *g, float time)
 
 /* Remaining substeps of advection of one walker; if it ends in grain, it continues until it returns
  * to the pore. False: it does not return. */
-WALK_COLD bool go_on(const struct walk_cells *c, struct walk_lanes *at,
-                     const struct walk_lanes *end, int l, float left, float time) {
+WALK_COLD bool finish_advection(const struct walk_cells *c, struct walk_lanes *at,
+                                const struct walk_lanes *end, int l, float left, float time) {
   struct walker w = lanes_take(end, l);
-  walk_follow(c, &w, left);
+  walk_advect(c, &w, left);
   if (!walk_in_pore(c, &w) && !walk_return(c, &w, time)) return false;
   lanes_put(at, l, &w);
   return true;
 }
 
 /* The whole first substep of advection, with the velocity at the midpoint. */
-WALK_HOT void to_end(const struct walk_cells *c, struct group *g) {
+WALK_HOT void advect_first_substep(const struct walk_cells *c, struct group *g) {
   float u[3][LANES];
   lanes_velocity(c, g->middle.number, g->middle.x, u);
   for (int a = 0; a < 3; a++)
@@ -107,8 +107,8 @@ WALK_HOT void to_end(const struct walk_cells *c, struct group *g) {
 }
 
 /* Completes the advection of all walkers. */
-WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
-                    struct walk_kept *kept) {
+WALK_HOT void advect(const struct walk_cells *c, struct group *g, float time,
+                     struct walk_rejected *rejected) {
   int rest[LANES], count = 0;
   const uint32_t grain = lanes_in_grain(c, &g->end);
   for (int l = 0; l < LANES; l++) {
@@ -119,15 +119,15 @@ WALK_HOT void carry(const struct walk_cells *c, struct group *g, float time,
   g->at = g->end;
   for (int i = 0; i < count; i++) {
     const int l = rest[i];
-    if (go_on(c, &g->at, &g->end, l, time - g->part[l], time)) continue;
+    if (finish_advection(c, &g->at, &g->end, l, time - g->part[l], time)) continue;
     const struct walker w = lanes_take(&before, l);
     lanes_put(&g->at, l, &w);
-    kept->carried += l < g->count;
+    rejected->advections += l < g->count;
   }
 }
 
-WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float length,
-                   struct walk_kept *kept) {
+WALK_HOT void finish_flights(const struct walk_cells *c, struct group *g, int turn, float length,
+                             struct walk_rejected *rejected) {
   int near[LANES], count = 0;
   const uint32_t grain = lanes_in_grain(c, &g->end);
   for (int l = 0; l < LANES; l++) {
@@ -140,7 +140,7 @@ WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float 
     const int l = near[i];
     struct walker w = lanes_take(&before, l);
     const walk_vector move = {g->move[turn][0][l], g->move[turn][1][l], g->move[turn][2][l], 0};
-    if (!walk_mirror(c, &w, move, length)) kept->flown += l < g->count;
+    if (!walk_reflect(c, &w, move, length)) rejected->flights += l < g->count;
     lanes_put(&g->at, l, &w);
   }
 }
@@ -149,7 +149,7 @@ WALK_HOT void land(const struct walk_cells *c, struct group *g, int turn, float 
  * prefetched in this one. */
 TARGETS static void move_block(const struct walk_cells *c, const struct walk_step *step,
                                struct walker *walkers, int count, uint64_t first, int steps,
-                               struct walk_kept *kept) {
+                               struct walk_rejected *rejected) {
   struct group group[GROUPS];
   const int groups = (count + LANES - 1) / LANES;
   for (int g = 0; g < groups; g++) group[g].count = count - g * LANES;
@@ -158,31 +158,31 @@ TARGETS static void move_block(const struct walk_cells *c, const struct walk_ste
   for (int s = 0; s < steps; s++) {
     for (int g = 0; g < groups; g++) {
       if (s % 2 == 0) draw_flights(c, step, group[g].at.id, first + (uint64_t)s, group[g].move);
-      if (step->time > 0) to_middle(c, &group[g], step->time);
+      if (step->time > 0) advect_to_midpoint(c, &group[g], step->time);
     }
-    for (int g = 0; g < groups && step->time > 0; g++) to_end(c, &group[g]);
-    for (int g = 0; g < groups && step->time > 0; g++) carry(c, &group[g], step->time, kept);
+    for (int g = 0; g < groups && step->time > 0; g++) advect_first_substep(c, &group[g]);
+    for (int g = 0; g < groups && step->time > 0; g++) advect(c, &group[g], step->time, rejected);
     for (int g = 0; g < groups; g++) {
       group[g].end = group[g].at;
       for (int a = 0; a < 3; a++)
         for (int l = 0; l < LANES; l++) group[g].end.x[a][l] += group[g].move[s % 2][a][l];
       lanes_settle(c, &group[g].end);
     }
-    for (int g = 0; g < groups; g++) land(c, &group[g], s % 2, step->flight, kept);
+    for (int g = 0; g < groups; g++) finish_flights(c, &group[g], s % 2, step->flight, rejected);
   }
   for (int w = 0; w < count; w++) walkers[w] = lanes_take(&group[w / LANES].at, w % LANES);
 }
 
 void walk_steps(const struct walk_cells *cells, const struct walk_step *step,
                 struct walker *walkers, size_t count, uint64_t first, int steps,
-                struct walk_kept *kept) {
-  uint64_t carried = 0, flown = 0;
-#pragma omp parallel for schedule(dynamic, 4) reduction(+ : carried, flown)
+                struct walk_rejected *rejected) {
+  uint64_t advections = 0, flights = 0;
+#pragma omp parallel for schedule(dynamic, 4) reduction(+ : advections, flights)
   for (size_t begin = 0; begin < count; begin += BLOCK) {
-    struct walk_kept own = {0};
+    struct walk_rejected own = {0};
     move_block(cells, step, walkers + begin, (int)(count - begin < BLOCK ? count - begin : BLOCK),
                first, steps, &own);
-    carried += own.carried, flown += own.flown;
+    advections += own.advections, flights += own.flights;
   }
-  kept->carried += carried, kept->flown += flown;
+  rejected->advections += advections, rejected->flights += flights;
 }

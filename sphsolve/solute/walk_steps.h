@@ -13,8 +13,8 @@ struct walk_step {
 };
 
 /* Numbers of rejected moves: advection or flights that did not end in the pore. */
-struct walk_kept {
-  uint64_t carried, flown;
+struct walk_rejected {
+  uint64_t advections, flights;
 };
 
 /* Does `steps` steps of each walker, beginning with step number `first` (both even: two steps share
@@ -22,7 +22,7 @@ struct walk_kept {
  * order of walkers. */
 void walk_steps(const struct walk_cells *cells, const struct walk_step *step,
                 struct walker *walkers, size_t count, uint64_t first, int steps,
-                struct walk_kept *kept);
+                struct walk_rejected *rejected);
 
 /* Random words of a walker for purposes other than flights, such as its start. */
 void walk_draw(uint32_t id, uint32_t number, uint32_t seed, uint32_t words[4]);

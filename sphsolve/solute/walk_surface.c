@@ -9,8 +9,8 @@
 #define ROUNDS 8 /* of shifting corners; each reduces the rest by a third to a half */
 #define SUB 4    /* samples along each side of a cell */
 #define SAMPLES (SUB * SUB * SUB)
-#define FARTHEST 0.5 /* largest total shift of a corner's distance, spacings */
-#define LEAST_AREA 1 /* surface around a corner, in faces, below which it is shifted less */
+#define SHIFT_MAX 0.5 /* largest total shift of a corner's distance, spacings */
+#define AREA_MIN 1    /* surface around a corner, in faces, below which it is shifted less */
 
 /* Interpolates from the four centres along each axis (third order; the mean of the eight centres
  * around would shift a curved wall by 1/8 of its curvature), limited to the range of these
@@ -71,7 +71,7 @@ TARGETS static float share_open(const struct weights *weights, const float corne
 /* Difference of the flow's fluid fraction to that of each cell, and its surface; 0 where there is
  * no wall. */
 static void compare(const struct solute_flow *f, const struct weights *weights,
-                    const float *corners, float width, float *lacks, float *area) {
+                    const float *corners, float width, float *deficit, float *area) {
 #pragma omp parallel for schedule(static)
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)
@@ -84,19 +84,19 @@ static void compare(const struct solute_flow *f, const struct weights *weights,
           open += corner[c] > 0;
         }
         const float own = f->volume[at];
-        lacks[at] = area[at] = 0;
+        deficit[at] = area[at] = 0;
         if ((own <= 0 || own >= 1) && (open == 0 || open == 8)) continue;
-        lacks[at] = own - share_open(weights, corner, width, &area[at]);
+        deficit[at] = own - share_open(weights, corner, width, &area[at]);
       }
 }
 
 enum status walk_surface_find(const struct solute_flow *f, float *corners) {
   enum status status = STATUS_OK;
-  float *lacks = NULL, *area = NULL, *first = NULL;
+  float *deficit = NULL, *area = NULL, *first = NULL;
   const double across = f->dimensions == 2 ? sqrt(f->spacing[0] * f->spacing[2]) : f->spacing[1];
   const float spacing = (float)cbrt(f->spacing[0] * across * f->spacing[2]);
-  const float most = (float)FARTHEST * spacing;
-  TRY(memory_allocate(&lacks, f->count, sizeof *lacks, "pores at the surface of walkers"));
+  const float shift_max = (float)SHIFT_MAX * spacing;
+  TRY(memory_allocate(&deficit, f->count, sizeof *deficit, "pores at the surface of walkers"));
   TRY(memory_allocate(&area, f->count, sizeof *area, "surface of walkers"));
   TRY(memory_allocate(&first, f->count, sizeof *first, "distances of corners"));
 #pragma omp parallel for schedule(static)
@@ -109,23 +109,23 @@ enum status walk_surface_find(const struct solute_flow *f, float *corners) {
   struct weights weights;
   set_weights(&weights);
   for (int round = 0; round < ROUNDS; round++) {
-    compare(f, &weights, corners, spacing / SUB, lacks, area);
+    compare(f, &weights, corners, spacing / SUB, deficit, area);
 #pragma omp parallel for schedule(static)
     for (int k = 0; k < f->n[2]; k++)
       for (int j = 0; j < f->n[1]; j++)
         for (int i = 0; i < f->n[0]; i++) {
-          float lack = 0, surface = 0;
+          float total_deficit = 0, surface = 0;
           for (int c = 0; c < 8; c++) {
             const size_t cell = solute_flow_at(f, i - (c & 1), j - (c >> 1 & 1), k - (c >> 2));
-            lack += lacks[cell], surface += area[cell];
+            total_deficit += deficit[cell], surface += area[cell];
           }
           const size_t at = solute_flow_at(f, i, j, k);
-          const float to = corners[at] + lack / fmaxf(surface, LEAST_AREA / spacing);
-          corners[at] = fminf(fmaxf(to, first[at] - most), first[at] + most);
+          const float to = corners[at] + total_deficit / fmaxf(surface, AREA_MIN / spacing);
+          corners[at] = fminf(fmaxf(to, first[at] - shift_max), first[at] + shift_max);
         }
   }
 cleanup:
-  memory_free(&lacks);
+  memory_free(&deficit);
   memory_free(&area);
   memory_free(&first);
   return status;
