@@ -21,7 +21,7 @@
 #include "sphsolve/stokes/step.h"
 
 /* Rounds without progress after which a solve is given up. */
-#define STALLED_MOST 20
+#define STALLED_ROUNDS_MAX 20
 
 /* State of a run, shared by its parts. */
 struct stokes_job {
@@ -227,7 +227,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
                       note);
     state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
-    if (state.stalled == STALLED_MOST) {
+    if (state.stalled == STALLED_ROUNDS_MAX) {
       char soil[STOKES_HINT];
       stokes_solver_soil_hint(s, soil);
       TRY_FAIL(STATUS_NUMERIC,

@@ -66,7 +66,7 @@ double stokes_solver_bytes(double sites, double active, bool soil);
 
 /* To be called after x was changed by the caller: computes its residual, mean and divergence. */
 void stokes_solver_restart(struct stokes_solver *solver);
-/* Computes mean and divergence of x, and the norm of its residual. With `anew` the residual is
+/* Computes mean and divergence of x, and the norm of its residual. With `recompute` the residual is
  * first computed from x in double precision; else the one updated by the Krylov cycles is used. */
 void stokes_solver_measure(struct stokes_solver *solver, bool recompute);
 

@@ -6,6 +6,7 @@
 
 #include "sphsolve/geometry/soil.h"
 
+/* Factor by which a round reduces the residual. */
 #define ROUND_REDUCTION 0.25
 /* Relative residual of a solution that is exact up to rounding. */
 #define RESIDUAL_EXACT 1e-6
@@ -21,6 +22,7 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
   return goal;
 }
 
+/* Safety factor on the estimated error of the mean. */
 #define MEAN_SAFETY 2.0
 
 /* The error of the flux is proportional to the square of the residual (to the residual itself where
