@@ -10,7 +10,7 @@ bool isph_has_calm(const struct isph *s) {
   return isph_is_free_water(s) && s->on.artificial_viscosity && s->on.viscous;
 }
 
-/* to = the largest of `from` in each own particle's neighbourhood. */
+/* Sets `to` to the largest value of `from` in each own particle's neighbourhood. */
 static void most_around(struct isph *s, double *from, double *to) {
   isph_send(s, 1, &(struct ghost_field){from, sizeof *from});
 #pragma omp parallel for schedule(dynamic, 1)

@@ -8,7 +8,7 @@
 
 enum { ARRAYS = 11 };
 
-/* The arrays of a state: per own particle, per boundary particle, per region. */
+/* The arrays of a state that are copied: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
   const size_t own = s->local.end - s->local.begin;
   size_t n = 0;

@@ -1,4 +1,5 @@
-/* A state to go back to, fresh: what a checkpoint holds, in memory; the watchdog stays. */
+/* A copy in memory of what a checkpoint holds, to which a run can return; the watchdog's state is
+ * not part of it. Restoring it leaves a fresh state. */
 #ifndef TOSUI_SPHSOLVE_ISPH_COPY_H
 #define TOSUI_SPHSOLVE_ISPH_COPY_H
 
