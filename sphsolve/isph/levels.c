@@ -44,8 +44,8 @@ cleanup:
   return status;
 }
 
-/* Cells along a length that can be halved often; even along a periodic axis, where the layers of
- * cells are worked on in two colours. */
+/* Number of cells along a length, such that it can be halved often. Even along a periodic axis,
+ * because layers of cells are processed in two colours. */
 static int cells_for(double length, double wanted, bool periodic) {
   int n = (int)fmax(1, periodic ? floor(length / wanted) : ceil(length / wanted)), step = 1;
   while (3 * step <= n) step *= 2;
@@ -86,7 +86,8 @@ enum status levels_shape(struct levels *levels, const double extent[3], const bo
   return status;
 }
 
-/* Corners of the cell whose lowest node is (i, j, k), as nodes; 4 in a plane, 8 in space. */
+/* Nodes at the corners of the cell whose lowest node is (i, j, k), and their places; 4 in 2-D, 8 in
+ * 3-D. */
 static int corners_of(const bool used[3], const struct level *level, int i, int j, int k,
                       size_t node[8], int corner[8][3]) {
   int n = 0, top = used[1] ? 1 : 0;
@@ -101,8 +102,8 @@ static int corners_of(const bool used[3], const struct level *level, int i, int 
   return n;
 }
 
-/* Stiffness of multilinear elements with the cells' k, plus the ties. Cells in layers of one parity
- * share no node, so that the sums come in one order whatever the threads. */
+/* Stiffness matrix of multilinear elements with the cells' k, plus the ties. Cells in layers of the
+ * same parity share no node, so that the order of summation does not depend on the threads. */
 static void assemble_level(const bool used[3], struct level *level) {
   double local[8][8];
   size_t node[8];
@@ -174,7 +175,8 @@ static void coarsen(const struct level *fine, struct level *coarse) {
       }
 }
 
-/* The nodes of the coarse level on both sides of node `at` along axis a, or twice the one there. */
+/* The coarse nodes on both sides of fine node `at` along axis a, or twice the one that coincides
+ * with it. */
 static inline void between(const struct level *fine, const struct level *coarse, int a, int at,
                            int first[3], int second[3]) {
   const bool halved = fine->cells[a] > coarse->cells[a]; /* and never less: levels_shape */
@@ -182,7 +184,7 @@ static inline void between(const struct level *fine, const struct level *coarse,
   if (halved && at % 2) second[a] = coarse->upper[a][first[a]];
 }
 
-/* Transfers between levels along all axes: coarse = P^T fine, or fine += P coarse. */
+/* Restriction (down) coarse = P^T fine, or prolongation fine += P coarse. */
 static void transfer(const struct level *fine, const struct level *coarse, const double *from,
                      double *to, bool down) {
   int first[3], second[3];
@@ -209,8 +211,9 @@ static void transfer(const struct level *fine, const struct level *coarse, const
   }
 }
 
-/* Loops over the nodes are compiled for grids in a plane too, where the rows of the stencil on both
- * sides of it are 0; and run without a team of threads on small grids, whose start takes longer. */
+/* Loops over nodes are compiled separately for grids in a plane, where the stencil's rows on both
+ * sides of it are 0. Small grids are processed by one thread, since starting a team of threads
+ * takes longer. */
 #define NODES static inline __attribute__((always_inline))
 #define NODES_ALONE 4096
 
@@ -218,7 +221,7 @@ static bool is_plane(const struct level *level) {
   return level->nodes[1] == 1;
 }
 
-/* sum of the stencil of a node without its middle, times x. */
+/* Sum of the stencil of a node, without its diagonal, times x. */
 NODES double off_middle(const struct level *level, const double *x, int i, int j, int k,
                         size_t node, bool plane) {
   const float *stencil = &level->stencil[27 * node];
@@ -253,7 +256,8 @@ static void smooth_layer(struct level *level, bool backward, int k) {
     smooth_nodes(level, backward, k, false);
 }
 
-/* Gauss-Seidel by layers of two colours; backward is the exact reverse of forward. */
+/* Gauss-Seidel sweep by layers of two colours; the backward sweep is the exact reverse of the
+ * forward one. */
 static void smooth(struct level *level, bool backward) {
   const int layers = level->nodes[2];
   for (int colour = 0; colour < 2; colour++) {

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-/* Of M along a surface: at a level one's outermost row .8; less where a few particles fly. */
+/* Lower bound of m, the mean of M along a surface: it is .8 in the outermost row of a level
+ * surface, and less in spray. */
 #define ALONG_LEAST 0.5
 
 static void find(const struct isph *s, size_t i, const double moment[6], float k[6]) {
