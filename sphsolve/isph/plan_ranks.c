@@ -1,19 +1,20 @@
-/* What method isph costs on several ranks (docs/scaling.md). */
+/* Cost of method isph on several ranks (docs/scaling.md). */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
 
-#define IN_FULL 0.07    /* share of the time in the cycle on the grid, which every rank does */
-#define ITERATIONS 10.0 /* of the pressure, a step */
-#define GATHERED 1.6    /* bytes a particle and iteration: residual on the grid, sums of chunks */
-#define GRID 40.0       /* bytes on every rank: of the grid, a particle, */
-#define SITE 6.0        /* of lattice and cells, a site, */
-#define WALL 31.0       /* and of a wall particle */
+/* share of the time in the V-cycle on the grid, which every rank does in full */
+#define IN_FULL 0.07
+#define ITERATIONS 10.0 /* of the pressure solve in a step */
+#define GATHERED 1.6    /* bytes per particle and iteration: residual on the grid, sums of chunks */
+#define GRID 40.0       /* bytes on every rank: of the grid, per particle, */
+#define SITE 6.0        /* of lattice and cells, per site, */
+#define WALL 31.0       /* and per wall particle */
 #define HELD 456.0      /* bytes of a ghost */
-#define LAYERS 1.25     /* supports that the layers of ghosts are thick */
+#define LAYERS 1.25     /* thickness of the layers of ghosts, in supports */
 #define GHOST 240.0     /* bytes of a ghost sent per step */
 
-/* Particles of the walls around the domain. */
+/* Number of particles in the walls around the domain. */
 static double walls_around(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const double layers = ceil(plan->context.scene->isph.support_ratio);

@@ -4,11 +4,11 @@
 #include <string.h>
 
 #define ROUNDS 30
-#define TOLERANCE 1e-5 /* of the moment, which is of the order of 1 */
-/* The longest step of n.S.n in one round of Newton's method. */
+#define TOLERANCE 1e-5 /* error of the moment, which is of the order of 1 */
+/* Bound on a Newton step, the sum of the absolute changes of S's components. */
 #define STEP_MOST 2.0
-/* Weight of |S - start|^2 / 2 in what is minimised: keeps S finite where no positive weights have
- * the moment, and costs .001 of it elsewhere. */
+/* Weight of |S - start|^2 / 2 in the minimised function: it keeps S finite where no positive
+ * weights have that moment, and otherwise changes the moment by .001. */
 #define RIDGE 1e-3
 
 void isph_directions_add(struct isph_directions *around, const double r[3], double weight,
@@ -22,11 +22,11 @@ void isph_directions_add(struct isph_directions *around, const double r[3], doub
   around->count++;
 }
 
-/* The numbers of S that a scene has: xx, xz, zz in 2-D, else all. */
+/* Components of S in use: xx, xz, zz in 2-D, otherwise all. */
 static const int used[2][6] = {{0, 2, 5}, {0, 1, 2, 3, 4, 5}};
 static const int first[6] = {0, 0, 0, 1, 1, 2}, second[6] = {0, 1, 2, 1, 2, 2};
 
-/* x = m^-1 x of the positive definite m (Cholesky); m is lost. */
+/* Solves m x = x in place for a positive definite m (Cholesky); m is overwritten. */
 static void solve(int size, double m[6][6], double x[6]) {
   for (int j = 0; j < size; j++) {
     for (int k = 0; k < j; k++) m[j][j] -= m[j][k] * m[j][k];
@@ -92,7 +92,8 @@ void isph_shape_find(int dimensions, const struct isph_directions *around, const
   for (int k = 0; k < 6; k++) shape[k] = (float)found[k];
 }
 
-/* A fan in 2-D; in 3-D a spiral on the sphere whose turns are the golden angle apart. */
+/* Directions: equal angles in 2-D; in 3-D a spiral on the sphere with the golden angle between
+ * successive points. */
 void isph_shape_even(int dimensions, const double target[6], double shape[6]) {
   static const double start[6] = {0};
   struct isph_directions around = {.count = ISPH_DIRECTIONS};

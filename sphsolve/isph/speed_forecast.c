@@ -20,7 +20,7 @@ static void add_layer(const struct effect_context *context, const struct region 
   layers->porosity = fmin(layers->porosity, e);
 }
 
-/* Speed of the water in the pores of layers under a driving acceleration: f = a v + b v^2. */
+/* Pore velocity in layers under a driving acceleration f = a v + b v^2. */
 static double through(const struct layers *layers, double driving) {
   const double root = sqrt(layers->a * layers->a + 4 * layers->b * driving);
   return driving > 0 ? 2 * driving / (layers->a + root) / layers->porosity : 0;
@@ -49,7 +49,7 @@ double isph_prescribed_speed(const struct scene *scene) {
   return fastest;
 }
 
-/* The g that heads are given with (isph_open_pressure). */
+/* The g to which heads refer (isph_open_pressure). */
 static double gravity_of_heads(const struct scene *scene) {
   const double g = size(scene->gravity);
   return g > 0 ? g : GRAVITY_STANDARD;
@@ -61,7 +61,7 @@ double isph_head_drive(const struct scene *scene) {
     const struct region *r = &scene->regions[k];
     const bool drain = r->type == REGION_DRAIN;
     if (!drain && !(r->type == REGION_INFLOW && r->boundary == BOUNDARY_HEAD)) continue;
-    /* At the pressure of the air a drain's head is where it lies, which without gravity is 0. */
+    /* The head of a drain at atmospheric pressure is its height, or 0 without gravity. */
     const double air = size(scene->gravity) > 0 ? r->extent[2] : 0;
     const double head = r->boundary == BOUNDARY_HEAD ? r->head : air;
     high = fmax(high, head), low = fmin(low, head);
@@ -71,8 +71,8 @@ double isph_head_drive(const struct scene *scene) {
   return high > low ? gravity_of_heads(scene) * (high - low) / length : 0;
 }
 
-/* Round a periodic box: through its soil in layers along the force or in columns beside each other,
- * or as free water between walls, which at most falls freely. */
+/* Speed in a periodic box: through its soil in layers along the force or in columns beside each
+ * other, or of free water between walls, which is at most that of free fall. */
 static double round_speed(const struct effect_context *context, int axis) {
   const struct scene *scene = context->scene;
   struct layers all = {0, 0, 1};
@@ -98,8 +98,8 @@ static double round_speed(const struct effect_context *context, int axis) {
   return fmin(fall, slit);
 }
 
-/* Between the highest and the lowest of what heads and the surface of the water stand at: through
- * the soil between, or freely. */
+/* Speed between the highest and the lowest of the heads and the water's surface: through the soil
+ * between them, or freely. */
 static double head_speed(const struct effect_context *context, double surface) {
   const struct scene *scene = context->scene;
   double high = surface, low = surface, length = 0;
@@ -128,7 +128,7 @@ static double head_speed(const struct effect_context *context, double surface) {
   return all.a + all.b > 0 ? through(&all, force / length) : sqrt(2 * force);
 }
 
-/* What free water reaches from where it starts: 1 in `reached`; soil and walls bound it. */
+/* Marks with 1 what free water can reach from where it starts; soil and walls bound it. */
 static void flood(const struct effect_context *context, uint8_t *reached) {
   const struct lattice *l = context->lattice;
   const size_t *n = l->size;
@@ -150,8 +150,8 @@ static void flood(const struct effect_context *context, uint8_t *reached) {
   }
 }
 
-/* Marks what is soil (2) or wall (2), free water (1) and where it may go (0); says whether some of
- * the soil is dry. */
+/* Marks soil and walls (2), free water (1) and where it may go (0); returns whether some of the
+ * soil is dry. */
 static bool mark(const struct effect_context *context, uint8_t *reached) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
@@ -179,11 +179,11 @@ static bool mark(const struct effect_context *context, uint8_t *reached) {
   return dry;
 }
 
-/* Free water runs down to its level. Its speed from the mean height that it falls by, and at most
- * from the largest (Torricelli: sqrt(2 f drop)); the fastest water moves at some twice the mean.
- * The factor .75 and the duration, five times that of the fall, were fitted to runs of 19 scenes;
- * for nine others the number of steps was right within a factor 2. Also the height of its surface,
- * m. */
+/* Speed of free water that runs down to its level: from the mean height by which it falls, and at
+ * most from the largest (Torricelli: sqrt(2 f drop)); the fastest water moves at about twice the
+ * mean. The factor .75 and the duration, five times that of the fall, were fitted to runs of 19
+ * scenes; for nine others the number of steps was right within a factor 2. Also sets the height of
+ * the water's surface, m. */
 static void level_out(const struct effect_context *context, const uint8_t *reached, int axis,
                       double *water, double *room, struct isph_speed_forecast *speeds,
                       double *surface) {

@@ -4,8 +4,8 @@
 
 #include "common/threads.h"
 
-/* Pairs a thread from which on two threads take a tenth less time than one on an idle machine;
- * beside other work they wait for each other. */
+/* Pairs per thread from which on two threads take a tenth less time than one on an idle machine; on
+ * a busy machine they wait for each other. */
 #define PAIRS_A_THREAD 30e3
 
 double isph_neighbours(const struct scene *scene) {
