@@ -2,7 +2,7 @@
 
 #include <math.h>
 
-/* w of P and its slope. */
+/* w(P) and its derivative. */
 static void weight_of(double p, double *w, double *slope) {
   if (fabs(p) < 0.05) {
     const double square = p * p;
@@ -15,7 +15,7 @@ static void weight_of(double p, double *w, double *slope) {
   *slope = 1 / (p * p) - 0.25 / (half * half);
 }
 
-/* B of P >= 0 and its slope. B(-P) is B(P) + P. */
+/* B(P) (Bernoulli function) for P >= 0, and its derivative. B(-P) is B(P) + P. */
 static void fall_of(double p, double *b, double *slope) {
   if (p < 0.05) {
     const double square = p * p;
@@ -28,14 +28,15 @@ static void fall_of(double p, double *b, double *slope) {
   *slope = (1 - *b - p) / more;
 }
 
-/* From where on, over |h|, a difference of heads has no, and all, digits for a mean of k by it. */
+/* Relative differences of heads, over |h|: below the first they leave no digits for the mean of k
+ * by differences, from the second on all digits. */
 #define NEAR 1e-4
 #define FAR 1e-2
-/* Differences of k below so much of it are rounding, as between heads next to 0. */
+/* Relative differences of k below this are rounding, as between heads next to 0. */
 #define NOISE 1e-13
 
-/* k_m: by the difference of F, or of heads that are nearly one by Euler and Maclaurin's rule. They
- * pass into each other, as a step of Newton's method sees any jump. */
+/* k_m from the difference of F; or for nearly equal heads by the Euler-Maclaurin formula. The two
+ * go over smoothly, since Newton's method is sensitive to any jump. */
 static double mean_of(const struct retention_state *i, const struct retention_state *j, double dh,
                       double df, double apart) {
   const double s = fmin(fmax((apart - NEAR) / (FAR - NEAR), 0), 1), far = s * s * (3 - 2 * s);
@@ -58,9 +59,9 @@ void flux_in_soil(double conductivity, double distance, double pull,
     mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
     rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
   }
-  /* Of B(r dh) with dh < 0 the part -r dh goes to w: no derivative is then a difference of large
-   * numbers, as by heads of -1e4 m it would have no digit. k_i - k_j is k_m r dh: at rest nothing
-   * is left, to the last bit. */
+  /* For dh < 0 the part -r dh of B(r dh) is moved to w, so that no derivative is a difference of
+   * large numbers; with heads of -1e4 m it would have no correct digit. k_i - k_j is k_m r dh: at
+   * rest the flux is exactly zero. */
   double along, rest, along_slope, rest_slope;
   weight_of(pull * distance * rate, &along, &along_slope);
   fall_of(fabs(rate * dh), &rest, &rest_slope);
@@ -81,7 +82,7 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
   const double half = 0.5 * distance;
   struct retention_state at_i, at_j;
   struct flux one, two;
-  /* More goes in than out below `low`, and less above `high`. */
+  /* The interface gains water for heads below `low`, and loses water above `high`. */
   double low = fmin(i->h, j->h) - distance * fabs(pull),
          high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
   for (int round = 0; round < ROUNDS; round++) {
@@ -96,7 +97,7 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
       high = h;
     double next = fall < 0 ? h - open / fall : NAN;
     if (!(next > low && next < high)) {
-      /* Between -1e4 m and 0 the middle of the logarithms is the one to try. */
+      /* Between -1e4 m and 0 bisect the logarithms. */
       next = low < -1e-6 && high < -1e-12 ? -sqrt(low * high) : 0.5 * (low + high);
     }
     if (fabs(next - h) <= 1e-14 * fmax(fabs(h), 1e-6) || open == 0) break;

@@ -1,4 +1,4 @@
-/* Method richards: water in soil that need not be full of it (docs/physics/richards.md). */
+/* Method richards: water in variably saturated soil (docs/physics/richards.md). */
 #include "sphsolve/richards/method.h"
 
 #include <math.h>
@@ -9,11 +9,12 @@
 #include "sphsolve/output/step_log.h"
 #include "sphsolve/richards/output.h"
 
-/* Of what full soil's flux by gravity would change: rounding. */
+/* Share of the rate at which gravity-driven flux in saturated soil changes a water content; slower
+ * changes are rounding. */
 #define AT_REST 1e-10
 
-/* The next instant that a step has to end at: tables turn there, snapshots are due, the run ends.
- */
+/* The next time at which a step has to end: where a table has a point, a snapshot is due, or the
+ * run ends. */
 static double next_instant(const struct richards *s, const struct recorder *recorder) {
   const struct scene *scene = s->scene;
   double next = fmin(scene->end_time, recorder_next_snapshot(recorder));
@@ -25,9 +26,9 @@ static double next_instant(const struct richards *s, const struct recorder *reco
   return next > s->time ? next : scene->end_time;
 }
 
-/* Whether all that is still to come is below the tolerance: tables have ended, water moves slower
- * by as much than it has, and if it went on so as long again no water content would change by more.
- * Or it has not moved at all. */
+/* Whether the flow is steady: tables have ended, the rate of change is below the tolerance times
+ * its largest value so far, and over another period as long as the run so far no water content
+ * would change by more than the tolerance. Or nothing has moved. */
 static bool is_steady(const struct richards *s) {
   const struct scene *scene = s->scene;
   if (!(scene->steady_tolerance > 0) || s->step == 0) return false;
@@ -40,15 +41,16 @@ static bool is_steady(const struct richards *s) {
          s->rate < scene->steady_tolerance * s->rate_most;
 }
 
-/* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */
+/* The first multiple of the interval after a time; for an interval of 0 it is 0, which is always
+ * due. */
 static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* Less than this share of its rate, and a well is told of. */
+/* Share of its rate below which a well is warned of. */
 #define BROUGHT 0.99
 
-/* Warns, once, of a well to which the soil does not bring its rate. */
+/* Warns, once, of a well whose rate the soil does not yield. */
 static void look_at_wells(const struct richards *s, bool *told) {
   for (size_t r = 0; r < s->scene->region_count && !*told; r++) {
     const struct region *well = &s->scene->regions[r];

@@ -6,7 +6,7 @@
 #include "common/memory.h"
 
 #define MOST_ITERATIONS 2000
-#define KEPT 0.98 /* of what has no place, on the diagonal */
+#define KEPT 0.98 /* share of dropped fill-in that is added to the diagonal */
 
 enum status rows_allocate(size_t count, size_t entries, struct rows *r) {
   enum status status = STATUS_OK;
@@ -31,7 +31,7 @@ void rows_free(struct rows *r) {
   for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
 }
 
-/* Where a row has a column, or its end. */
+/* Index of the entry of a row and column; the end of the row if there is none. */
 static size_t entry(const struct rows *r, size_t row, size_t column) {
   size_t k = r->start[row];
   while (k < r->start[row + 1] && r->column[k] != column) k++;
@@ -59,7 +59,7 @@ static bool factorise(struct rows *r) {
   return true;
 }
 
-/* y of L U y = x. */
+/* Solves L U y = x. */
 static void precondition(const struct rows *r, const double *x, double *y) {
   for (size_t i = 0; i < r->count; i++) {
     double sum = x[i];
@@ -89,7 +89,7 @@ static double dot(size_t n, const double *x, const double *y) {
   return sum;
 }
 
-/* Preconditioned from the right, so that all products are of residuals, which are water contents;
+/* Right-preconditioned, so that all scalar products are of residuals, which are water contents;
  * heads of dry soil may be 1e40 times larger than those of wet soil. */
 bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, int64_t *iterations) {
   const size_t n = r->count;

@@ -1,5 +1,5 @@
-/* One step in time: two stages of equal matrices, SDIRK2 (Alexander 1977), of order 2, which leave
- * nothing of what is stiff; each found by Newton's method. */
+/* One step in time by the two-stage method SDIRK2 (Alexander 1977), which is of order 2 and
+ * L-stable. Both stages have the same matrix coefficients; each is solved by Newton's method. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -8,35 +8,37 @@
 
 #define GAMMA 0.2928932188134524 /* 1 - 1/sqrt(2) */
 #define NEWTON_MOST 20
-#define NEWTON_MANY 10      /* beyond these the next step is no longer */
-#define OPEN_MOST 1e-11     /* of a water content */
-#define OPEN_ROUNDING 4e-15 /* of the sum of all terms */
-/* A round solves its equations to what may stay open, over ten: but no better than Newton's
- * method is as long as it has far to go, and no better than rounding lets it. */
+#define NEWTON_MANY 10      /* after more iterations the next step may not be longer */
+#define OPEN_MOST 1e-11     /* tolerance of the residual, a water content */
+#define OPEN_ROUNDING 4e-15 /* rounding of the residual, over the sum of its terms */
+/* Tolerances of the linear solver: a tenth of the residual's tolerance, but no stricter than
+ * Newton's method needs while it is far from the solution, and not below rounding. */
 #define LINEAR_SHARE 0.1
 #define LINEAR_FAR 1e-3
 #define LINEAR_BEST 1e-7
 #define GROWTH_MOST 2.0
 #define SHRINK_MOST 0.25
-/* So many steps on end that are as short, against the time since the start or that in which full
- * soil fills a site, lead nowhere. */
+/* The run is given up after so many consecutive steps shorter than the share CRAWL of the time
+ * since the start, or of that in which saturated soil fills a site. */
 #define CRAWL_STEPS 500
 #define CRAWL 1e-8
-#define LEAST_STEP 1e-13 /* of the first step's or the time's scale */
+#define LEAST_STEP 1e-13 /* over the time since the start, or over the spacing (m) */
 
-/* Newton's method changes the water content of soil that is dry, or whose balance is one of
- * storage, and the head of other soil (after Forsyth, Wu, Pruess 1995): one step takes neither far
- * into where the other is at home. */
+/* Newton's method changes the water content of soil that is dry or whose balance is dominated by
+ * storage, and the head of other soil (primary variable switching, after Forsyth, Wu, Pruess 1995).
+ * These limits keep a step from going far into the range of the other variable. */
 #define BY_WATER_BELOW 0.95
 #define WETTED_MOST 0.99
 #define DRIED_MOST 0.9
 #define DRIED_SHARE 0.1
 #define NOTHING 1e-15
 #define LEAST_FALL 0.1
-/* Full soil into which all fluxes are given has no head of its own, and its matrix no inverse. With
- * so much of the diagonal as storage its head rises until faces under rain take no more. */
+/* Saturated soil with only prescribed fluxes has no unique head, and its matrix is singular. With
+ * this share of the diagonal as additional storage its head rises until faces under rain take no
+ * more. */
 #define LEAST_STORAGE 1e-9
-/* From this round on a step that makes the balance worse is halved, so many times at most. */
+/* From this iteration on, a Newton step that increases the residual is halved, at most so many
+ * times. */
 #define HALVED_FROM 5
 #define HALVINGS 5
 
@@ -58,7 +60,7 @@ void richards_evaluate(struct richards *s, double time) {
   richards_edge_fluxes(s, time);
 }
 
-/* d theta/dt by the fluxes; `size` of the terms that add up to it. */
+/* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
 static void gather(const struct richards *s, double *rate, double *size) {
   const double scale = 1 / s->spacing;
   memset(rate, 0, s->count * sizeof *rate);
@@ -79,9 +81,10 @@ static void gather(const struct richards *s, double *rate, double *size) {
   }
 }
 
-/* How a flux falls with the head that it goes to, for the matrix. At the edge of full soil, and
- * most where n < 2, the flux of two places may rise with it a little, and with the sign of a
- * diagonal Newton's method would lose its way; it then gets a share of what suction alone has. */
+/* Derivative of a flux for the matrix, with the sign of a diffusion. At the edge of saturation,
+ * mostly for n < 2, the flux between two places may increase slightly with the head that it flows
+ * to; with that sign on the diagonal Newton's method would diverge, so that a share of the
+ * derivative by suction alone is used instead. */
 static double falling(const struct richards *s, double fall, size_t site, int axis) {
   return fall > 0 ? fall
                   : LEAST_FALL * s->soils[s->soil[site]].conductivity[axis] * s->now[site].k /
@@ -107,7 +110,7 @@ static void assemble(struct richards *s, double dt) {
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + LEAST_STORAGE;
 }
 
-/* The head after a change that the matrix gives; `diagonal`: of the matrix; `near`: the height over
+/* Head of a site after a Newton step `change`. `diagonal`: of the matrix; `near`: the height over
  * which gravity's share of a flux counts as much as suction's, m. */
 static double changed(const struct retention *soil, const struct retention_state *state,
                       double diagonal, double near, double change) {
@@ -116,27 +119,27 @@ static double changed(const struct retention *soil, const struct retention_state
   const bool dry = saturation < BY_WATER_BELOW;
   if (state->h < 0 && (dry || state->capacity > fluxes)) {
     const double more = state->capacity * change / range;
-    if (fabs(more) < NOTHING) return state->h; /* of the driest soil rounding would change h */
+    if (fabs(more) < NOTHING) return state->h; /* in the driest soil rounding would change h */
     const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
     if (dry || wanted < 1) return retention_head(soil, dry ? fmin(wanted, WETTED_MOST) : wanted);
-    /* It fills up, and what is left over flows on under pressure. */
+    /* It becomes saturated, and the remaining change is under pressure. */
     const double left = diagonal * change - (soil->theta_s - state->theta);
     return fluxes > 0 ? fmax(left, 0) / fluxes : 0;
   }
-  if (state->h >= 0 && state->h + change < 0) /* below 0 storage gives water, too */
+  if (state->h >= 0 && state->h + change < 0) /* below 0 storage contributes as well */
     return fmax(state->h + change,
                 retention_head(soil, fmax(1 + fluxes * (state->h + change) / range, DRIED_MOST)));
   double h = state->h + change;
   if (soil->alpha * state->h < -RETENTION_STRAIGHT && state->slope * near > 1) {
-    /* With n < 2 k falls as (alpha |h|)^(n-1): that is what changes in proportion. */
+    /* For n < 2, k falls as (alpha |h|)^(n-1), which is changed in proportion. */
     const double power = fmin(soil->n - 1, 1), ratio = 1 + power * change / state->h;
     if (ratio > 0) h = state->h * pow(ratio, 1 / power);
   }
   return fmax(h, retention_head(soil, DRIED_MOST));
 }
 
-/* The balance that is open at `time`, over what may stay open: the largest, and the sum of the
- * squares of all. NAN of either is none. */
+/* Evaluates the residual of the balance at `time`. Returns the largest over its tolerance, and the
+ * sum of squares; NAN if there is no number. */
 static double open_of(struct richards *s, double dt, double time, double *rate, double *squares) {
   double most = 0;
   richards_evaluate(s, time);
@@ -151,7 +154,8 @@ static double open_of(struct richards *s, double dt, double time, double *rate, 
   return most;
 }
 
-/* Newton's method for theta(h) - wanted - dt div = 0 at `time`. False where it does not end. */
+/* Newton's method for theta(h) - wanted - dt div = 0 at `time`. Returns false if it does not
+ * converge. */
 static bool solve(struct richards *s, double dt, double time, double *rate) {
   const double near = -s->pull[2] * s->spacing;
   double squares, last;
@@ -187,8 +191,8 @@ static double error_of(const struct richards *s, double dt) {
   return (1 - GAMMA) * dt * most / s->tolerance;
 }
 
-/* What came through the faces to the outside, by the weights of the stages; of rates that are
- * linear in time these are exact. */
+/* Adds the flow through the boundary faces to the balance, with the weights of the stages; for
+ * rates that are linear in time these are exact. */
 static void keep_account(struct richards *s, double from, double dt) {
   const double area = s->spacing * s->spacing;
   for (size_t e = 0; e < s->edge_count; e++) {
@@ -246,7 +250,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     if (error <= 1) {
       double growth = error > 0 ? 0.9 / sqrt(error) : GROWTH_MOST;
       if (s->iterations > NEWTON_MANY) growth = fmin(growth, 1);
-      /* A step that an instant cut short says nothing against longer ones. */
+      /* A step cut short by the time at which it has to end is no reason against longer ones. */
       const double next = dt * fmin(growth, GROWTH_MOST);
       s->next_dt = dt < s->next_dt && growth >= 1 ? fmax(next, s->next_dt) : next;
       break;
@@ -263,7 +267,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   s->rate = 0;
   for (size_t i = 0; i < s->count; i++) {
     const struct retention *soil = &s->soils[s->soil[i]];
-    /* What Newton's method left of the balance goes on into the next step. */
+    /* The residual of Newton's method is carried over into the next step. */
     s->water[i] = s->wanted[i] + GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
