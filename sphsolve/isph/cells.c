@@ -173,7 +173,8 @@ static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on
     TRY(memory_resize(&chunk->matrix, n, sizeof *chunk->matrix, "pressure matrix"));
     if (on->links || on->anisotropy)
       TRY(memory_resize(&chunk->mobility, n, sizeof *chunk->mobility, "neighbour lists"));
-    if (on->links) TRY(memory_resize(&chunk->way, n, sizeof *chunk->way, "neighbour lists"));
+    if (on->links)
+      TRY(memory_resize(&chunk->path_porosity, n, sizeof *chunk->path_porosity, "neighbour lists"));
     if (on->links && on->anisotropy)
       TRY(memory_resize(&chunk->plain, n, sizeof *chunk->plain, "neighbour lists"));
     chunk->pair_capacity = n;

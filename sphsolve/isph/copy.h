@@ -14,8 +14,8 @@ struct isph_copy {
   int64_t step;
   uint64_t next_id;
 };
-enum status isph_keep(const struct isph *s, struct isph_copy *copy);
-enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
+enum status isph_copy_state(const struct isph *s, struct isph_copy *copy);
+enum status isph_restore_state(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);
 #define ISPH_COPY_BYTES 72.0 /* per particle */
 

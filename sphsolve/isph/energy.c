@@ -157,9 +157,9 @@ void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*s
     for (int a = 0; a < 3; a++) steps[i][a] += less * fmax(0, lift[i]) / square * f[a];
 }
 
-#define STRAIN_MOST 1e-3 /* largest strain in a step */
+#define STRAIN_MAX 1e-3 /* largest strain in a step */
 /* most of the kinetic energy that is taken in a step, unless a new porosity has added more */
-#define TRIM_MOST 0.01
+#define TRIM_MAX 0.01
 
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
@@ -183,7 +183,7 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
   const double weight = total[WEIGHT] + total[MASS] * force * lowest;
   double excess = isph_kinetic_energy(s) + total[WORK] - available;
   if (!(excess > 0 && weight > 0)) return;
-  double strain = fmin(excess / weight, STRAIN_MOST) / force;
+  double strain = fmin(excess / weight, STRAIN_MAX) / force;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -198,7 +198,7 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
 void isph_energy_limit_velocity(struct isph *s, double most, double moved) {
   double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
   if (!(excess > 0 && kinetic > 0)) return;
-  double scale = sqrt(1 - fmin(excess, fmax(TRIM_MOST * kinetic, kinetic - moved)) / kinetic);
+  double scale = sqrt(1 - fmin(excess, fmax(TRIM_MAX * kinetic, kinetic - moved)) / kinetic);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];

@@ -8,8 +8,8 @@
 
 #define FRONT_FROM 0.9   /* o from which on a particle is part of a front */
 #define FRONT_WEIGHT 0.1 /* surface weight at o = 1 */
-#define SIDED_FROM 0.6   /* o from which on the neighbours count as one-sided in part, */
-#define SIDED_FULL 0.7   /* and entirely */
+#define ONE_SIDED_FROM 0.6 /* o from which on the neighbours count as one-sided in part, */
+#define ONE_SIDED_FULL 0.7 /* and entirely */
 /* share of |sum V grad W| left by the wall ahead: below this the void is closed and the wall
  * counts; */
 #define VOID_SHUT 0.2
@@ -75,5 +75,5 @@ double isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i,
   s->surface[i] = fmax(s->surface[i], left * w);
   for (int a = 0; a < 3; a++) g[a] += left * (open[a] - g[a]);
   for (int k = 0; k < 6; k++) moment[k] -= left * beyond[k];
-  return left * share(o, SIDED_FROM, SIDED_FULL);
+  return left * share(o, ONE_SIDED_FROM, ONE_SIDED_FULL);
 }

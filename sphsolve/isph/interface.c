@@ -20,9 +20,9 @@
 #define HESSIAN_WEIGHT 0.02
 /* Bound on the change of the mean mobility along an interface, in units of the finer soil's
  * mobility. Soils whose mobilities differ by less than a factor 9 are not affected. */
-#define TRACE 4.0
+#define MEAN_CHANGE_MAX 4.0
 /* Lower bound of the relative weight of neighbours along an edge, over that without an edge. */
-#define WEIGHT_LEAST 0.25
+#define WEIGHT_MIN 0.25
 
 void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share) {
   to->value += scale * share->value;
@@ -44,14 +44,14 @@ static bool differ(const struct isph_mobilities *m) {
  * the interface by the disorder in the steep pressure gradient normal to it, times the mobility of
  * the coarse soil, of which the pressure equation, whose pairs see the fine soil, knows nothing
  * (ratio 1e4: ten times the seepage velocity). So where less than half is coarse, the coarse soil
- * adds at most TRACE times the fine one's mobility; and where more than half is coarse, the fine
- * soil reduces the mean by at most that. As much is taken on one side of the interface as is given
- * on the other, and layers carry as much as before. */
+ * adds at most MEAN_CHANGE_MAX times the fine one's mobility; and where more than half is coarse,
+ * the fine soil reduces the mean by at most that. As much is taken on one side of the interface as
+ * is given on the other, and layers carry as much as before. */
 static double mean_along(const struct isph_mobilities *m, double w) {
   const double mean = m->sum / w, low = m->least, high = m->most;
-  if (!isfinite(mean) || high <= low * (1 + 2 * TRACE)) return mean;
-  if (2 * mean < low + high) return fmin(mean, low * (1 + TRACE));
-  return fmax(mean, high - low * TRACE);
+  if (!isfinite(mean) || high <= low * (1 + 2 * MEAN_CHANGE_MAX)) return mean;
+  if (2 * mean < low + high) return fmin(mean, low * (1 + MEAN_CHANGE_MAX));
+  return fmax(mean, high - low * MEAN_CHANGE_MAX);
 }
 
 void isph_soil_mix_add(struct isph_soil_mix *m, const struct isph_fraction *w, double a, double b) {
@@ -159,7 +159,7 @@ void isph_edge_find(const struct isph_edge *edge, const double interface[3],
   frame->share = 0;
   if (!edge_normal(edge, interface, frame->normal)) return;
   const double share = along(edge->weighted, frame->normal) / along(edge->even, frame->normal);
-  frame->share = fmax(WEIGHT_LEAST, share);
+  frame->share = fmax(WEIGHT_MIN, share);
 }
 
 void isph_edge_turn(const struct isph_edge_frame *frame, const double flux[3], double gradient[3]) {

@@ -214,16 +214,16 @@ static void transfer(const struct level *fine, const struct level *coarse, const
 /* Loops over nodes are compiled separately for grids in a plane, where the stencil's rows on both
  * sides of it are 0. Small grids are processed by one thread, since starting a team of threads
  * takes longer. */
-#define NODES static inline __attribute__((always_inline))
-#define NODES_ALONE 4096
+#define NODE_FUNCTION static inline __attribute__((always_inline))
+#define NODES_SERIAL_MAX 4096
 
 static bool is_plane(const struct level *level) {
   return level->nodes[1] == 1;
 }
 
 /* Sum of the stencil of a node, without its diagonal, times x. */
-NODES double off_middle(const struct level *level, const double *x, int i, int j, int k,
-                        size_t node, bool plane) {
+NODE_FUNCTION double off_middle(const struct level *level, const double *x, int i, int j, int k,
+                                size_t node, bool plane) {
   const float *stencil = &level->stencil[27 * node];
   int at[3][3] = {{level->lower[0][i], i, level->upper[0][i]},
                   {level->lower[1][j], j, level->upper[1][j]},
@@ -238,7 +238,7 @@ NODES double off_middle(const struct level *level, const double *x, int i, int j
   return sum - (double)stencil[13] * x[node];
 }
 
-NODES void smooth_nodes(struct level *level, bool backward, int k, bool plane) {
+NODE_FUNCTION void smooth_nodes(struct level *level, bool backward, int k, bool plane) {
   for (int jj = 0; jj < level->nodes[1]; jj++)
     for (int ii = 0; ii < level->nodes[0]; ii++) {
       int i = backward ? level->nodes[0] - 1 - ii : ii;
@@ -262,7 +262,7 @@ static void smooth(struct level *level, bool backward) {
   const int layers = level->nodes[2];
   for (int colour = 0; colour < 2; colour++) {
     const int parity = backward ? 1 - colour : colour;
-    if (level->node_count <= NODES_ALONE) {
+    if (level->node_count <= NODES_SERIAL_MAX) {
       for (int k = parity; k < layers; k += 2) smooth_layer(level, backward, k);
       continue;
     }
@@ -271,7 +271,7 @@ static void smooth(struct level *level, bool backward) {
   }
 }
 
-NODES void residual_of_nodes(struct level *level, int k, bool plane) {
+NODE_FUNCTION void residual_of_nodes(struct level *level, int k, bool plane) {
   for (int j = 0; j < level->nodes[1]; j++)
     for (int i = 0; i < level->nodes[0]; i++) {
       size_t node = level_node(level, i, j, k);
@@ -289,7 +289,7 @@ static void residual_of_layer(struct level *level, int k) {
 
 static void find_residual(struct level *level) {
   const int layers = level->nodes[2];
-  if (level->node_count <= NODES_ALONE) {
+  if (level->node_count <= NODES_SERIAL_MAX) {
     for (int k = 0; k < layers; k++) residual_of_layer(level, k);
     return;
   }

@@ -19,7 +19,7 @@ bool isph_links_wanted(const struct scene *scene, bool has_surface) {
 /* Distance from x to the sides of a prism of soil, and whether x is inside; faces on closed sides
  * of the domain do not count. The prism is represented by boxes that form stairs, so the distance
  * is reduced by one spacing. */
-static double from_prism(const struct isph *s, size_t k, const double x[3], bool *inside) {
+static double distance_to_prism(const struct isph *s, size_t k, const double x[3], bool *inside) {
   const struct region *region = &s->scene->regions[k];
   const struct polygon *p = region->polygon;
   const double near = 1e-6 * s->spacing;
@@ -74,7 +74,7 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
     }
     if (region->is_part) {
       bool within;
-      const double gap = from_prism(s, k, x, &within);
+      const double gap = distance_to_prism(s, k, x, &within);
       clear = within ? gap : fmin(clear, gap);
       if (within) ground = (int32_t)k + 1;
       continue;
@@ -149,8 +149,8 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
 
 /* Adds the materials on the path x + t step, from <= t <= to, of the regions before `end`. The last
  * region takes precedence: earlier ones, or water, get what it leaves. `parts` may be NULL. */
-static void walk(const struct isph *s, size_t end, const double x[3], const double step[3],
-                 double from, double to, struct isph_material *way, struct isph_parts *parts) {
+static void add_path(const struct isph *s, size_t end, const double x[3], const double step[3],
+                     double from, double to, struct isph_material *way, struct isph_parts *parts) {
   const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
   const double reach = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
   for (size_t k = end; k-- > 0 && from < to;) {
@@ -162,7 +162,7 @@ static void walk(const struct isph *s, size_t end, const double x[3], const doub
     if (!clip(&box, x, step, &enters, &leaves)) continue;
     add(&s->grounds[k + 1].of, leaves - enters, way);
     if (parts != NULL) add_part(parts, region, leaves - enters);
-    if (from < enters) walk(s, k, x, step, from, enters, way, parts);
+    if (from < enters) add_path(s, k, x, step, from, enters, way, parts);
     from = leaves;
   }
   if (!(from < to)) return;
@@ -178,7 +178,7 @@ static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i
     const double speed = of->b > 0 ? 0.5 * (own + SPEEDS(s)[chunk->pair[p] & PAIR_MASK]) : 0;
     const double resistance = of->inertia / dt + of->a + 2 * of->b * speed;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));
-    chunk->way[p] = (float)of->porosity;
+    chunk->path_porosity[p] = (float)of->porosity;
   }
 }
 
@@ -194,8 +194,8 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
     if (ground == GROUND_MIXED)
-      walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
-           tensors ? &parts : NULL);
+      add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
+               tensors ? &parts : NULL);
     else
       way = s->grounds[ground].of;
     if (tensors && ground != GROUND_MIXED)
@@ -211,7 +211,7 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
       chunk->plain[p] = chunk->mobility[p], chunk->mobility[p] = (float)turned.mobility;
       resistance += turned.drag - way.a, way.a = turned.drag;
     }
-    chunk->way[p] = (float)way.porosity;
+    chunk->path_porosity[p] = (float)way.porosity;
     if (s->ground[i] != GROUND_MIXED) continue;
     const double weight = s->volume[j] * (double)chunk->slope[p];
     const double carried = weight * (way.a + way.b * speed) / resistance;

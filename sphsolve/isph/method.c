@@ -78,7 +78,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     }
     if (last) break;
     if (s->step % WATCH_STEPS == 0 && watchdog_wants(&s->dog, s->step, used)) {
-      TRY(isph_keep(s, copy));
+      TRY(isph_copy_state(s, copy));
       watchdog_keep(&s->dog, s->step, used);
     }
     if (s->dog.halvings > 0 && isnan(fixed_dt) && s->time > s->dog.trip_time &&

@@ -27,7 +27,7 @@
  * the corrected slopes too. Next to the face of soil C is zero on the surface and beside it: with
  * it rows of ponds would stir there for ever. */
 
-#define DEFECT_MOST 0.5 /* bound on the Frobenius norm of C, which keeps slopes positive */
+#define DEFECT_NORM_MAX 0.5 /* bound on the Frobenius norm of C, which keeps slopes positive */
 
 /* Inverse of the symmetric m (xx xy xz yy yz zz) as the full 3x3 `inverse`; left unchanged if m is
  * nearly singular. */
@@ -70,7 +70,7 @@ void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double
     e[k] = 0.5 * s->soil_fraction[i] * ((d + 2) * e[k] - (diagonal ? trace : 0));
     size += (diagonal ? 1 : 2) * e[k] * e[k];
   }
-  double scale = fmin(1, DEFECT_MOST / fmax(sqrt(size), 1e-30));
+  double scale = fmin(1, DEFECT_NORM_MAX / fmax(sqrt(size), 1e-30));
   for (int k = 0; k < 6; k++) defect[k] = (float)(scale * e[k]);
 }
 
@@ -105,7 +105,7 @@ ROW void correct_slopes(enum isph_images images, const struct isph *s, struct is
 }
 
 /* Reduces the correction next to a surface, except deep in soil. */
-static void spare_surface(struct isph *s) {
+static void fade_at_surface(struct isph *s) {
   double *near = s->work[0];
   isph_find_near_surface(s, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
@@ -118,7 +118,7 @@ static void spare_surface(struct isph *s) {
  * |sum V grad W| (effects/surface.h); in a half-space both are 1/2. For a particle ahead of its
  * row, which has few neighbours, both together came to 1.1, and gravity drove it by as much more
  * than its row. */
-static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
+static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   double *n = s->gradient_sum[i];
   const double square = dot(n, n);
   const double closes = s->surface[i] * isph_size_of(s, s->volume[i]) * sqrt(square);
@@ -129,7 +129,7 @@ static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
 }
 
 void isph_moment_correct(struct isph *s) {
-  if (s->on.surface) spare_surface(s);
+  if (s->on.surface) fade_at_surface(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_defect)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -139,7 +139,7 @@ void isph_moment_correct(struct isph *s) {
       ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
       if (s->on.surface && s->surface[i] > 0) {
         for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
-        close_no_more(s, i, moment);
+        limit_closure(s, i, moment);
       }
       isph_moment_inverse(s->dimensions, moment, inverse);
       for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];

@@ -145,7 +145,7 @@ ROW void steps_around(enum isph_images images, const struct isph *s, const struc
 
 /* Subtracts from the steps in calm water the mean of their neighbourhoods, in which a particle's
  * own step has the mean weight of its pairs. */
-static void less_mean(struct isph *s, double (*steps)[3]) {
+static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
   double(*mean)[3] = s->curvature; /* free for reuse at this point */
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(steps)});
 #pragma omp parallel for schedule(dynamic, 1)
@@ -169,7 +169,7 @@ void isph_move(struct isph *s, double dt, double available) {
   double(*displacement)[3] = s->predicted;
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
-  if (s->calm != NULL && s->on.shifting) less_mean(s, steps);
+  if (s->calm != NULL && s->on.shifting) subtract_mean_shift(s, steps);
   if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)

@@ -78,8 +78,8 @@ static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t 
 
 /* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
  * only, so that they do not depend on the order, nor on the number of ranks. They have room for
- * MOST times the largest value. */
-#define MOST 0x1p16
+ * SUM_HEADROOM times the largest value. */
+#define SUM_HEADROOM 0x1p16
 
 static double unit_of(const struct isph *s, const double *value) {
   double most = 0;
@@ -88,7 +88,7 @@ static double unit_of(const struct isph *s, const double *value) {
   most = ranks_max(most);
   int exponent = 0;
   frexp(most, &exponent);
-  return most > 0 && isfinite(most) ? ldexp(MOST / 0x1p62, exponent) : 1;
+  return most > 0 && isfinite(most) ? ldexp(SUM_HEADROOM / 0x1p62, exponent) : 1;
 }
 
 /* Adds up the integer sums of all ranks; `sums` are those times `unit`. */

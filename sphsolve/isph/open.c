@@ -54,7 +54,7 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
 }
 
 /* Whether the box of region k continues beyond its face e in another box of its polygon. */
-static bool goes_on(const struct isph *s, size_t k, int e) {
+static bool continues_beyond(const struct isph *s, size_t k, int e) {
   const struct region *region = &s->scene->regions[k];
   const double near = 1e-6 * s->spacing;
   for (size_t j = region->first; j < region->end; j++) {
@@ -68,7 +68,7 @@ static bool goes_on(const struct isph *s, size_t k, int e) {
 }
 
 /* Divides a window where soil begins or ends along it, first along one axis, then the other. */
-static enum status cut(struct isph *s, const struct isph_open_side *side) {
+static enum status split_window(struct isph *s, const struct isph_open_side *side) {
   const double near = 1e-6 * s->spacing;
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
@@ -85,11 +85,11 @@ static enum status cut(struct isph *s, const struct isph_open_side *side) {
       if (a == side->axis || !isph_uses_axis(s, a)) continue;
       if (!(region->box[e] > side->low[a] + near && region->box[e] < side->high[a] - near))
         continue;
-      if (region->is_part && goes_on(s, k, e)) continue;
+      if (region->is_part && continues_beyond(s, k, e)) continue;
       struct isph_open_side below = *side, above = *side;
       below.high[a] = above.low[a] = region->box[e];
-      enum status status = cut(s, &below);
-      return status == STATUS_OK ? cut(s, &above) : status;
+      enum status status = split_window(s, &below);
+      return status == STATUS_OK ? split_window(s, &above) : status;
     }
   }
   return add_side(s, *side);
@@ -125,7 +125,7 @@ enum status isph_open_create(struct isph *s) {
       side.head = fmax(n > 0 ? side.head : -INFINITY, region->table.value[n][0]);
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
-    TRY(cut(s, &side));
+    TRY(split_window(s, &side));
   }
   TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
   TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front,
@@ -140,13 +140,13 @@ static int column_layers(const struct isph *s, const struct isph_column *column)
   return (int)ceil(s->support_max / column->pitch - 1e-9) + 1;
 }
 
-#define AWAY 100.0 /* in supports: distance at which a dry column is kept */
+#define DRY_DISTANCE 100.0 /* in supports: distance at which a dry column is kept */
 
 static void place_column(struct isph *s, size_t c) {
   const struct isph_column *column = &s->columns[c];
   const struct isph_open_side *side = &s->sides[column->side];
   /* A dry column of a head that varies in time is kept out of reach of the water. */
-  const double front = column->dry ? AWAY * s->support_max : s->column_front[c];
+  const double front = column->dry ? DRY_DISTANCE * s->support_max : s->column_front[c];
   if (column->first == SIZE_MAX) return;
   for (int l = 0; l < column_layers(s, column); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
@@ -325,12 +325,12 @@ void isph_open_straighten(struct isph *s) {
 
 /* Kernel sum at a place on the side, which is usually one half, below which the next particle
  * enters at once. */
-#define WATER_LEAST 0.15
+#define KERNEL_SUM_MIN 0.15
 
 enum status isph_open_measure(struct isph *s) {
   enum status status = STATUS_OK, worst = STATUS_OK;
-  double(*seen)[2] = NULL; /* [columns]: kernel sum of water, and its velocity along the axis */
-  TRY(memory_allocate(&seen, s->column_count, sizeof *seen, "inflow regions"));
+  double(*measured)[2] = NULL; /* [columns]: kernel sum of water, and its velocity along the axis */
+  TRY(memory_allocate(&measured, s->column_count, sizeof *measured, "inflow regions"));
   for (size_t c = 0; c < s->column_count; c++) {
     const struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
@@ -339,12 +339,12 @@ enum status isph_open_measure(struct isph *s) {
       continue;
     const double size = isph_size_of(s, column->volume);
     const double support = fmin(s->support_max, s->scene->isph.support_ratio * size);
-    status = isph_probe(s, column->at, support, &seen[c][0], velocity);
+    status = isph_probe(s, column->at, support, &measured[c][0], velocity);
     if (status != STATUS_OK) worst = status;
-    seen[c][1] = velocity[side->axis];
+    measured[c][1] = velocity[side->axis];
   }
   TRY(ranks_agree(worst));
-  if (s->column_count > 0) ranks_sum_all(&seen[0][0], 2 * s->column_count);
+  if (s->column_count > 0) ranks_sum_all(&measured[0][0], 2 * s->column_count);
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
@@ -359,11 +359,11 @@ enum status isph_open_measure(struct isph *s) {
       column->speed = side->flux / porosity;
       continue;
     }
-    if (seen[c][0] < WATER_LEAST) s->column_front[c] = 0;
-    column->speed = side->inward * seen[c][1] / porosity;
+    if (measured[c][0] < KERNEL_SUM_MIN) s->column_front[c] = 0;
+    column->speed = side->inward * measured[c][1] / porosity;
   }
 cleanup:
-  memory_free(&seen);
+  memory_free(&measured);
   return status;
 }
 

@@ -14,14 +14,14 @@
 
 /* Relative difference in bulk volume below which particles have the same spacing as those of a
  * column. */
-#define SAME_SPACING 0.2
+#define SAME_VOLUME 0.2
 
 /* A particle that has left at x in a step of length dt becomes the foremost of a column, whose
  * front continues from there. In free water it is that of its own column; in soil, where the number
  * of particles in a row that leaves differs from that of the columns, it is the nearest column
  * within a pitch that waits for a particle. None is chosen if the water has another spacing.
  * isph_open_move still moves the column by that step. */
-static void follow(struct isph *s, int k, const double x[3], double volume, double dt) {
+static void extend_column(struct isph *s, int k, const double x[3], double volume, double dt) {
   const struct isph_open_side *side = &s->sides[k];
   const size_t end = side->first + (size_t)(side->cells[0] * side->cells[1] * side->cells[2]);
   const double reach = side->porosity < 1 ? 1 : 0.5;
@@ -41,7 +41,7 @@ static void follow(struct isph *s, int k, const double x[3], double volume, doub
   }
   if (found == end) return;
   const struct isph_column *column = &s->columns[found];
-  if (fabs(volume / column->volume - 1) < SAME_SPACING)
+  if (fabs(volume / column->volume - 1) < SAME_VOLUME)
     s->column_front[found] =
         fmin(fabs(x[side->axis] - side->edge), column->pitch) + column->speed * dt;
 }
@@ -76,7 +76,7 @@ static void count_removed(struct isph *s, const struct isph_removed *gone, doubl
   }
   if (side >= 0) {
     s->left_count++, add_passed(s, &s->passed.left, mass);
-    follow(s, side, x, gone->volume, dt);
+    extend_column(s, side, x, gone->volume, dt);
     return;
   }
   if (s->lost_count == 0)

@@ -257,7 +257,7 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].pair);
     memory_free(&s->chunks[c].slope);
     memory_free(&s->chunks[c].mobility);
-    memory_free(&s->chunks[c].way);
+    memory_free(&s->chunks[c].path_porosity);
     memory_free(&s->chunks[c].plain);
     memory_free(&s->chunks[c].matrix);
     memory_free(&s->chunks[c].wall);

@@ -70,7 +70,7 @@ static bool find_column(const struct isph *s, struct column *column) {
 
 /* Number of relaxation times after which k is meaningful; before, the water is still accelerating.
  */
-#define RELAXATIONS_LEAST 10.0
+#define RELAXATIONS_MIN 10.0
 
 /* Steadiness of the flow. The momentum balance of the water,
  *   inertia dv/dt = drive (1 - v / v_inf),
@@ -83,7 +83,7 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
                             double sampling, double inertia, double drive,
                             struct run_result *result) {
   const double relaxation = fabs(v) * inertia / drive, drift = fourth - third;
-  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
+  if (!(s->time > RELAXATIONS_MIN * relaxation)) {
     log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
                 "as long",
                 s->scene->path, s->time);
@@ -110,8 +110,8 @@ static double mean_inertia(const struct isph *s) {
 
 /* In a periodic box full of water k = v / i along the force is already known; only its errors are
  * found here. */
-static void find_round(const struct isph *s, const struct recorder *recorder,
-                       struct run_result *result) {
+static void find_periodic(const struct isph *s, const struct recorder *recorder,
+                          struct run_result *result) {
   const double *force = s->scene->driving, drive = sqrt(dot(force, force));
   double direction[3], third[3], fourth[3];
   if (!(drive > 0) || !s->porosity) return;
@@ -131,7 +131,7 @@ enum status isph_find_k(const struct isph *s, const struct plan *plan,
   struct column column;
   for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
   if (round) {
-    find_round(s, recorder, result);
+    find_periodic(s, recorder, result);
     return STATUS_OK;
   }
   result->k = result->intrinsic_permeability = NAN;

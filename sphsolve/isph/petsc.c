@@ -208,7 +208,7 @@ cleanup:
   return status;
 }
 
-static void drop(struct isph_petsc *p) {
+static void destroy_solver(struct isph_petsc *p) {
   KSPDestroy(&p->solver);
   PCDestroy(&p->cycle);
   Vec *const vectors[] = {&p->load, &p->solution, &p->down, &p->up};
@@ -252,8 +252,8 @@ static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
 }
 
 /* Convergence test as in pressure.c: r.M^-1 r, whose root is PETSc's natural norm, over x.b. */
-static PetscErrorCode judge(KSP solver, PetscInt iteration, PetscReal norm,
-                            KSPConvergedReason *reason, void *context) {
+static PetscErrorCode test_convergence(KSP solver, PetscInt iteration, PetscReal norm,
+                                       KSPConvergedReason *reason, void *context) {
   struct isph_petsc *p = context;
   PetscScalar whole;
   (void)solver;
@@ -273,7 +273,7 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   const PetscInt own = (PetscInt)(s->local.end - s->local.begin);
   PetscBool named;
   PC preconditioner;
-  drop(p);
+  destroy_solver(p);
   TRY_PETSC(PetscOptionsHasName(NULL, NULL, "-pc_type", &named));
   TRY_PETSC(
       MatCreateShell(PETSC_COMM_WORLD, own, own, PETSC_DETERMINE, PETSC_DETERMINE, s, &p->matrix));
@@ -303,7 +303,7 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   TRY_PETSC(KSPSetFromOptions(p->solver));
   TRY_PETSC(KSPSetNormType(p->solver, KSP_NORM_NATURAL));
   TRY_PETSC(KSPSetInitialGuessNonzero(p->solver, PETSC_TRUE));
-  TRY_PETSC(KSPSetConvergenceTest(p->solver, judge, p, NULL));
+  TRY_PETSC(KSPSetConvergenceTest(p->solver, test_convergence, p, NULL));
 cleanup:
   return status;
 }
@@ -349,7 +349,7 @@ cleanup:
 
 void isph_petsc_free(struct isph *s) {
   if (s->petsc == NULL) return;
-  drop(s->petsc);
+  destroy_solver(s->petsc);
   memory_free(&s->petsc->rows.start);
   memory_free(&s->petsc->rows.column);
   memory_free(&s->petsc->rows.value);

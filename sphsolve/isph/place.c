@@ -152,7 +152,7 @@ static struct block *block_of(const struct isph *s, const struct blocks *blocks,
 }
 
 /* Finds the block of a site and extends its box by the site. */
-static enum status bound(struct isph *s, const struct site *site, void *context) {
+static enum status extend_block(struct isph *s, const struct site *site, void *context) {
   struct blocks *blocks = context;
   const size_t n = s->scene->region_count;
   if (!(site->porosity < 1)) return STATUS_OK;
@@ -176,15 +176,15 @@ static enum status bound(struct isph *s, const struct site *site, void *context)
 
 /* Divides a block into rows along each axis, the shortest first, so that a cell holds as much water
  * as a free particle. */
-static void draw_rows(const struct isph *s, struct block *block) {
+static void divide_into_rows(const struct isph *s, struct block *block) {
   double volume = pow(s->spacing, s->dimensions) * s->mass_ratio / block->porosity;
-  bool drawn[3] = {false, false, false};
+  bool divided[3] = {false, false, false};
   block->count = 1;
   block->whole = block->porosity * s->density;
   for (int left = s->dimensions; left > 0; left--) {
     int axis = -1;
     for (int a = 0; a < 3; a++)
-      if (isph_uses_axis(s, a) && !drawn[a] &&
+      if (isph_uses_axis(s, a) && !divided[a] &&
           (axis < 0 || block->high[a] - block->low[a] < block->high[axis] - block->low[axis]))
         axis = a;
     const double length = block->high[axis] - block->low[axis];
@@ -192,7 +192,7 @@ static void draw_rows(const struct isph *s, struct block *block) {
     volume /= length / block->rows[axis];
     block->whole *= length / block->rows[axis];
     block->count *= (size_t)block->rows[axis];
-    drawn[axis] = true;
+    divided[axis] = true;
   }
   if (s->dimensions == 2) block->rows[1] = 1;
 }
@@ -206,7 +206,7 @@ static double overlap(const struct block *block, const struct site *site, int a,
 }
 
 /* Distributes a site's water to the cells that overlap it. */
-static enum status share_out(struct isph *s, const struct site *site, void *context) {
+static enum status distribute_water(struct isph *s, const struct site *site, void *context) {
   const struct blocks *blocks = context;
   const struct block *block = block_of(s, blocks, site);
   if (block == NULL) return STATUS_OK;
@@ -241,13 +241,13 @@ static enum status share_out(struct isph *s, const struct site *site, void *cont
 
 /* Cells that walls or other soil leave less than this share of a full cell are merged with the
  * fullest neighbour. */
-#define SHARE_LEAST 0.5
+#define CELL_SHARE_MIN 0.5
 
 static void merge_slivers(const struct block *block, struct cell *cell) {
   const int *rows = block->rows;
   const size_t stride[3] = {1, (size_t)rows[0], (size_t)rows[0] * (size_t)rows[1]};
   for (size_t c = 0; c < block->count; c++) {
-    if (!(cell[c].mass > 0 && cell[c].mass < SHARE_LEAST * block->whole)) continue;
+    if (!(cell[c].mass > 0 && cell[c].mass < CELL_SHARE_MIN * block->whole)) continue;
     size_t best = c;
     for (int a = 0; a < 3; a++) {
       const int at = (int)(c / stride[a] % (size_t)rows[a]);
@@ -310,14 +310,14 @@ static enum status make_blocks(struct isph *s, const struct lattice *lattice,
   const size_t n = s->scene->region_count;
   size_t cells = 0;
   TRY(memory_allocate(&blocks->of, n * (n + 1), sizeof *blocks->of, "regions"));
-  TRY(for_sites(s, lattice, bound, blocks));
+  TRY(for_sites(s, lattice, extend_block, blocks));
   for (size_t b = 0; b < blocks->count; b++) {
-    draw_rows(s, &blocks->block[b]);
+    divide_into_rows(s, &blocks->block[b]);
     blocks->block[b].first = cells;
     cells += blocks->block[b].count;
   }
   TRY(memory_allocate(&blocks->cell, cells, sizeof *blocks->cell, "water in soil"));
-  TRY(for_sites(s, lattice, share_out, blocks));
+  TRY(for_sites(s, lattice, distribute_water, blocks));
   for (size_t b = 0; b < blocks->count; b++)
     merge_slivers(&blocks->block[b], blocks->cell + blocks->block[b].first);
 cleanup:

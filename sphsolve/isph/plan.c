@@ -44,11 +44,11 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
  * most so many spacings of the particles in it. Measured with 20 spacings of soil between two
  * heads, grains of 1 um to 5 mm and porosity .1 to .9; in a periodic box it is .1 at porosity .3
  * and .26 at .1, and the same at half the spacing. */
-#define SOIL_ENDS 0.35
+#define LAYER_END_ERROR 0.35
 
 /* The same for soils side by side in a periodic box, porosity .5 beside .3 in layers along and
  * across and in a checkerboard: 0.5 to 2.4 % of k at 5 spacings a layer. */
-#define SOIL_LAYERS 0.2
+#define PARALLEL_LAYER_ERROR 0.2
 
 /* Thickness, in spacings, of the thinnest soil that does not span the domain; INFINITY if all soils
  * are alike. */
@@ -69,7 +69,7 @@ static double thinnest_layer(const struct effect_context *context) {
 }
 
 /* Whether there is free water beside soil: soil fills less than the sites that are not walls. */
-static bool beside_water(const struct effect_context *context) {
+static bool has_water_beside_soil(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   double soil = 0, site = 1;
   for (int a = 0; a < 3; a++) site *= context->lattice->spacing[a];
@@ -83,7 +83,7 @@ static bool beside_water(const struct effect_context *context) {
 
 /* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the
  * domain along that axis has no ends there: water comes in and goes out through its other faces. */
-static double way_through(const struct effect_context *context, const struct region *region,
+static double soil_length(const struct effect_context *context, const struct region *region,
                           int axis) {
   const double *size = context->scene->domain_size;
   const int dimensions = context->lattice->dimensions;
@@ -97,18 +97,18 @@ static double way_through(const struct effect_context *context, const struct reg
 }
 
 /* Error that a user is assumed to accept who gives none. */
-#define USUAL_ERROR 0.03
+#define ACCEPTED_ERROR 0.03
 
 /* Expected error of soil whose thinnest layer is `thinnest` of its own particles thick, and the
  * spacing that would suffice. */
-static void expect_ends(struct error_forecast *e, double thinnest, double spacing) {
-  e->error = e->least = SOIL_ENDS / thinnest;
+static void expect_layer_ends(struct error_forecast *e, double thinnest, double spacing) {
+  e->error = e->least = LAYER_END_ERROR / thinnest;
   int n = snprintf(e->why, sizeof e->why,
                    "the ends of soil %.3g particles of its own long are known to %g of one",
-                   thinnest, SOIL_ENDS);
-  if (e->error > USUAL_ERROR)
+                   thinnest, LAYER_END_ERROR);
+  if (e->error > ACCEPTED_ERROR)
     snprintf(e->why + n, sizeof e->why - (size_t)n, "; domain.spacing = \"%.2g mm\" for %g %%",
-             1e3 * spacing * USUAL_ERROR / e->error, 100 * USUAL_ERROR);
+             1e3 * spacing * ACCEPTED_ERROR / e->error, 100 * ACCEPTED_ERROR);
 }
 
 /* Expected error of k. Drag is implicit and exact in uniform soil, so that only the ends of layers
@@ -134,16 +134,17 @@ static void expect_isph(struct plan *plan) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
-    thinnest = fmin(thinnest, way_through(&plan->context, region, axis));
+    thinnest = fmin(thinnest, soil_length(&plan->context, region, axis));
   }
   const double layer = thinnest_layer(&plan->context);
   const bool between = heads == 2 && isfinite(thinnest);
   if (round && isfinite(layer) && !between) {
-    e->error = e->least = SOIL_LAYERS / layer;
+    e->error = e->least = PARALLEL_LAYER_ERROR / layer;
     snprintf(e->why, sizeof e->why,
-             "soils side by side, %.3g spacings thin, are known to %g of one", layer, SOIL_LAYERS);
-  } else if (between || (round && beside_water(&plan->context))) {
-    expect_ends(e, thinnest, plan->context.spacing);
+             "soils side by side, %.3g spacings thin, are known to %g of one", layer,
+             PARALLEL_LAYER_ERROR);
+  } else if (between || (round && has_water_beside_soil(&plan->context))) {
+    expect_layer_ends(e, thinnest, plan->context.spacing);
   } else if (round && isfinite(thinnest)) {
     snprintf(e->why, sizeof e->why,
              "even soil is exact; where it ends beside walls no estimate is known");

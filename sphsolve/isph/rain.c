@@ -18,7 +18,7 @@
 #include "sphsolve/isph/ranks.h"
 
 /* Most places tried in a step for a drop that finds no room. */
-#define PLACES_MOST 64
+#define PLACES_MAX 64
 /* Share of a particle's mass that the sum over steps may lack by rounding. */
 #define ROUNDING 1e-9
 
@@ -90,7 +90,7 @@ static double ground_at(const struct isph *s, const double x[3], double top, dou
 /* Finds x[2], where a drop that falls along x, y below `top` comes to rest: on the ground, or where
  * its distance from a particle is the mean of their sizes. Returns false if there is no room below
  * the top. */
-static bool let_fall(const struct isph *s, double top, double mass, double x[3]) {
+static bool find_resting_place(const struct isph *s, double top, double mass, double x[3]) {
   const double half = 0.5 * s->spacing;
   double size, height;
   x[2] = ground_at(s, x, top, half);
@@ -122,10 +122,10 @@ enum status isph_rain_fall(struct isph *s, double dt) {
     const double depth =
         table->count > 0 ? time_table_integral(table, s->time, s->time + dt, 0) : region->rate * dt;
     rain->pending += s->density * depth * isph_rain_area(s->scene, region);
-    for (int tried = 0; rain->pending >= (1 - ROUNDING) * mass && tried < PLACES_MOST; tried++) {
+    for (int tried = 0; rain->pending >= (1 - ROUNDING) * mass && tried < PLACES_MAX; tried++) {
       double x[3] = {0};
       find_place(s, region, rain->places++, x);
-      if (!let_fall(s, region->box[5], mass, x)) continue;
+      if (!find_resting_place(s, region->box[5], mass, x)) continue;
       enum status status = ranks_agree(isph_let_in(s, x, still, mass, 0));
       if (status != STATUS_OK) return status;
       rain->pending -= mass, rain->fallen += mass;

@@ -9,10 +9,10 @@
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
  * each face. */
-#define WALL_LEAST 2.0
+#define WALL_THICKNESS_MIN 2.0
 /* Least water that an inflow brings, in spacings: it comes in whole rows of particles, and less
  * than one never comes. */
-#define ROWS_LEAST 1.0
+#define INFLOW_ROWS_MIN 1.0
 
 /* Whether water or soil is at a site of the lattice; false outside. */
 static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double step) {
@@ -27,7 +27,7 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
 static enum status check_walls(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
-  const double least = WALL_LEAST * context->spacing;
+  const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
@@ -45,7 +45,8 @@ static enum status check_walls(const struct effect_context *context) {
             return FAIL(STATUS_INPUT,
                         "%s:%d: a wall %g m thick in %c with water on both sides lets pressure "
                         "through; make it %g m thick, two spacings, or domain.spacing %g m",
-                        scene->path, wall->line, thick, "xyz"[a], least, thick / WALL_LEAST);
+                        scene->path, wall->line, thick, "xyz"[a], least,
+                        thick / WALL_THICKNESS_MIN);
         }
       }
   return STATUS_OK;
@@ -100,7 +101,7 @@ static enum status check_inflows(const struct effect_context *context) {
       continue;
     }
     const double rows = region->flux * scene->end_time / context->spacing;
-    if (rows > 0 && rows < ROWS_LEAST)
+    if (rows > 0 && rows < INFLOW_ROWS_MIN)
       return FAIL(
           STATUS_INPUT,
           "%s:%d: an inflow of %g m/s brings %g m of water by scene.end_time, less than the "

@@ -8,7 +8,7 @@
 #include "sphsolve/isph/rain.h"
 
 /* Least width of a well in spacings: a narrower one holds too few particles. */
-#define WELL_LEAST 3.0
+#define WELL_WIDTH_MIN 3.0
 
 /* Whether soil that does not move is at a site. The lattice only has the last region there, which
  * may be the water that fills the soil. */
@@ -31,7 +31,7 @@ static bool soil_stays_at(const struct effect_context *context, size_t site, con
 enum status isph_refuse_wells(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
-  const double width_least = WELL_LEAST * context->spacing;
+  const double width_least = WELL_WIDTH_MIN * context->spacing;
   bool source = context->has_surface, inflow = context->has_surface;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
@@ -51,7 +51,7 @@ enum status isph_refuse_wells(const struct effect_context *context) {
                     "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
                     "three spacings, or domain.spacing %g m",
                     scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
-                    width_least, (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
+                    width_least, (well->extent[a + 3] - well->extent[a]) / WELL_WIDTH_MIN);
     if (is_well ? !source && well->rate > 0 : !inflow)
       return FAIL(STATUS_INPUT,
                   "%s:%d: nothing gives what this %s takes; let an inflow region%s, or a free "
@@ -81,7 +81,7 @@ enum status isph_refuse_wells(const struct effect_context *context) {
 
 /* Most rows of particles that rain may bring in a step of water at rest, whose length the force
  * limits; with more, they pile up in the air. */
-#define ROWS_MOST 0.2
+#define RAIN_ROWS_MAX 0.2
 
 /* The top of a rain's box must be free of walls, since rain falls from there. */
 static enum status check_top(const struct effect_context *context, const struct region *rain) {
@@ -120,7 +120,7 @@ enum status isph_refuse_rain(const struct effect_context *context) {
                   "%s:%d: water fills the domain, so rain has no surface to fall on; leave room "
                   "above it",
                   scene->path, rain->line);
-    const double fastest = ROWS_MOST / 0.25 * sqrt(dx * -g[2]);
+    const double fastest = RAIN_ROWS_MAX / 0.25 * sqrt(dx * -g[2]);
     if (rain->rate > fastest)
       return FAIL(STATUS_INPUT,
                   "%s:%d: rain of %g m/s comes faster than water falls out of its way, %g m/s at "

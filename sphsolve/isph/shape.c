@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#define ROUNDS 30
+#define ITERATIONS_MAX 30
 #define TOLERANCE 1e-5 /* error of the moment, which is of the order of 1 */
 /* Bound on a Newton step, the sum of the absolute changes of S's components. */
-#define STEP_MOST 2.0
+#define STEP_MAX 2.0
 /* Weight of |S - start|^2 / 2 in the minimised function: it keeps S finite where no positive
  * weights have that moment, and otherwise changes the moment by .001. */
 #define RIDGE 1e-3
@@ -48,11 +48,11 @@ static void solve(int size, double m[6][6], double x[6]) {
 
 /* Newton's method for the minimum of
  *   sum weight exp(n.S.n) - S:target + RIDGE |S - start|^2 / 2. */
-static void find(int dimensions, const struct isph_directions *around, const double target[6],
-                 const double start[6], double shape[6]) {
+static void minimise(int dimensions, const struct isph_directions *around, const double target[6],
+                     const double start[6], double shape[6]) {
   const int size = dimensions == 3 ? 6 : 3, *at = used[dimensions - 2];
   memcpy(shape, start, 6 * sizeof *shape);
-  for (int round = 0; round < ROUNDS; round++) {
+  for (int round = 0; round < ITERATIONS_MAX; round++) {
     double step[6], slope[6], curve[6][6], off = 0, longest = 0;
     for (int k = 0; k < size; k++) {
       const double twice = first[at[k]] == second[at[k]] ? 1 : 2;
@@ -80,7 +80,7 @@ static void find(int dimensions, const struct isph_directions *around, const dou
     if (!(off > TOLERANCE)) return;
     solve(size, curve, step);
     for (int k = 0; k < size; k++) longest += fabs(step[k]);
-    const double scale = longest > STEP_MOST ? STEP_MOST / longest : 1;
+    const double scale = longest > STEP_MAX ? STEP_MAX / longest : 1;
     for (int k = 0; k < size; k++) shape[at[k]] += scale * step[k];
   }
 }
@@ -88,7 +88,7 @@ static void find(int dimensions, const struct isph_directions *around, const dou
 void isph_shape_find(int dimensions, const struct isph_directions *around, const double target[6],
                      const double start[6], float shape[6]) {
   double found[6];
-  find(dimensions, around, target, start, found);
+  minimise(dimensions, around, target, start, found);
   for (int k = 0; k < 6; k++) shape[k] = (float)found[k];
 }
 
@@ -104,5 +104,5 @@ void isph_shape_even(int dimensions, const double target[6], double shape[6]) {
     around.n[m][0] = flat * cos(angle), around.n[m][1] = y, around.n[m][2] = flat * sin(angle);
     around.weight[m] = dimensions / (double)ISPH_DIRECTIONS;
   }
-  find(dimensions, &around, target, start, shape);
+  minimise(dimensions, &around, target, start, shape);
 }

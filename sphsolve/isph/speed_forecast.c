@@ -21,7 +21,7 @@ static void add_layer(const struct effect_context *context, const struct region 
 }
 
 /* Pore velocity in layers under a driving acceleration f = a v + b v^2. */
-static double through(const struct layers *layers, double driving) {
+static double pore_speed(const struct layers *layers, double driving) {
   const double root = sqrt(layers->a * layers->a + 4 * layers->b * driving);
   return driving > 0 ? 2 * driving / (layers->a + root) / layers->porosity : 0;
 }
@@ -73,7 +73,7 @@ double isph_head_drive(const struct scene *scene) {
 
 /* Speed in a periodic box: through its soil in layers along the force or in columns beside each
  * other, or of free water between walls, which is at most that of free fall. */
-static double round_speed(const struct effect_context *context, int axis) {
+static double periodic_speed(const struct effect_context *context, int axis) {
   const struct scene *scene = context->scene;
   struct layers all = {0, 0, 1};
   double volume = 1, fastest = 0, width = INFINITY;
@@ -90,9 +90,9 @@ static double round_speed(const struct effect_context *context, int axis) {
     add_layer(context, r, share, &all);
     add_layer(context, r, 1, &own);
     if (r->extent[axis + 3] - r->extent[axis] > 0.999 * scene->domain_size[axis])
-      fastest = fmax(fastest, through(&own, context->driving));
+      fastest = fmax(fastest, pore_speed(&own, context->driving));
   }
-  if (all.a + all.b > 0) return fmax(fastest, through(&all, context->driving));
+  if (all.a + all.b > 0) return fmax(fastest, pore_speed(&all, context->driving));
   const double fall = context->driving * scene->end_time;
   const double slit = context->driving * width * width / (8 * context->kinematic_viscosity);
   return fmin(fall, slit);
@@ -125,7 +125,7 @@ static double head_speed(const struct effect_context *context, double surface) {
       add_layer(context, r, (r->extent[axis + 3] - r->extent[axis]) / length, &all);
   }
   const double force = gravity_of_heads(scene) * (high - low);
-  return all.a + all.b > 0 ? through(&all, force / length) : sqrt(2 * force);
+  return all.a + all.b > 0 ? pore_speed(&all, force / length) : sqrt(2 * force);
 }
 
 /* Marks with 1 what free water can reach from where it starts; soil and walls bound it. */
@@ -152,7 +152,7 @@ static void flood(const struct effect_context *context, uint8_t *reached) {
 
 /* Marks soil and walls (2), free water (1) and where it may go (0); returns whether some of the
  * soil is dry. */
-static bool mark(const struct effect_context *context, uint8_t *reached) {
+static bool mark_sites(const struct effect_context *context, uint8_t *reached) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   bool dry = false;
@@ -227,20 +227,20 @@ enum status isph_speed_predict(const struct effect_context *context,
   uint8_t *reached = NULL;
   *speeds = (struct isph_speed_forecast){.lasts = INFINITY};
   if (context->driving > 0 && scene->periodic[axis])
-    steady = fmax(steady, round_speed(context, axis));
+    steady = fmax(steady, periodic_speed(context, axis));
   if (context->has_surface && context->driving > 0 && !scene->periodic[axis]) {
     const size_t n = context->lattice->size[axis];
     TRY(memory_allocate(&reached, context->lattice->count, sizeof *reached, "the forecast"));
     TRY(memory_allocate(&water, n, sizeof *water, "the forecast"));
     TRY(memory_allocate(&room, n, sizeof *room, "the forecast"));
-    const bool dry = mark(context, reached);
+    const bool dry = mark_sites(context, reached);
     flood(context, reached);
     level_out(context, reached, axis, water, room, speeds, &surface);
     for (size_t k = 0; k < scene->region_count && dry; k++) {
       struct layers own = {0, 0, 1};
       if (scene->regions[k].type != REGION_POROUS) continue;
       add_layer(context, &scene->regions[k], 1, &own);
-      if (own.a + own.b > 0) steady = fmax(steady, through(&own, 2 * context->driving));
+      if (own.a + own.b > 0) steady = fmax(steady, pore_speed(&own, 2 * context->driving));
     }
   }
   if (context->has_inflow) steady = fmax(steady, head_speed(context, surface));

@@ -95,8 +95,8 @@ struct isph_chunk {
   uint32_t *pair;  /* neighbour | image << PAIR_BITS */
   float *slope;    /* -W'(r)/r of the pair, normalised */
   float *mobility; /* mobility of the pair; NULL with neither links nor anisotropy */
-  float *way;      /* mean porosity on its path: isph/link.h; NULL without links */
-  float *plain;    /* mobility as of isotropic soil; NULL unless with both links and anisotropy */
+  float *path_porosity; /* mean porosity on its path: isph/link.h; NULL without links */
+  float *plain;         /* mobility as in isotropic soil; NULL unless links and anisotropy */
   float *matrix; /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */

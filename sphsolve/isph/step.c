@@ -148,7 +148,7 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
     }
     isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
     if (s->on.links)
-      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->way[p];
+      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->path_porosity[p];
     double weight = s->volume[j] * both * (double)chunk->slope[p];
     for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
   }

@@ -13,7 +13,7 @@
 
 /* The watchdog's bound on the kernel sum (sum of V W, 1 in the bulk). The other bounds are one
  * spacing per step, and the pressure solve's own bound on its residual. */
-#define KERNEL_SUM_MOST 2.0
+#define KERNEL_SUM_MAX 2.0
 /* Kernel sum above which a warning is given, once; impacts reach 1.1. Not within a spacing of a
  * window: behind it columns represent the water outside, and a particle that is leaving may stand
  * beside the foremost of its column until it takes its place (kernel sums up to 1.5, with smooth
@@ -26,7 +26,7 @@
 /* Bound on the speed over isph_speed_most; jets of an impact reach some 5 times that. Without this
  * bound the time step, which shortens as the fastest particle speeds up, would follow a diverging
  * one towards 0, and no other bound would be reached. */
-#define SPEED_MOST 100.0
+#define SPEED_RATIO_MAX 100.0
 
 double isph_given_speed(const struct isph *s) {
   double speed = isph_prescribed_speed(s->scene);
@@ -67,7 +67,7 @@ struct leader {
 
 enum { DENSEST, FASTEST, PRESSED, LEADERS }; /* PRESSED: the densest away from windows */
 
-static enum status lead(struct leader leaders[LEADERS]) {
+static enum status find_leaders(struct leader leaders[LEADERS]) {
   enum status status = STATUS_OK;
   struct leader *all = NULL;
   size_t n = 0;
@@ -103,7 +103,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
     s->sums[c][0] = sum;
   }
   isph_sum_chunks(s, 1, &squares);
-  TRY(lead(leaders));
+  TRY(find_leaders(leaders));
   const double *lost = s->fastest_lost;
   if (lost[0] * lost[0] > leaders[FASTEST].value)
     leaders[FASTEST] = (struct leader){
@@ -118,9 +118,9 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
         leaders[PRESSED].position[2]);
   if (leaders[PRESSED].value > KERNEL_SUM_WARN)
     s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[PRESSED].value);
-  reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MOST - 1);
+  reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MAX - 1);
   reading.used[WATCH_VELOCITY] = fastest * dt / s->spacing;
-  if (fastest > SPEED_MOST * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
+  if (fastest > SPEED_RATIO_MAX * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
   if (s->total > 0)
     reading.used[WATCH_ENERGY] =
         watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
@@ -136,7 +136,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
                    "%s: particle %llu at (%.4g, %.4g, %.4g) m, kernel sum %.3g, speed %.3g m/s",
                    watchdog_name(trip->bound), (unsigned long long)first->id, first->position[0],
                    first->position[1], first->position[2], first->kernel_sum, sqrt(first->square));
-  if (trip->bound == WATCH_VELOCITY && fastest > SPEED_MOST * most && most > 0)
+  if (trip->bound == WATCH_VELOCITY && fastest > SPEED_RATIO_MAX * most && most > 0)
     snprintf(trip->what + n, sizeof trip->what - (size_t)n,
              ", where forces, heads and walls give %.3g m/s at most", most);
 cleanup:
@@ -215,7 +215,7 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
              piston->number, isph_region_speed(s->scene, piston));
   if (trip->bound != WATCH_RESIDUAL) name_place(s, trip->position, place, sizeof place);
   if (s->dog.kept) {
-    TRY(isph_go_back(s, copy));
+    TRY(isph_restore_state(s, copy));
     TRY(recorder_go_back(recorder, copy->time));
   }
   if (go_on) {

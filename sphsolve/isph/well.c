@@ -22,7 +22,7 @@
 #include "sphsolve/isph/ranks.h"
 
 /* c over the row's diagonal: P - P_d is then a tenth of the pressure difference to a neighbour. */
-#define TIE 10.0
+#define DRAIN_COEFFICIENT 10.0
 
 static bool is_well(const struct region *region) {
   return region->type == REGION_WELL || region->type == REGION_DRAIN;
@@ -122,7 +122,7 @@ void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *so
   if (outlet->well == 0) return;
   *source -= outlet->flow;
   if (!(outlet->tie > 0)) return;
-  outlet->tie = TIE * *diagonal;
+  outlet->tie = DRAIN_COEFFICIENT * *diagonal;
   *diagonal += outlet->tie, *tied += outlet->tie;
   if (s->solve.again) return; /* the solution then is an increment of the pressure */
   *source += outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
@@ -162,7 +162,7 @@ void isph_wells_solved(struct isph *s) {
 #define STEPS_STARVED 100
 
 /* Warns, once, if the soil does not yield the rate of a well. */
-static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t number) {
+static void warn_of_rate(const struct isph *s, struct isph_well *well, int32_t number) {
   double lowest = INFINITY;
   if (well->starved >= STEPS_STARVED || well->region->type != REGION_WELL) return;
   for (size_t i = s->local.begin; i < s->local.end; i++)
@@ -204,7 +204,7 @@ static double next_to_leave(const struct isph *s, size_t w, size_t *here) {
 void isph_wells_take(struct isph *s, double dt) {
   for (size_t w = 0; w < s->well_count; w++) {
     struct isph_well *well = &s->wells[w];
-    look_at_rate(s, well, (int32_t)w + 1);
+    warn_of_rate(s, well, (int32_t)w + 1);
     well->flow = sum_of(s, w, true);
     well->pending += s->density * well->flow * dt;
     for (;;) {

@@ -91,6 +91,6 @@ static void flux_at(const struct richards *s, const struct richards_edge *edge, 
 }
 
 void richards_edge_fluxes(struct richards *s, double time) {
-#pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_ALONE)
+#pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_SERIAL_MAX)
   for (size_t e = 0; e < s->edge_count; e++) flux_at(s, &s->edges[e], time, &s->edge_flux[e]);
 }

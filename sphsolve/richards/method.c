@@ -11,7 +11,7 @@
 
 /* Share of the rate at which gravity-driven flux in saturated soil changes a water content; slower
  * changes are rounding. */
-#define AT_REST 1e-10
+#define RATE_ROUNDING 1e-10
 
 /* The next time at which a step has to end: where a table has a point, a snapshot is due, or the
  * run ends. */
@@ -36,7 +36,7 @@ static bool is_steady(const struct richards *s) {
     const struct time_table *table = &scene->regions[r].table;
     if (table->count > 0 && s->time < table->time[table->count - 1]) return false;
   }
-  if (s->rate_most < AT_REST * s->fastest) return true;
+  if (s->rate_most < RATE_ROUNDING * s->fastest) return true;
   return s->rate * s->time < scene->steady_tolerance &&
          s->rate < scene->steady_tolerance * s->rate_most;
 }
@@ -48,19 +48,19 @@ static double row_after(double time, double interval) {
 }
 
 /* Share of its rate below which a well is warned of. */
-#define BROUGHT 0.99
+#define WELL_RATE_SHARE 0.99
 
 /* Warns, once, of a well whose rate the soil does not yield. */
-static void look_at_wells(const struct richards *s, bool *told) {
-  for (size_t r = 0; r < s->scene->region_count && !*told; r++) {
+static void warn_of_wells(const struct richards *s, bool *warned) {
+  for (size_t r = 0; r < s->scene->region_count && !*warned; r++) {
     const struct region *well = &s->scene->regions[r];
     double asked = 0, given = 0;
     if (well->type != REGION_WELL || well->first != r) continue;
     for (size_t e = 0; e < s->edge_count; e++)
       if (s->edges[e].region == well)
         asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q;
-    *told = given < BROUGHT * asked;
-    if (*told)
+    *warned = given < WELL_RATE_SHARE * asked;
+    if (*warned)
       log_warning("%s:%d: t = %.4g s: the soil brings %.0f %% of this well's rate: the water table "
                   "has come down to it; give a lower one, or a drain of a head",
                   s->scene->path, well->line, s->time, 100 * given / asked);
@@ -71,7 +71,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double interval = recorder_row_interval(recorder), dt = 0;
-  bool told = false;
+  bool warned = false;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   if (isnan(interval)) interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, interval) : 0;
@@ -95,7 +95,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
     if (last) break;
     TRY(richards_advance(s, next_instant(s, recorder), &dt));
     step_log_limit(recorder_step_log(recorder), "water content");
-    look_at_wells(s, &told);
+    warn_of_wells(s, &warned);
     char note[96];
     snprintf(note, sizeof note, "t %.4g s, dt %.3g s", s->time, dt);
     recorder_progress(recorder, s->time / scene->end_time, note);

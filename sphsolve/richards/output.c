@@ -222,7 +222,7 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
     least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
   }
   extra[c++] = water;
-  extra[c++] = water - s->start - richards_came(s);
+  extra[c++] = water - s->start - richards_net_inflow(s);
   extra[c++] = s->seeped;
   extra[c++] = least;
   extra[c++] = most;
@@ -315,7 +315,7 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
   struct richards *of = (struct richards *)s; /* only read */
   double numbers[NUMBERS];
   const int64_t counts[6] = {s->step,         s->iterations, s->iterations_total,
-                             s->linear_total, s->refused,    s->crawled};
+                             s->linear_total, s->refused,    s->short_steps};
   TRY(recorder_checkpoint_begin(recorder, &file));
   for (int k = 0; k < ARRAYS; k++) {
     const char *name;
@@ -352,7 +352,7 @@ enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
   for (int k = 0; k < NUMBERS; k++) *number_at(s, k) = numbers[k];
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 6, counts));
   s->step = counts[0], s->iterations = (int)counts[1], s->iterations_total = counts[2];
-  s->linear_total = counts[3], s->refused = counts[4], s->crawled = counts[5];
+  s->linear_total = counts[3], s->refused = counts[4], s->short_steps = counts[5];
 cleanup:
   memory_free(&data);
   return status;

@@ -257,8 +257,8 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   add_faces(s, false);
   TRY(make_rows(s));
-  double **const arrays[] = {&s->h,      &s->water, &s->before, &s->wanted, &s->first,
-                             &s->second, &s->open,  &s->size,   &s->change};
+  double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
+                             &s->second, &s->residual, &s->term_size, &s->change};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
     TRY(memory_allocate(arrays[k], s->count, sizeof(double), "water in soil"));
   TRY(memory_allocate(&s->now, s->count, sizeof *s->now, "water in soil"));
@@ -293,9 +293,9 @@ void richards_free(struct richards *s) {
   memory_free(&s->faces);
   memory_free(&s->edges);
   rows_free(&s->rows);
-  double **const arrays[] = {&s->h,          &s->water,   &s->before, &s->wanted,  &s->first,
-                             &s->second,     &s->open,    &s->change, &s->entered, &s->rained,
-                             &s->edge_first, &s->ran_off, &s->size};
+  double **const arrays[] = {&s->h,          &s->water,    &s->before,   &s->target,  &s->first,
+                             &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,
+                             &s->edge_first, &s->ran_off,  &s->term_size};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
   memory_free(&s->now);
   memory_free(&s->from);

@@ -16,7 +16,7 @@
 #include "sphsolve/richards/rows.h"
 
 #define SITE_NONE UINT32_MAX
-#define RICHARDS_ALONE 1000 /* up to so many sites are processed by one thread */
+#define RICHARDS_SERIAL_MAX 1000 /* up to so many sites are processed by one thread */
 
 /* A face between two sites, i the lower along its axis. */
 struct richards_face {
@@ -73,15 +73,16 @@ struct richards {
   struct flux *face_flux;       /* [faces]: m/s along the axis */
   struct flux *edge_flux;       /* [edges]: m/s inwards; di: derivative by h of the site */
   /* [count]: h at the start of a step; water content from which a stage starts */
-  double *before, *wanted;
+  double *before, *target;
   double *first, *second; /* [count]: d theta/dt of the two stages by the fluxes, 1/s */
   double *edge_first;     /* [edges]: m/s inwards in the first stage */
-  double *open, *size; /* [count]: residual of Newton's method; size of the terms that make it up */
+  double *residual,
+      *term_size; /* [count]: residual of Newton's method; size of the terms that make it up */
   struct rows rows;        /* the matrix of Newton's method */
   double *change;          /* [count]: Newton step */
   int iterations;          /* Newton iterations of the last step */
-  /* `crawled`: number of consecutive very short steps */
-  int64_t iterations_total, linear_total, refused, crawled;
+  /* `short_steps`: number of consecutive very short steps */
+  int64_t iterations_total, linear_total, refused, short_steps;
   double tolerance; /* of a step's error in water content */
 
   /* m^3 since the start; a 2-D scene is one spacing thick. */
@@ -118,6 +119,6 @@ void richards_evaluate(struct richards *s, double time);
 enum status richards_advance(struct richards *s, double until, double *dt);
 /* Volume of water in the soil from its heads, m^3; and net inflow since the start, m^3. */
 double richards_water(const struct richards *s);
-double richards_came(const struct richards *s);
+double richards_net_inflow(const struct richards *s);
 
 #endif
