@@ -28,7 +28,7 @@ struct isph_open_side {
   double low[3], high[3]; /* corners of the rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   const struct region *region;
-  double head, flux;  /* now */
+  double head, flux;  /* at the end of the present step */
   double velocity[3]; /* velocity of its boundary particles if the flux is given */
   int cells[3];       /* columns across the rectangle */
   double pitch[3];    /* widths of the columns; along `axis` the spacing of free water */

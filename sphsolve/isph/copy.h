@@ -14,7 +14,9 @@ struct isph_copy {
   int64_t step;
   uint64_t next_id;
 };
+/* Copies the state; `copy` starts as {0} and may be reused. Free with isph_copy_free. */
 enum status isph_copy_state(const struct isph *s, struct isph_copy *copy);
+/* Collective: returns to the copied state, which is then fresh. */
 enum status isph_restore_state(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);
 #define ISPH_COPY_BYTES 72.0 /* per particle */

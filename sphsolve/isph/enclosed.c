@@ -131,8 +131,8 @@ void isph_enclosed_source(struct isph *s, double *source) {
   }
 }
 
-/* The pressure half a particle under a level surface, or as far as particle i stands under the lid.
- */
+/* Pressure half a particle under a level surface, or at the depth of particle i under a reflecting
+ * side, if that is less. */
 static double top_pressure(const struct isph *s, size_t i) {
   double depth = 0;
   for (int a = 0; a < 3; a++) {

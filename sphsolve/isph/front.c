@@ -10,8 +10,7 @@
 #define FRONT_WEIGHT 0.1 /* surface weight at o = 1 */
 #define ONE_SIDED_FROM 0.6 /* o from which on the neighbours count as one-sided in part, */
 #define ONE_SIDED_FULL 0.7 /* and entirely */
-/* share of |sum V grad W| left by the wall ahead: below this the void is closed and the wall
- * counts; */
+/* share of |sum V grad W| that the wall ahead leaves: below this, the wall counts (closed void); */
 #define VOID_SHUT 0.2
 #define VOID_OPEN 0.4 /* above this it does not */
 

@@ -1,4 +1,4 @@
-/* What a gauge of the scene reads: pressure, Darcy velocity, total head, level of the water. */
+/* Readings of a gauge of the scene: pressure, Darcy velocity, total head, level of the water. */
 #ifndef TOSUI_SPHSOLVE_ISPH_GAUGE_H
 #define TOSUI_SPHSOLVE_ISPH_GAUGE_H
 

@@ -37,11 +37,13 @@ ROW void isph_separation_at(enum isph_images images, const struct isph *s, const
     r[a] = xi[a] - at;
   }
 }
+/* The same for any kind of image. */
 ROW void isph_separation(const struct isph *s, const double xi[3], double (*x)[3], uint32_t entry,
                          double r[3]) {
   isph_separation_at(IMAGES_REFLECTED, s, xi, x, entry, r);
 }
 
+/* Whether the neighbour of a pair entry is a reflected image. */
 ROW bool isph_is_reflected(enum isph_images images, const struct isph *s, uint32_t entry) {
   return images == IMAGES_REFLECTED && s->image[entry >> PAIR_BITS].reflected;
 }

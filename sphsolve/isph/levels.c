@@ -155,7 +155,7 @@ static void assemble_level(const bool used[3], struct level *level) {
   }
 }
 
-/* Mean coefficient and lumped ties of a coarser level. */
+/* Mean coefficient of the cells of a coarser level. */
 static void coarsen(const struct level *fine, struct level *coarse) {
   int step[3];
   double share = 1;

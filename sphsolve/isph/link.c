@@ -86,7 +86,7 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
       inside = fmin(inside, fmin(x[a] - box.low[a], box.high[a] - x[a]));
       square += gap * gap;
     }
-    /* A later soil takes the place of an earlier one. */
+    /* A later soil replaces an earlier one. */
     clear = inside > 0 ? inside : fmin(clear, sqrt(square));
     if (inside > 0) ground = (int32_t)k + 1;
   }

@@ -44,6 +44,7 @@ struct isph_ground {
 
 /* Whether the soils of this scene are treated by links. */
 bool isph_links_wanted(const struct scene *scene, bool has_surface);
+/* Allocates what the soils of the scene need; isph_free frees it. */
 enum status isph_links_create(struct isph *s);
 /* Before isph_link: finds the soils' properties and places, and the particles' speeds. Uses
  * work[0]. */

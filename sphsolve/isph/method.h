@@ -8,7 +8,9 @@
 #include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
+/* Sets kernel, support and smoothing length (m) of the plan. */
 enum status isph_scales(struct plan *plan);
+/* Whether the scene has axis a: 2-D scenes have no y. */
 static inline bool isph_scene_uses_axis(const struct effect_context *context, int a) {
   return context->lattice->dimensions == 3 || a != 1;
 }
@@ -20,7 +22,10 @@ double isph_mean_given(const struct scene *scene, const struct region *region, d
 enum status isph_refuse_wells(const struct effect_context *context);
 enum status isph_refuse_rain(const struct effect_context *context);
 enum status isph_refuse_absorbing(const struct effect_context *context);
+/* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
+ * refused. */
 enum status isph_cost(struct plan *plan, int threads);
+/* isph/plan_ranks.c: the additional cost on several ranks. */
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
 /* Finds the switches of the state from a plan; also for tests, which advance the state themselves.

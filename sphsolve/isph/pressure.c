@@ -60,7 +60,7 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
 
 /* Assembles row i of
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
- *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
+ *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij of isph_mobility_between.
  * The driving force f enters through its potential, with the coefficients of the pressure itself: P
  * = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann condition);

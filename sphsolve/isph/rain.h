@@ -15,6 +15,7 @@ struct isph_rain {
 
 /* Area that a region rains on, m^2 (m in 2-D). */
 double isph_rain_area(const struct scene *scene, const struct region *rain);
+/* Sets up the rains of the scene; isph_free frees them. */
 enum status isph_rain_create(struct isph *s);
 /* Collective, after the water has moved: adds the rain of the step to `pending`, and adds particles
  * while that is the mass of one; leaves the particles unsorted. */

@@ -162,8 +162,8 @@ static enum status check_moving_soil(const struct effect_context *context) {
   return STATUS_OK;
 }
 
-/* Without an end the run ends when its flow is steady. Water with a surface is never quite still,
- * and what nothing drives has no velocity that could settle. */
+/* A run without an end time ends when its flow is steady. Water with a surface never comes quite to
+ * rest, and if nothing drives the water there is no velocity that could become steady. */
 static enum status check_end(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   bool driven = false;

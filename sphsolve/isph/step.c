@@ -161,7 +161,7 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
   const double *xi = s->position[i], *vi = s->velocity[i];
   ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
   if (!s->on.no_slip) return;
-  int last = -1; /* box */
+  int last = -1; /* wall box for which `hold` was found */
   double hold = 0;
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;

@@ -68,7 +68,7 @@ static inline void symmetric_root(const double t[6], double root[6]) {
   }
 }
 
-/* m e m */
+/* to = m e m */
 static inline void symmetric_between(const double m[6], const double e[6], double to[6]) {
   static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   for (int b = 0, k = 0; b < 3; b++) {

@@ -67,7 +67,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
 }
 
 #define END_STEPS 32  /* with so many steps left or fewer, their lengths are planned */
-#define END_FALL 0.99 /* a limit below this share of the last step is followed at once */
+#define END_FALL 0.99 /* a limit that falls below this share of the last step applies at once */
 
 /* Solves rho + rho^2 + .. + rho^n = sum for rho, 0 < sum <= n, by Newton's method from above. */
 static double ratio_of(int n, double sum) {

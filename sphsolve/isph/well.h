@@ -15,7 +15,7 @@ struct isph_well {
   double taken;   /* kg, taken as whole particles */
   double pending; /* kg that left but is not yet taken as a particle; less than the mass of one */
   double flow;    /* m^3/s (m^2/s), of the last step, out of the soil */
-  int starved;    /* steps in a row in which the soil did not bring its rate */
+  int starved;    /* number of steps in a row in which the soil did not yield its rate */
 };
 
 /* Outflow at a particle. */
@@ -28,6 +28,7 @@ struct isph_outlet {
 
 /* Whether a scene has a well or a drain. */
 bool isph_has_wells(const struct scene *scene);
+/* Sets up the wells and drains of the scene; isph_free frees them. */
 enum status isph_wells_create(struct isph *s);
 /* Whether x lies in a well or a drain. */
 bool isph_in_well(const struct isph *s, const double x[3]);

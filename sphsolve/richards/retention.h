@@ -51,9 +51,11 @@ static inline double retention_fall(const struct retention_state *i,
 /* Whether two soils have the same properties. */
 bool retention_is_same(const struct retention *a, const struct retention *b);
 
+/* Evaluates the state of the soil at pressure head h, m. */
 void retention_at(const struct retention *soil, double h, struct retention_state *state);
 /* The head at which the effective saturation is S, 0 < S < 1. */
 double retention_head(const struct retention *soil, double saturation);
+/* Effective saturation at a water content. */
 static inline double retention_saturation(const struct retention *soil, double theta) {
   return (theta - soil->theta_r) / (soil->theta_s - soil->theta_r);
 }

@@ -93,6 +93,8 @@ struct richards {
   double in, out;           /* total inward and total outward flow through boundary faces */
 };
 
+/* Sets up sites, faces and the initial heads of a scene. Free with richards_free, also after a
+ * failure. */
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s);
 void richards_free(struct richards *s);
