@@ -18,15 +18,15 @@ static double void_ratio_of(double porosity) {
 
 /* ---- calibration ---- */
 
-/* Grain and pore swapped turn e into 1/e. Where that fits the measured void ratio and the given
- * polarity (--grain) does not, one of the two is meant otherwise. */
+/* Exchanging grain and pore turns e into 1/e. If 1/e fits the measured void ratio and e, with the
+ * polarity given by --grain, does not, one of the two must be wrong. */
 static enum status check_polarity(const struct pipeline *pipeline, double porosity, bool sure) {
   const struct request *request = pipeline->request;
   double bright = void_ratio_of(request->dark_grains ? 1.0 - porosity : porosity);
   double e = void_ratio_of(porosity);
   const char *mine = request->dark_grains ? "dark" : "bright";
   const char *other = request->dark_grains ? "bright" : "dark";
-  /* Grains attenuate more than water and air do; resin with a heavy tracer may more than they. */
+  /* Grains attenuate more than water and air do; a resin with a heavy tracer may attenuate more. */
   if (request->dark_grains && fabs(log(e)) < log(1.5))
     log_warning("--grain dark: a void ratio of %.3g fits %.3g with bright grains as well, and in "
                 "X-ray scans grains are the bright ones as a rule: look at a slice; k of the pores "
@@ -40,8 +40,8 @@ static enum status check_polarity(const struct pipeline *pipeline, double porosi
   }
   double misfit = fabs(log(e / request->void_ratio)), swapped = fabs(log(e * request->void_ratio));
   if (!(misfit > log(1.5))) return STATUS_OK;
-  /* Near 1, e and 1/e are both not far from anything: the other reading has to meet what was
-   * measured, as well as a valley does. */
+  /* Near 1, both e and 1/e are close to any measurement: the other polarity must agree with it as
+   * well as a valley of the histogram does. */
   if (!(swapped < fmax(log(1.15), 0.2 * misfit))) {
     if (sure && request->rule == THRESHOLD_AUTO)
       log_warning("the histogram's own valley gives a void ratio of %.3g with bright grains and "
@@ -62,8 +62,8 @@ static enum status check_polarity(const struct pipeline *pipeline, double porosi
   return STATUS_OK;
 }
 
-/* Labels cannot be moved: the void ratio of a segmented image is its own, and one measured on the
- * specimen is met or is not. */
+/* Labels cannot be shifted: a segmented image has a void ratio of its own, which agrees with the
+ * measured one or does not. */
 static enum status check_labels(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const struct labels *labels = &pipeline->labels;
@@ -118,12 +118,12 @@ static double middle_of_two(const struct grey_histogram *histogram) {
   return sum;
 }
 
-/* T and dT/de of the resampled volume at `porosity`. */
+/* The threshold of the resampled volume at `porosity`; sets its derivative dT/de. */
 static enum status resampled_threshold(struct pipeline *pipeline, double porosity,
                                        double *threshold) {
   enum status status = STATUS_OK;
   struct mirroring mirroring = pipeline_mirroring(pipeline);
-  /* Walls between labels stay where they are, whatever the mirrored sides add. */
+  /* Walls between labels do not depend on the mirrored sides. */
   for (int d = 0; d < 2; d++) mirroring.mirrored[d] &= !pipeline->labels.on;
   double low = fmax(0.001, porosity - 0.005), high = fmin(0.999, porosity + 0.005);
   double at_low = 0.0, at_high = 0.0;
@@ -135,7 +135,8 @@ cleanup:
   return status;
 }
 
-/* A histogram of one peak does not show the phases; the noise from pixel to pixel does. */
+/* Where a histogram with a single peak does not show the phases, they are taken from the survey,
+ * which uses the noise between pixels. */
 static void phases_of_survey(struct pipeline *pipeline) {
   const struct grey_phases *seen = &pipeline->survey.phases;
   if (!(seen->contrast_to_noise > 0.0)) return;
@@ -145,8 +146,8 @@ static void phases_of_survey(struct pipeline *pipeline) {
   pipeline->phases.contrast_to_noise = seen->contrast_to_noise;
 }
 
-/* Labels have no greys to be uncertain of: the surface encloses their volume, at full resolution
- * and after resampling. */
+/* Labels have no uncertain greys: the surface encloses their volume, at full resolution and after
+ * resampling. */
 static enum status calibrate_labels(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct labels *labels = &pipeline->labels;
@@ -162,7 +163,8 @@ static enum status calibrate_labels(struct pipeline *pipeline) {
   pipeline->otsu = NAN;
   pipeline->threshold_original = pipeline->threshold = labels->threshold;
   pipeline->void_ratio_original = void_ratio_of(labels->voids);
-  /* The voxels as they are keep their surface; others have one that leaves as much to the pores. */
+  /* The scan's own voxels keep their surface; resampled ones get one that leaves the same pore
+   * volume. */
   if (memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) != 0)
     TRY(resampled_threshold(pipeline, labels->model_porosity, &pipeline->threshold));
   pipeline->threshold_slope = pipeline->threshold_slope_original = NAN;
@@ -181,7 +183,7 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   double porosity = request->void_ratio / (1.0 + request->void_ratio);
   double first = isnan(porosity) ? pipeline->otsu : grey_histogram_quantile(histogram, porosity);
   grey_histogram_phases(histogram, first, &pipeline->phases);
-  /* A void ratio far off puts the threshold on a peak, and both sides see the same one. */
+  /* With a wrong void ratio the threshold lies on a peak, and both sides find the same one. */
   if (pipeline->phases.valley_depth > 0.9)
     grey_histogram_phases(histogram, pipeline->otsu, &pipeline->phases);
   if (pipeline->phases.valley_depth > 0.9 && pipeline->region.denoise == DENOISE_NONE &&
@@ -207,7 +209,7 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   }
   if (request->rule == THRESHOLD_AUTO) {
     bool segmented = pipeline->phases.levels == 2;
-    /* On the floor of a wide valley no grey is better than another. */
+    /* On the floor of a wide valley all greys are equally good. */
     double natural =
         segmented ? pipeline->threshold_original
                   : fmin(fmax(first, pipeline->phases.valley_low), pipeline->phases.valley_high);
@@ -228,8 +230,8 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
                pipeline_grey(pipeline, grey_histogram_quantile(histogram, 1.0)));
     TRY(check_polarity(pipeline, porosity, true));
   }
-  /* A region of interest fixes the threshold at full resolution; the region that is modelled may
-   * be denser or looser, and the resampled model matches its void ratio. */
+  /* A region of interest determines the threshold at full resolution; the modelled region may be
+   * denser or looser, and the resampled model matches its void ratio. */
   if (request->roi.kind != ROI_NONE)
     porosity = grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original);
   histogram = &pipeline->histogram;
@@ -258,11 +260,11 @@ cleanup:
 
 /* ---- connection ---- */
 
-static bool is_off_the_flow(const struct part *part, const void *context) {
+static bool is_not_percolating(const struct part *part, const void *context) {
   return !part->percolates[*(const int *)context];
 }
 
-/* What the change of phase from a site to the next along an axis counts (crossing.h). */
+/* Weight (crossing.h) of the change of phase from a site to the next one along an axis. */
 static uint64_t crossing_of(const struct voxel_model *model, const size_t at[3], int axis) {
   const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
   double gradient[3] = {0};
@@ -280,7 +282,7 @@ static uint64_t crossing_of(const struct voxel_model *model, const size_t at[3],
   return crossing_weight(gradient, axis);
 }
 
-/* Grain surface per bulk volume of the periodic model. */
+/* Grain surface per bulk volume of the periodic model, 1/m. */
 static double model_surface(const struct voxel_model *model) {
   const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
   uint64_t cx = 0, cy = 0, cz = 0;
@@ -301,13 +303,13 @@ static double model_surface(const struct voxel_model *model) {
   return sum / sites;
 }
 
-/* Whether layer `at` of an axis is a face of the scan, where what is cut may touch others beyond.
- */
+/* Whether layer `at` of an axis is a face of the scan, where grains that are cut may touch others
+ * outside. */
 static bool is_face(const struct pipeline *pipeline, int axis, size_t at) {
   return at == 0 || at + 1 == pipeline->model.size[axis] || at + 1 == pipeline->size[axis];
 }
 
-/* Grains that lie within the scan and touch no other there. */
+/* Counts the grains inside the scan that touch no other grain. */
 static enum status count_floating_grains(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct voxel_model *model = &pipeline->model;
@@ -339,7 +341,7 @@ cleanup:
   return status;
 }
 
-/* Voids on a path along the flow, in voxels, where soil counts with its porosity. */
+/* Volume of the voids on a path along the flow, in voxels; soil counts with its porosity. */
 static double connected_soil(const struct voxel_model *model, const struct parts *pores, int flow) {
   const size_t rows = model->size[1] * model->size[2];
   double sum = 0.0;
@@ -354,8 +356,8 @@ static double connected_soil(const struct voxel_model *model, const struct parts
   return sum;
 }
 
-/* Pores that end at the first or the last layer of the flow meet grain there: k is that of pores
- * with a sieve across them. */
+/* Warns if pores end at grain in the first or last layer along the flow: k is then that of pores
+ * obstructed there. */
 static void warn_of_cut_pores(const struct pipeline *pipeline, int flow) {
   const struct request *request = pipeline->request;
   if (flow == 2 ? request->mirror : request->sides == SIDES_MIRRORED) return;
@@ -367,7 +369,7 @@ static void warn_of_cut_pores(const struct pipeline *pipeline, int flow) {
                 100.0 * cut, request->mirror ? "give --mirror z" : "leave out --mirror none");
 }
 
-/* An image that repeats itself is another body when it is mirrored, whose k may be 15 % off. */
+/* Warns if a periodic image is mirrored: this gives another body, whose k may differ by 15 %. */
 static void warn_of_mirrored_repeats(const struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   char axes[12] = "";
@@ -413,7 +415,7 @@ enum status binarise_connect(struct pipeline *pipeline) {
     if (connected == 0)
       TRY_FAIL(STATUS_INPUT,
                "--islands fill would fill every pore: none leads through the model along z");
-    pore_voxels -= parts_paint(&pores, is_off_the_flow, &flow, 1, model->solid);
+    pore_voxels -= parts_paint(&pores, is_not_percolating, &flow, 1, model->solid);
     log_info("filled %zu isolated pores (%zu voxels)", quality->isolated_pores,
              quality->isolated_voxels);
   }

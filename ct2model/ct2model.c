@@ -55,8 +55,8 @@ cleanup:
   return status;
 }
 
-/* The model of a request and its coarser levels. `key` of JSON says what the model is to the first.
- */
+/* Makes the model of a request and its coarser levels. `key`: the key of a further request's model
+ * in the JSON object of the first one. */
 static enum status run_levels(const struct options *options, const struct request *request,
                               const char *const *paths, const char *key, json_t **json) {
   enum status status = STATUS_OK;
@@ -107,7 +107,7 @@ static enum status run_pipeline(const struct options *options, const struct requ
         name_void_ratio(request->output, one.void_ratio, output);
         one.output = output;
       } else {
-        /* The curve is the same for all: written, and said so, at last. */
+        /* The curve is the same for all void ratios: it is written once, with the last one. */
         one.output = i + 1 < request->void_ratio_count ? NULL : request->output;
       }
       if (!options_json(options) && log_level() > LOG_QUIET)
@@ -157,7 +157,7 @@ cleanup:
 
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
-  mallopt(M_MMAP_THRESHOLD, 4 << 20); /* what a stage frees is free for the next */
+  mallopt(M_MMAP_THRESHOLD, 4 << 20); /* large blocks, once freed, return to the system */
   enum status status = STATUS_OK;
   struct options *options = NULL;
   struct request request;

@@ -39,7 +39,8 @@ static void print_number(struct h5_file *file, const char *name, const char *lab
     printf("  %-22s %.6g\n", label, value);
 }
 
-/* Where the walls were set to enclose the measured void ratio, voxels alone do not tell it. */
+/* Prints the void ratio within the walls, if these were set to enclose the measured one; that of
+ * the voxels differs. */
 static void print_within_walls(struct h5_file *file) {
   const double voxels = h5_attribute_or_nan(file, "/model", "void_ratio");
   const double walls = h5_attribute_or_nan(file, "/model", "void_ratio_measured") +
@@ -47,7 +48,8 @@ static void print_within_walls(struct h5_file *file) {
   if (fabs(walls - voxels) > 1e-6) printf("  %-22s %.6g\n", "within the walls", walls);
 }
 
-/* What the scanner did, as `build` says it; all unknown where the file has no such group. */
+/* Prints the properties of the scanner as `build` does; all are unknown if the file has no such
+ * group. */
 static void describe_scanner(struct h5_file *file, json_t *out) {
   static const struct {
     const char *attribute, *name, *label;

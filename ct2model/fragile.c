@@ -6,7 +6,7 @@
 #include "common/log.h"
 #include "ct2model/scan/denoising.h"
 
-/* What denoising would do, measured on a part of one slice; "" where it would do nothing. */
+/* Text on the effect of denoising, measured on a part of one slice; "" if it has none. */
 static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
   struct denoise_effect effect;
   double e = pipeline->void_ratio_original;
@@ -25,7 +25,7 @@ static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
   const struct grey_phases *phases = &pipeline->phases;
   char advice[100];
   bool unimodal = phases->valley_depth > 0.9;
-  /* A peak at the threshold is of edges: a contrast from there to the next says nothing. */
+  /* A peak at the threshold is due to edges, so that the contrast to the next one means nothing. */
   const bool low = phases->contrast_to_noise < 5.0 && !near_peak;
   if (!unimodal && (!low || pipeline->restoring)) return;
   advise_denoising(pipeline, advice, sizeof advice);
@@ -41,7 +41,8 @@ static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
                 advice);
 }
 
-/* A voxel's average over itself alone is a blur of 1 / sqrt(12) = .29 voxels. */
+/* Smallest plausible blur in voxels: the average over a voxel alone is a blur of 1 / sqrt(12) =
+ * 0.29 voxels. */
 #define BLUR_LEAST 0.2
 
 static void warn_of_sharpness(const struct scanner *scanner) {
@@ -53,18 +54,18 @@ static void warn_of_sharpness(const struct scanner *scanner) {
                 blur);
 }
 
-/* Peaks that stand apart by less than this, in deviations of the lower one, are of one phase. */
-#define APART_LEAST 1.5
-/* Whether a threshold lies among the greys of one phase: it has a peak on either side, as any grey
- * has, but no valley to speak of, where the histogram parts pore and grain elsewhere (`own`). */
-static bool is_within_phase(const struct grey_phases *phases, const struct grey_phases *own,
+/* Peaks less than this apart, in standard deviations of the lower one, belong to one phase. */
+#define PEAK_DISTANCE_LEAST 1.5
+/* Whether the threshold lies within one phase: it has a peak on either side, as any grey has, but
+ * no clear valley, while the histogram has one between pore and grain elsewhere (`by_otsu`). */
+static bool is_within_phase(const struct grey_phases *phases, const struct grey_phases *by_otsu,
                             double threshold) {
-  return own->valley_depth < VALLEY_SURE &&
-         (threshold < own->pore_peak || threshold > own->grain_peak) &&
-         (phases->valley_depth > VALLEY_SURE || phases->contrast_to_noise < APART_LEAST);
+  return by_otsu->valley_depth < VALLEY_SURE &&
+         (threshold < by_otsu->pore_peak || threshold > by_otsu->grain_peak) &&
+         (phases->valley_depth > VALLEY_SURE || phases->contrast_to_noise < PEAK_DISTANCE_LEAST);
 }
 
-/* The bins from grey `low` to `high` of a histogram, which keeps their counts. */
+/* The bins of a histogram from grey `low` to `high`; the counts are shared. */
 static struct grey_histogram bins_between(const struct grey_histogram *whole, double low,
                                           double high) {
   const double last = (double)whole->bins;
@@ -78,12 +79,15 @@ static struct grey_histogram bins_between(const struct grey_histogram *whole, do
   return part;
 }
 
-#define VALLEY_SHALLOW 0.8 /* of the lower peak beside it: a valley that noise has not filled */
-/* Otsu's threshold parts two phases. Under a bright mineral the darker side is pore and another
- * one: it has two peaks, with a valley between them and one to the bright mineral. */
+/* Ratio of a valley to the lower peak up to which noise has not filled it. */
+#define VALLEY_SHALLOW 0.8
+
+/* Warns of a third phase, as Otsu's threshold separates two. With a bright mineral the darker side
+ * is pore and another phase: it has two peaks, with a valley between them and one to the bright
+ * mineral. */
 static void warn_of_third_phase(struct pipeline *pipeline) {
   const struct grey_histogram *all = &pipeline->calibration;
-  /* Without the darkest grey: a scan cut off at black has a heap there, and no phase. */
+  /* Without the darkest grey: a scan clipped at black has a peak there that is no phase. */
   const double black = grey_histogram_quantile(all, 0.0) + 1.01 * all->width;
   const struct grey_histogram dark = bins_between(all, black, pipeline->otsu);
   struct grey_phases darker, brighter;
@@ -110,15 +114,15 @@ void fragile_warn(struct pipeline *pipeline) {
   warn_of_sharpness(&pipeline->scanner);
   const double position = (threshold - phases->pore_peak) / contrast;
   const bool near_peak = position < 0.15 || position > 0.85;
-  struct grey_phases own;
+  struct grey_phases by_otsu;
   warn_of_contrast(pipeline, near_peak);
-  grey_histogram_phases(&pipeline->calibration, pipeline->otsu, &own);
-  if (is_within_phase(phases, &own, threshold))
+  grey_histogram_phases(&pipeline->calibration, pipeline->otsu, &by_otsu);
+  if (is_within_phase(phases, &by_otsu, threshold))
     log_warning("the threshold %.4g lies beyond the histogram's two peaks (pore %.4g, grain %.4g), "
                 "within one of them: the void ratio or the region is not the specimen's (--crop "
                 "auto leaves a container out)",
-                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, own.pore_peak),
-                pipeline_grey(pipeline, own.grain_peak));
+                pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, by_otsu.pore_peak),
+                pipeline_grey(pipeline, by_otsu.grain_peak));
   else if (near_peak)
     log_warning("the threshold %.4g lies near a peak (pore %.4g, grain %.4g), not between them: "
                 "pores or grains are so narrow that blur leaves them no grey of their own, or the "
@@ -127,7 +131,7 @@ void fragile_warn(struct pipeline *pipeline) {
                 pipeline_grey(pipeline, threshold), pipeline_grey(pipeline, phases->pore_peak),
                 pipeline_grey(pipeline, phases->grain_peak));
   if (request->rule == THRESHOLD_OTSU) warn_of_third_phase(pipeline);
-  /* A tenth of the contrast moves the surface by about a tenth of the edge's width. */
+  /* A tenth of the contrast moves the surface by about a tenth of the width of an edge. */
   double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
   double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
   if (request->rule == THRESHOLD_AUTO && shift > 0.1)

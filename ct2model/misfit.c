@@ -5,18 +5,19 @@
 
 #include "common/log.h"
 
-/* What a match to the nearest voxel leaves is far less. A part of a specimen differs from the whole
- * by this much where it is large enough to stand for it. */
-#define OFF_MOST 0.01
-#define OFF_MOST_ELSEWHERE 0.05
+/* Tolerated relative error of the void ratio. Matching to the nearest voxel leaves far less. A part
+ * of a specimen that is large enough to be representative differs from the whole by up to
+ * TOLERANCE_ELSEWHERE. */
+#define TOLERANCE 0.01
+#define TOLERANCE_ELSEWHERE 0.05
 
-/* k over that at void ratio `e`, at one specific surface of the grains: k goes as
- * e^3 / (1 + e) (Kozeny 1927, Carman 1937). */
+/* Permeability over that at void ratio `e`, for the same specific surface of the grains: k is
+ * proportional to e^3 / (1 + e) (Kozeny 1927, Carman 1937). */
 static double permeability_ratio(double model, double e) {
   return pow(model / e, 3.0) * (1.0 + e) / (1.0 + model);
 }
 
-/* Why, and what to do. */
+/* The reason, and a remedy. */
 static const char *reason(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const bool part = request->crop_given || request->crop_auto;
@@ -38,11 +39,11 @@ void misfit_warn(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const double e = pipeline_void_ratio(pipeline), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
-  const double most = request->roi.kind != ROI_NONE ? OFF_MOST_ELSEWHERE : OFF_MOST;
-  if (pipeline->labels.on && !request->fill_islands) return; /* told with the labels */
+  const double most = request->roi.kind != ROI_NONE ? TOLERANCE_ELSEWHERE : TOLERANCE;
+  if (pipeline->labels.on && !request->fill_islands) return; /* reported with the labels */
   if (isnan(measured) || !(fabs(e - measured) > fmax(most * measured, error))) return;
   char effect[100] = "its k is not that of the specimen";
-  if (request->roi.kind == ROI_NONE) /* elsewhere other grains, or none */
+  if (request->roi.kind == ROI_NONE) /* with --roi the model has other grains, or none */
     snprintf(effect, sizeof effect,
              "its k would be %.3g times that of the specimen (Kozeny, Carman)",
              permeability_ratio(e, measured));

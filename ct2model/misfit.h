@@ -1,11 +1,12 @@
-/* Whether the model has the void ratio that was measured, why not, and what that does to k. */
+/* Checks the void ratio of the model against the measured one, with the reason for a difference and
+ * its effect on k. */
 #ifndef TOSUI_CT2MODEL_MISFIT_H
 #define TOSUI_CT2MODEL_MISFIT_H
 
 #include "ct2model/state.h"
 
-/* Warns where the finished model's void ratio is off the measured one by more than its uncertainty
- * and 1 % (5 % where --roi says that it holds elsewhere). */
+/* Warns if the void ratio of the finished model differs from the measured one by more than its
+ * uncertainty and 1 % (5 % with --roi, where it refers to another region). */
 void misfit_warn(const struct pipeline *pipeline);
 
 #endif

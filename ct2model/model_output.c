@@ -11,7 +11,7 @@ static enum status write_number(struct h5_file *file, const char *group, const c
   return h5_write_attribute(file, group, name, H5_F64, 1, &value);
 }
 
-/* Greys of the middle slice as reported, for people who look at the report. */
+/* Writes the middle slice in reported greys, for display. */
 static enum status write_slice(struct h5_file *file, const struct pipeline *pipeline) {
   const size_t dims[2] = {pipeline->region.size[1], pipeline->region.size[0]};
   for (size_t i = 0; i < dims[0] * dims[1]; i++)
@@ -19,7 +19,7 @@ static enum status write_slice(struct h5_file *file, const struct pipeline *pipe
   return h5_write(file, "/calibration/slice", H5_F32, 2, dims, pipeline->middle, true);
 }
 
-/* Of a segmented image there is nothing that was calibrated, but a picture. */
+/* A segmented image has no calibration, but a picture. */
 static enum status write_labels(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const char *group = "/calibration";
@@ -78,7 +78,7 @@ cleanup:
   return status;
 }
 
-/* What the scanner did, and the edge response it is read from. */
+/* Writes the properties of the scanner, and the edge response from which they are derived. */
 static enum status write_scanner(struct h5_file *file, const struct scanner *scanner, bool removed,
                                  size_t averaged) {
   enum status status = STATUS_OK;
@@ -106,7 +106,7 @@ cleanup:
   return status;
 }
 
-/* Pore widths, and the void ratio against the size of the window. */
+/* Writes the pore widths, and the void ratio by size of window. */
 static enum status write_curves(struct h5_file *file, const struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct morphology *m = &pipeline->morphology;
@@ -214,7 +214,9 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   struct voxel_model model = pipeline->model;
-  if (pipeline->request->mirror_axis != 2) model.mirror_plane = -1; /* it is a layer of z */
+  if (pipeline->request->mirror_axis != 2)
+    model.mirror_plane = -1; /* a mirror plane is a layer of
+                                z */
   TRY(h5_create(pipeline->request->output, &file));
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
@@ -222,7 +224,7 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed, pipeline->averaged));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
-  file = NULL; /* commit frees it */
+  file = NULL; /* freed by h5_commit */
   TRY(h5_commit(whole));
 cleanup:
   h5_close(file);

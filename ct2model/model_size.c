@@ -6,8 +6,7 @@
 
 #include "common/log.h"
 
-/* Model voxels are cubes as large as the shortest edge of the scan's, unless --size says otherwise.
- */
+/* Size in cubic voxels with the shortest edge of the scan's voxels, the default without --size. */
 static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
   const double *voxel = pipeline->region.voxel;
   const double edge = fmin(fmin(voxel[0], voxel[1]), voxel[2]);
@@ -16,9 +15,9 @@ static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
   return (size_t)fmax(1.0, round((double)n * voxel[axis] / edge));
 }
 
-/* The least size, from that asked for up to the scan's own, of which whole voxels are cubes within
- * a tenth; lengths in voxels along x. */
-#define CUBE_ENOUGH 1.1
+/* Finds the smallest size, from `nx` up to that of the scan, whose voxels are cubes to within a
+ * tenth. */
+#define CUBE_RATIO_MOST 1.1
 static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, size_t size[3]) {
   double edge[3] = {0.0};
   do {
@@ -29,18 +28,20 @@ static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, s
       edge[a] = voxel[a] * (double)in[a] / (double)size[a];
     }
   } while (fmax(fmax(edge[0], edge[1]), edge[2]) >
-               CUBE_ENOUGH * fmin(fmin(edge[0], edge[1]), edge[2]) &&
+               CUBE_RATIO_MOST * fmin(fmin(edge[0], edge[1]), edge[2]) &&
            nx++ < in[0]);
 }
 
-/* Slices so many times as far apart as their pixels are wide tell little of the pores between them,
- * and models of cubes would have as many times the scan's voxels. */
-#define DRAWN_AT_MOST 10.0
-#define DRAWN_TOLD 2.5
-static enum status judge_drawn(const size_t in[3], const double voxel[3], const size_t out[3]) {
+/* Ratios of the longest to the shortest voxel edge from which the user is warned, and above which
+ * the scan is refused: slices far apart tell little of the pores between them, and cubes would be
+ * as many times more voxels than the scan has. */
+#define EDGE_RATIO_MOST 10.0
+#define EDGE_RATIO_WARNED 2.5
+static enum status check_interpolation(const size_t in[3], const double voxel[3],
+                                       const size_t out[3]) {
   const double least = fmin(fmin(voxel[0], voxel[1]), voxel[2]);
   const double most = fmax(fmax(voxel[0], voxel[1]), voxel[2]);
-  if (most > DRAWN_AT_MOST * least) {
+  if (most > EDGE_RATIO_MOST * least) {
     size_t cubes[3];
     advise_cubes(in, voxel, (size_t)fmax(1.0, round((double)in[0] * voxel[0] / most)), cubes);
     return FAIL(
@@ -51,7 +52,7 @@ static enum status judge_drawn(const size_t in[3], const double voxel[3], const 
         voxel[0] * 1e6, voxel[1] * 1e6, voxel[2] * 1e6, most / least, cubes[0], cubes[1], cubes[2],
         out[0], out[1], out[2]);
   }
-  if (most > DRAWN_TOLD * least)
+  if (most > EDGE_RATIO_WARNED * least)
     log_warning("the scan's voxels are %.3g times as long as wide: what lies between is drawn from "
                 "neighbours, and k may be too low, by as much as its share scan of the error says",
                 most / least);
@@ -60,7 +61,7 @@ static enum status judge_drawn(const size_t in[3], const double voxel[3], const 
 
 enum status model_size_choose(struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
-  size_t in[3], out[3]; /* in the model's axes, as --size */
+  size_t in[3], out[3]; /* in the axes of the model, as --size */
   double voxel[3], spacing[3];
   for (int a = 0; a < 3; a++) {
     in[a] = pipeline->region.size[pipeline->place[a]];
@@ -92,7 +93,7 @@ enum status model_size_choose(struct pipeline *pipeline) {
         out[0], out[1], out[2], in[0], in[1], in[2]);
   if (!request->size_given && memcmp(in, out, sizeof in) != 0) {
     if (pipeline->distances) {
-      const enum status status = judge_drawn(in, voxel, out);
+      const enum status status = check_interpolation(in, voxel, out);
       if (status != STATUS_OK) return status;
     }
     log_info("voxels of %.4g x %.4g x %.4g um become cubes: %zux%zux%zu", voxel[0] * 1e6,

@@ -57,7 +57,7 @@ static enum status choose_voxel(struct pipeline *pipeline) {
   return STATUS_OK;
 }
 
-/* The greys as they are, what is wrong with them, and what is to be done about it. */
+/* Surveys the greys and their artefacts, sets their correction, and measures the scanner. */
 static enum status survey_region(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct request *request = pipeline->request;
@@ -79,7 +79,7 @@ static enum status survey_region(struct pipeline *pipeline) {
     pipeline->region.correction = &pipeline->correction;
   }
   if (pipeline->region.correction != NULL) pipeline->region.denoise = request->denoise;
-  if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is of a part */
+  if (request->roi.kind != ROI_NONE) survey->porosity = NAN; /* the void ratio is that of a part */
   if (pipeline->finer != NULL) {
     pipeline->scanner = pipeline->finer->scanner;
     goto cleanup;
@@ -115,10 +115,11 @@ static enum status choose_region(struct pipeline *pipeline) {
   TRY(choose_voxel(pipeline));
   TRY(segment_take(pipeline));
   if (!pipeline->labels.on) TRY(survey_region(pipeline));
-  int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* of the scan: z inside */
+  int axis = (request->flow_axis + 1 + request->mirror_axis) % 3; /* axis of the scan that is z
+                                                                     inside the pipeline */
   for (int a = 0; a < 3; a++) pipeline->place[a] = (a + 2 - request->mirror_axis) % 3;
   pipeline->as_read = *region;
-  /* Each slice is denoised once. */
+  /* Turning also stores the denoised slices, so that each is denoised once. */
   if (axis != 2 || region->denoise != DENOISE_NONE)
     TRY(region_turn(region, axis, &pipeline->turned));
   TRY(model_size_choose(pipeline));
@@ -156,7 +157,7 @@ static void add_layers(struct pipeline *pipeline) {
   }
 }
 
-/* Layers n .. 2n - 2 repeat n - 2 .. 0; `layer` voxels each. */
+/* Mirrors along z: layers n .. 2n - 2 repeat n - 2 .. 0; `layer` voxels each. */
 static void mirror_layers(const struct pipeline *pipeline, size_t layer, void *data, size_t bytes) {
   const size_t n = pipeline->size[2];
   layer *= bytes;
@@ -175,7 +176,7 @@ static enum status extend(const struct pipeline *pipeline, float **data, const c
   return sides_mirror(pipeline->size, &pipeline->model, *data, sizeof **data);
 }
 
-/* One field of the model from the axes inside to its own. */
+/* Turns one field of the model from the pipeline's axes to its own. */
 static enum status turn_field(const struct pipeline *pipeline, void *field, size_t bytes) {
   enum status status = STATUS_OK;
   const size_t *from = pipeline->model.size;
@@ -215,7 +216,7 @@ cleanup:
   return status;
 }
 
-/* Soil with pores of its own, in the voxels that are not solid. */
+/* Porosity and permeability of soil, in the voxels that are not solid. */
 static enum status find_micro(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -264,7 +265,7 @@ static struct wall_request wall_request_of(const struct pipeline *pipeline, doub
   return request;
 }
 
-/* The surface of the sample, which is not needed any more. */
+/* Measures the surface of the sample, which is then freed. */
 static enum status measure_surface(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const struct wall_request request =
@@ -272,14 +273,14 @@ static enum status measure_surface(struct pipeline *pipeline) {
   if (pipeline->sample.count > 0) {
     TRY(surface_sample_measure(&pipeline->sample, &request, &pipeline->quality.surface_original,
                                &pipeline->quality.surface_error));
-    pipeline->quality.surface_error *= 2.0; /* standard errors */
+    pipeline->quality.surface_error *= 2.0; /* twice the standard error: 95 % */
   }
 cleanup:
   surface_sample_end(&pipeline->sample);
   return status;
 }
 
-/* Distances, fractions and surface of the walls. */
+/* Measures distances, grain fractions and surface of the walls. */
 static enum status measure_walls(struct pipeline *pipeline, struct wall_result *result) {
   enum status status = STATUS_OK;
   const struct wall_level *walls = &pipeline->walls;
@@ -319,7 +320,7 @@ static enum status find_walls(struct pipeline *pipeline) {
   TRY(extend(pipeline, &model->grain_fraction, "grain fractions"));
   TRY(wall_complete(model->wall_distance, model->solid, model->size, model->spacing,
                     &pipeline->disagreeing));
-  /* To the last bit. */
+  /* Mirrored again, so that both halves agree to the last bit. */
   mirror_layers(pipeline, model->size[0] * model->size[1], model->wall_distance,
                 sizeof *model->wall_distance);
   sides_repeat(pipeline->size, model, model->wall_distance, sizeof *model->wall_distance);
@@ -328,7 +329,7 @@ cleanup:
   return status;
 }
 
-/* Said before the work, not after it. */
+/* Checks the output before the work, not after it. */
 static enum status check_output(const struct pipeline *pipeline) {
   const struct stack *stack = &pipeline->stack;
   for (size_t i = 0; i < stack->file_count; i++) {
@@ -338,7 +339,8 @@ static enum status check_output(const struct pipeline *pipeline) {
   return output_allow_kind(pipeline->request->output, "/run", "a run of sphsolve");
 }
 
-/* A grey scan whose scanner is known, and which the user does not want otherwise. */
+/* Whether the blur can be removed: a grey scan with a known or assumed scanner, and no option
+ * against it. */
 static bool can_restore(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   return (pipeline->scanner.known || pipeline->scanner.assumed) && !request->keep_blur &&
@@ -346,7 +348,7 @@ static bool can_restore(const struct pipeline *pipeline) {
          (request->filter == FILTER_BICUBIC || request->filter == FILTER_AREA);
 }
 
-/* Takes the blur out, and replaces the resampled volume by that of the result. */
+/* Removes the blur, and replaces the resampled volume by that of the result. */
 static enum status restore(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   const double e = pipeline->void_ratio_original;
@@ -354,7 +356,7 @@ static enum status restore(struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
   if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->as_read, &pipeline->scanner));
-  TRY(restored_take(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
+  TRY(restored_make(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
                     &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   if (!pipeline->blur_removed) return STATUS_OK;
@@ -381,7 +383,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
                                 .finer = finer,
                                 .distances = distances,
                                 .grey_scale = 1.0,
-                                .walls = {.void_ratio = NAN}, /* until they are found */
+                                .walls = {.void_ratio = NAN}, /* until they are measured */
                                 .coarse = {.step = 1},
                                 .restored = {.scan = {.step = 1}}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));

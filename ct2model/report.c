@@ -16,7 +16,7 @@ static json_t *sizes(const size_t size[3]) {
   return array;
 }
 
-/* A length, or one over a length: unknown where the voxels' size is. */
+/* Adds a length, or the inverse of one; unknown if the voxel size is. */
 static void put_length(json_t *object, const char *key, double value,
                        const struct pipeline *pipeline) {
   json_put_number(object, key, pipeline->unsized ? NAN : value);
@@ -143,7 +143,7 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
   }
   json_t *pore = json_array(), *grain = json_array(), *soil = json_array();
   for (size_t i = 0; i < labels->count; i++)
-    if (labels->soily[i])
+    if (labels->is_soil[i])
       json_array_append_new(soil, json_pack("{s:f,s:f,s:f}", "label", labels->value[i], "porosity",
                                             labels->soil[i].porosity, "permeability",
                                             labels->soil[i].permeability));
@@ -277,20 +277,21 @@ static void print_model(const struct pipeline *pipeline) {
          quality->floating_grains, quality->floating_voxels);
 }
 
-/* The share of pore voxels by the width of the pore, until all but 1 % are told. */
+/* Prints the fractions of pore voxels by width, until all but 1 % are listed. */
 static void print_widths(const struct morphology *m) {
-  double told = 0.0;
+  double printed = 0.0;
   printf("width histogram   ");
-  for (int b = 0; b < THICKNESS_BINS && told < 0.99; b++) {
-    told += m->thickness_histogram[b];
+  for (int b = 0; b < THICKNESS_BINS && printed < 0.99; b++) {
+    printed += m->thickness_histogram[b];
     if (m->thickness_histogram[b] >= 0.005)
       printf("%d-%d: %.0f %%, ", b, b + 1, 100.0 * m->thickness_histogram[b]);
   }
   printf("share of the pores by the ball, in voxels, that fits there\n");
 }
 
-/* The pores against the voxels, and what would be fine enough: the error of a second-order wall
- * across N voxels is about 1 / (2 N^2), and the flow is ruled by its narrowest places. */
+/* Prints the pore widths in voxels, and the resolution that would be sufficient: the error of a
+ * second-order wall across N voxels is about 1 / (2 N^2), and the narrowest places control the
+ * flow. */
 static void print_pores(const struct pipeline *pipeline) {
   const struct morphology *m = &pipeline->morphology;
   size_t size[3];
@@ -335,7 +336,7 @@ static void print_morphology(const struct pipeline *pipeline) {
   printf("void ratio from one window of this size to the next\n");
 }
 
-/* What the survey found, and what was done about it. */
+/* Prints the results of the survey, and the corrections made. */
 static void print_scan(const struct pipeline *pipeline) {
   const struct survey *survey = &pipeline->survey;
   const struct scanner *scanner = &pipeline->scanner;
@@ -386,10 +387,10 @@ static void print_labels(const struct labels *labels) {
   for (int pore = 1; labels->count > 0 && pore >= 0; pore--) {
     printf(pore ? "labels            pore" : "; grain");
     for (size_t i = 0; i < labels->count; i++)
-      if (labels->pore[i] == pore && !labels->soily[i]) printf(" %g", labels->value[i]);
+      if (labels->pore[i] == pore && !labels->is_soil[i]) printf(" %g", labels->value[i]);
   }
   for (size_t i = 0; i < labels->count; i++)
-    if (labels->soily[i])
+    if (labels->is_soil[i])
       printf("; soil %g (porosity %.3g, permeability %.3g m^2)", labels->value[i],
              labels->soil[i].porosity, labels->soil[i].permeability);
   if (labels->count > 0) putchar('\n');
@@ -404,15 +405,15 @@ static void print_labels(const struct labels *labels) {
            unsure);
 }
 
-/* Four digits behind the point of a grey level, four in all of greys that are small. */
+/* Formats a grey with four decimals, or with four digits if it is small. */
 static const char *grey_text(const struct pipeline *pipeline, double grey, char text[32]) {
   const double told = pipeline_grey(pipeline, grey);
   snprintf(text, 32, fabs(told) < 1.0 ? "%.4g" : "%.4f", told);
   return text;
 }
 
-/* First the threshold of the scan, which --threshold takes, with the error of its own greys; the
- * downsampled greys have their own. */
+/* Prints first the threshold of the scan, which --threshold takes, with the uncertainty of its own
+ * greys; that of the downsampled greys differs. */
 static void print_greys(const struct pipeline *pipeline) {
   char model[32], original[32];
   printf("threshold         %s", grey_text(pipeline, pipeline->threshold_original, original));

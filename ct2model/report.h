@@ -1,4 +1,4 @@
-/* What ct2model tells: text for people, JSON for programs. */
+/* The results of ct2model: text for people, JSON for programs. */
 #ifndef TOSUI_CT2MODEL_REPORT_H
 #define TOSUI_CT2MODEL_REPORT_H
 
@@ -8,12 +8,12 @@
 #include "common/options.h"
 #include "ct2model/state.h"
 
-/* To stdout, or with --json as one object, a sweep's with its table. A coarser model's object goes
- * into the array `key` ("coarser") of *first, the finest's; the caller prints *first with
- * report_end. */
+/* Prints the results to stdout, with --json as one object, which contains the table of a sweep. The
+ * object of a coarser model is added to the array `key` ("coarser") of *first, that of the finest
+ * model, which the caller prints with report_end. */
 enum status report_print(const struct pipeline *pipeline, const struct options *options,
                          const char *key, json_t **first);
-/* Prints and frees *first, if there is one. */
+/* Prints and frees *first if it is not NULL. */
 enum status report_end(json_t **first);
 
 #endif

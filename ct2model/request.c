@@ -105,8 +105,8 @@ static enum status parse_numbers(const struct options *options, const char *name
   return STATUS_OK;
 }
 
-/* One edge for all axes, or one each. No scanner resolves less than a nanometre, and none of soil
- * has voxels of a centimetre: a unit is wrong there. */
+/* Parses one edge for all axes, or one for each. No scanner resolves less than a nanometre, and no
+ * scan of soil has voxels of a centimetre: such a length has the wrong unit. */
 static enum status parse_voxel_size(const struct options *options, struct request *request) {
   const char *text = options_text(options, "voxel-size"), *at = text;
   const size_t digits = text != NULL ? strspn(text, "0123456789") : 0;
@@ -141,7 +141,7 @@ static enum status parse_voxel_size(const struct options *options, struct reques
   return STATUS_OK;
 }
 
-/* "0.725", "0.725+-0.005", "0.725\u00b10.005" */
+/* Parses "0.725", "0.725+-0.005" or "0.725\u00b10.005". */
 static enum status parse_one_void_ratio(const char *text, double *value, double *error) {
   char *end;
   *error = NAN;
@@ -177,7 +177,7 @@ static enum status parse_one_void_ratio(const char *text, double *value, double 
               text);
 }
 
-/* One, or several with commas between. */
+/* Parses one void ratio, or several separated by commas. */
 static enum status parse_void_ratio(const struct options *options, struct request *request) {
   enum status status = STATUS_OK;
   const char *at = options_text(options, "void-ratio");
@@ -277,7 +277,7 @@ static enum status parse_correct(const struct options *options, struct request *
   return FAIL(STATUS_USAGE, "--correct %s: beam, rings or beam,rings is wanted", text);
 }
 
-/* What is built is a model, what is swept is a table. */
+/* Names the output: of a build a model, of a sweep a table. */
 static enum status name_output(const struct options *options, struct request *request) {
   static const char *const MODEL[] = {".hdf", ".h5", ".hdf5", NULL};
   static const char *const TABLE[] = {".csv", ".txt", ".tsv", ".dat", NULL};

@@ -10,13 +10,13 @@
 #include "ct2model/scan/slice_check.h"
 
 enum { BATCH_LEAST = 4, BATCH_MOST = 128 };
-static const double BATCH_BYTES = 16e6; /* of reduced slices */
+static const double BATCH_BYTES = 16e6; /* memory for the reduced slices of a batch */
 
-/* What a thread keeps for itself. */
+/* Data of one thread. */
 struct worker {
   char *buffer;      /* the slice as read */
-  float *row, *sums; /* sums of a coarse slice */
-  uint32_t *levels;  /* counts of a region that has levels; else `greys` */
+  float *row, *sums; /* row: one row of greys; sums: those of a coarse slice */
+  uint32_t *levels;  /* counts if the region has levels; otherwise `greys` is used */
   uint64_t held;     /* pixels in `levels` */
   struct grey_histogram greys;
 };
@@ -25,14 +25,15 @@ struct scan {
   const struct region *region;
   struct pipeline *pipeline;
   struct resampler resampler;
-  struct slice_check check; /* of greys in the scan's own slices; else of no slices */
+  struct slice_check check; /* for greys in the scan's own slices; otherwise empty */
   bool has_levels;
   double low, high; /* levels */
   size_t batch, worker_count;
   struct worker *workers;
 };
 
-/* Too many levels for one bin each: bins over the range of a few slices, wide enough. */
+/* Starts a histogram for too many levels for one bin each: the bins span the range of a few slices
+ * and a margin. */
 static enum status start_bins(struct scan *scan) {
   enum status status = STATUS_OK;
   const struct region *region = scan->region;
@@ -113,7 +114,7 @@ static void scan_end(struct scan *scan) {
   slice_check_end(&scan->check);
 }
 
-/* Moves a worker's counts into the pipeline's histogram; sums of whole numbers know no order. */
+/* Moves a worker's counts into the pipeline's histogram; integer sums have no order. */
 static void gather_counts(const struct scan *scan, struct worker *worker) {
   struct grey_histogram *histogram = &scan->pipeline->histogram;
   const size_t bins = histogram->bins;
@@ -177,13 +178,13 @@ enum status scan_take(struct pipeline *pipeline) {
   for (size_t z = 0; z < slices; z += scan.batch) {
     size_t n = slices - z < scan.batch ? slices - z : scan.batch;
 #pragma omp parallel for schedule(dynamic)
-    for (size_t first = 0; first < n; first += step) { /* a coarse slice by one thread */
-      enum status one = STATUS_OK;
-      for (size_t i = first; i < first + step && one == STATUS_OK; i++)
-        one = take_slice(&scan, z + i, i);
-      if (one != STATUS_OK) {
+    for (size_t first = 0; first < n; first += step) { /* one thread per coarse slice */
+      enum status slice_status = STATUS_OK;
+      for (size_t i = first; i < first + step && slice_status == STATUS_OK; i++)
+        slice_status = take_slice(&scan, z + i, i);
+      if (slice_status != STATUS_OK) {
 #pragma omp critical
-        status = one;
+        status = slice_status;
       }
     }
     if (status != STATUS_OK) goto cleanup;

@@ -1,4 +1,4 @@
-/* The pass over all pixels: histogram and resampling, slice by slice, a thread a slice. */
+/* The pass over all pixels: histogram and resampling, slice by slice, with one thread per slice. */
 #ifndef TOSUI_CT2MODEL_SCAN_H
 #define TOSUI_CT2MODEL_SCAN_H
 

@@ -5,15 +5,15 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-/* Of three phases in generated scans the shares are off by 3 % of themselves there, beyond by 10.
- */
-#define NOISY 0.1
+/* Fraction of noisy voxels from which a warning is given. In generated scans of three phases the
+ * relative error of their fractions is 3 % up to there, and 10 % beyond. */
+#define NOISY_MOST 0.1
 
-/* Fewer are no image of pores, whatever is said of them. */
+/* Fewer voxels are no image of pores. */
 #define VOXELS_LEAST 512
 
-/* No void ratio was given: is it asked for, or is there nothing that it would divide? */
-static enum status refuse_undivided(const struct region *region) {
+/* Error without a void ratio: either it is missing, or the image has nothing to divide. */
+static enum status fail_without_void_ratio(const struct region *region) {
   enum status status = STATUS_OK;
   const size_t *n = region->size, count = n[0] * n[1];
   const char *path = region->stack->files[0].path;
@@ -55,7 +55,7 @@ enum status segment_take(struct pipeline *pipeline) {
       log_warning("the greys of soil had to be moved by %+.3g, to %.4g..%.4g, to meet the void "
                   "ratio: check --micro beside the histogram (ct2model sweep)",
                   pipeline->micro.shift, pipeline->micro.low, pipeline->micro.high);
-    if (pipeline->labels.noisy > NOISY)
+    if (pipeline->labels.noisy > NOISY_MOST)
       log_warning("noise puts %.0f %% of the voxels into another phase than those about them have; "
                   "what of it is taken out makes shares of pore, soil and grain unsure: take noise "
                   "out of the slices first",
@@ -63,14 +63,14 @@ enum status segment_take(struct pipeline *pipeline) {
   } else if (request->labels.given || (plain && pipeline->distances))
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));
-  /* Beside a measured void ratio it is known how far the labels are off. */
+  /* With a measured void ratio the error of the labels' volume is known. */
   if (isfinite(request->void_ratio)) pipeline->labels.volume_error = 0.0;
   if (pipeline->labels.on && !pipeline->distances)
     TRY_FAIL(STATUS_INPUT,
              "%s: is segmented: there is no threshold to sweep; build takes it as it is",
              pipeline->stack.files[0].path);
   if (request->rule == THRESHOLD_AUTO && isnan(request->void_ratio) && !pipeline->labels.on)
-    TRY(refuse_undivided(&pipeline->region));
+    TRY(fail_without_void_ratio(&pipeline->region));
 cleanup:
   return status;
 }

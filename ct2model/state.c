@@ -34,15 +34,16 @@ double pipeline_contrast(const struct pipeline *pipeline) {
   return contrast > 0.0 ? contrast : histogram->width * (double)histogram->bins;
 }
 
-/* No measured void ratio: the scan's own edges without its blur, in the middle between pore and
- * grain, enclose another one than the threshold does. Those of fibres and balls under a blur are
- * half of that off themselves (docs/notes/2026-11-25-smooth-walls.md). */
-static const double EDGES = 2.0;
+/* Uncertainty of a void ratio that was not measured, in units of the difference between that of the
+ * threshold and that of the scan's own edges after deblurring, in the middle between pore and
+ * grain. For fibres and balls under a blur the edges themselves are off by half of this
+ * (docs/notes/2026-11-25-smooth-walls.md). */
+static const double EDGE_DIFFERENCES = 2.0;
 static double void_ratio_error(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   if (isfinite(request->void_ratio)) return request->void_ratio_error;
   if (!pipeline->blur_removed) return NAN;
-  return EDGES * fabs(pipeline->restored.middle - pipeline->void_ratio_original);
+  return EDGE_DIFFERENCES * fabs(pipeline->restored.middle - pipeline->void_ratio_original);
 }
 
 double pipeline_threshold_error(const struct pipeline *pipeline) {
@@ -51,7 +52,7 @@ double pipeline_threshold_error(const struct pipeline *pipeline) {
 
 bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3],
                          bool *enough) {
-  const double error = pipeline->morphology.expected_error; /* of second order */
+  const double error = pipeline->morphology.expected_error; /* second order in the voxel size */
   *enough = true;
   if (!(error > aim)) return false;
   for (int a = 0; a < 3; a++) {

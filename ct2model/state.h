@@ -1,4 +1,4 @@
-/* What the stages of ct2model work on, from the slices to the model. */
+/* The data on which the stages of ct2model work, from the slices to the model. */
 #ifndef TOSUI_CT2MODEL_STATE_H
 #define TOSUI_CT2MODEL_STATE_H
 
@@ -26,58 +26,60 @@ struct quality {
   double porosity, connected_porosity; /* connected: on a path along z */
   size_t isolated_pores, isolated_voxels, floating_grains, floating_voxels;
   double surface_original, surface_model; /* 1/m: grain surface per bulk volume */
-  double surface_error; /* of surface_original, 95 %: of windows that stand for the whole, or of a
-                           restored scan; else NAN */
+  double surface_error; /* 95 % half width of surface_original, by sample windows or of a restored
+                           scan; else NAN */
 };
 
-/* What the walls are measured on. */
+/* The greys on which the walls are measured. */
 struct wall_level {
-  struct region region;       /* the scan, restored or averaged where it is */
-  double threshold, contrast; /* of its greys */
-  size_t step;                /* voxels of the scan a side of one of its */
-  bool averaged;              /* for that alone: its surface is not the scan's */
-  double void_ratio;          /* within the walls; NAN: of labels, or not asked for */
+  struct region region;       /* the scan, or the restored or averaged scan */
+  double threshold, contrast; /* in its greys */
+  size_t step;                /* voxels of the scan per side of a voxel of `region` */
+  bool averaged;              /* averaged for the walls alone: not the scan's surface */
+  double void_ratio;          /* within the walls; NAN: labels, or not requested */
 };
 
-/* Greys inside are region.scale times stored ones; pipeline_grey gives what is reported. */
+/* Greys inside the pipeline are region.scale times stored ones; pipeline_grey converts them to
+ * reported ones. */
 struct pipeline {
   const struct request *request;
-  const struct pipeline *finer; /* of the same scan and void ratio; NULL where this is the first */
-  bool distances; /* a model is wanted, not a sweep alone */
-  bool unsized;   /* a sweep of voxels of no known size: no length is told */
+  const struct pipeline *finer; /* for the same scan and void ratio; NULL if this is the first */
+  bool distances;               /* a model is built, not only a sweep */
+  bool unsized;                 /* a sweep with unknown voxel size: no lengths are reported */
   struct stack stack;
   struct region region;
-  struct region as_read;             /* the same in the scan's axes, which the scanner is told in */
-  struct labels labels;              /* of a segmented image: `region` reads them smoothed */
-  struct grey_soil micro;            /* what --micro made of greys */
-  struct survey survey;              /* of the greys as stored, in the scan's axes */
-  size_t survey_size[2];             /* of its slices */
-  struct scanner scanner;            /* of the greys that are used */
-  struct correction correction;      /* what region applies, if asked */
-  struct denoise_effect denoised;    /* if asked */
-  float *turned;                     /* the scan with other axes (--flow); NULL if z stays z */
+  struct region as_read;             /* the same in the axes of the scan, as `scanner` */
+  struct labels labels;              /* of a segmented image; `region` reads them smoothed */
+  struct grey_soil micro;            /* results of --micro */
+  struct survey survey;              /* survey of the greys as stored, in the axes of the scan */
+  size_t survey_size[2];             /* size of its slices */
+  struct scanner scanner;            /* scanner of the greys that are used */
+  struct correction correction;      /* correction that `region` applies, if requested */
+  struct denoise_effect denoised;    /* if requested */
+  float *turned;                     /* the scan with turned axes (--flow); NULL if z stays z */
   struct grey_histogram histogram;   /* of the region */
-  struct grey_histogram calibration; /* of the region of interest; without --roi the same greys */
-  /* Inside, z is the axis that is mirrored; axis a of the model is `place[a]` here. The model
-   * itself is turned last. */
+  struct grey_histogram calibration; /* of the region of interest; else that of the region */
+  /* Inside the pipeline z is the axis that is mirrored; axis a of the model is `place[a]` here. The
+   * model itself is turned last. */
   int place[3];
   size_t size[3];    /* after resampling, before mirroring */
-  bool resampled;    /* false where a sweep leaves a huge scan alone */
-  float *volume;     /* greys after resampling, until the model and the table are made of them */
-  float *middle;     /* the middle slice of the region, full resolution */
+  bool resampled;    /* false if a sweep leaves a huge scan at full resolution */
+  float *volume;     /* greys after resampling, until model and table are made */
+  float *middle;     /* middle slice of the region at full resolution */
   double grey_scale; /* reported = stored * grey_scale */
-  struct surface_sample sample; /* where the scan is not read again */
-  struct coarse coarse;         /* likewise, of a build; until the walls are measured */
+  struct surface_sample sample; /* if the scan is not read again */
+  struct coarse coarse;         /* likewise, for a build; until the walls are measured */
   struct restored restored;     /* the scan without blur and noise */
-  bool restoring;               /* whether that is tried */
-  bool blur_removed;            /* and whether it was done, */
-  size_t averaged;              /* out of means of so many voxels a side; 1: of every voxel */
+  bool restoring;               /* whether this is attempted */
+  bool blur_removed;            /* whether it was done */
+  size_t averaged;              /* voxels a side over which the scan was averaged first; 1: none */
   struct wall_level walls;
   struct sweep_table table;
-  double threshold_original, threshold;             /* full resolution; model */
-  double solid_threshold;                           /* of `volume`, which may be restored */
-  double threshold_slope, threshold_slope_original; /* dT/de, reported greys */
-  double void_ratio_original;                       /* of the region at threshold_original */
+  double threshold_original, threshold;             /* at full resolution; of the model */
+  double solid_threshold;                           /* for `volume`, which may be restored */
+  double threshold_slope, threshold_slope_original; /* derivatives dT/de, reported greys */
+  double void_ratio_original;                       /* void ratio of the region at
+                                                       threshold_original */
   double otsu;
   struct grey_phases phases;
   struct voxel_model model;
@@ -86,28 +88,29 @@ struct pipeline {
   size_t specks, disagreeing;
 };
 
-/* Frees all that the stages have made. */
+/* Frees all that the stages have allocated. */
 void pipeline_end(struct pipeline *pipeline);
 
-/* How the volume becomes the model. */
+/* Which axes of the volume are mirrored in the model. */
 struct mirroring pipeline_mirroring(const struct pipeline *pipeline);
 
-/* A grey of the region, as it is reported: of the scan as stored. */
+/* Converts a grey of the region to a reported one. */
 double pipeline_grey(const struct pipeline *pipeline, double internal);
-/* Whether what the model's walls enclose is known: on the scan's own voxels, whose centres,
- * counted, do not quite tell it. */
+/* Whether the volume enclosed by the model's walls is known: in a model of the scan's own voxels,
+ * where counting their centres does not quite give it. */
 bool pipeline_walls_enclose(const struct pipeline *pipeline);
-/* The void ratio that the model's walls leave: within them where that is known, or of its voxels.
- */
+/* The void ratio of the model: within its walls if that is known, otherwise of its voxels. */
 double pipeline_void_ratio(const struct pipeline *pipeline);
-/* Grain less pore, greys of the region; of one peak, all that its greys span. */
+/* Grey of grain minus that of pore, in greys of the region; with a single peak, the range of all
+ * greys. */
 double pipeline_contrast(const struct pipeline *pipeline);
-/* Uncertainty of the threshold from that of the measured void ratio; NAN if none is given. */
+/* Uncertainty of the threshold (reported greys) due to that of the void ratio; NAN if that is
+ * unknown. */
 double pipeline_threshold_error(const struct pipeline *pipeline);
 
-/* The --size (model's axes) at which the expected error of k would be `aim`, no finer than the
- * scan; false where the model is fine enough or nothing is known. *enough: whether the scan can
- * give it. */
+/* The --size (axes of the model) at which the expected error of k would be `aim`, not finer than
+ * the scan; false if the model is fine enough or the error is unknown. *enough: whether the scan is
+ * fine enough. */
 bool pipeline_finer_size(const struct pipeline *pipeline, double aim, size_t size[3], bool *enough);
 
 #endif

@@ -3,8 +3,8 @@
 #include <math.h>
 #include <string.h>
 
-/* The threshold among the coarse levels: that of the same void ratio, or the same grey where one is
- * given or only labels are there. False where levels were cut off around it. */
+/* The threshold in the coarse levels: that with the same void ratio, or the same grey if a
+ * threshold was given or there are only two levels. False if levels were clipped around it. */
 static bool coarse_threshold(const struct pipeline *pipeline, double *threshold) {
   const struct coarse *coarse = &pipeline->coarse;
   if (coarse->step == 1) return false;
@@ -17,23 +17,23 @@ static bool coarse_threshold(const struct pipeline *pipeline, double *threshold)
   return inside;
 }
 
-/* A threshold nearer to a phase's own grey, in contrasts, lies in its noise: counted voxels are all
- * there is. */
-#define BESIDE_PEAK 0.15
+/* A threshold closer than this to the grey of a phase, in contrasts, lies in its noise, so that
+ * only voxels can be counted. */
+#define PEAK_DISTANCE_LEAST 0.15
 
-static double in_greys_of(const struct pipeline *pipeline, const struct wall_level *walls,
-                          double grey) {
+static double grey_of_walls(const struct pipeline *pipeline, const struct wall_level *walls,
+                            double grey) {
   const struct coarse *coarse = &pipeline->coarse;
   return walls->averaged ? (grey - coarse->low) / coarse->unit : grey;
 }
 
-static bool on_own_voxels(const struct pipeline *pipeline) {
+static bool has_scan_voxels(const struct pipeline *pipeline) {
   return memcmp(pipeline->size, pipeline->region.size, sizeof pipeline->size) == 0;
 }
 
 struct enclosed_sides wall_level_sides(const struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
-  struct enclosed_sides sides = {.faces = !on_own_voxels(pipeline)};
+  struct enclosed_sides sides = {.faces = !has_scan_voxels(pipeline)};
   for (int d = 0; d < 3; d++) sides.reflect[d] = sides.faces || mirroring.mirrored[d];
   return sides;
 }
@@ -65,16 +65,16 @@ enum status wall_level_find(struct pipeline *pipeline) {
   }
   if (pipeline->labels.on || !(restored || matched)) return STATUS_OK;
   if (!restored) {
-    const double pore = in_greys_of(pipeline, walls, pipeline->phases.pore_peak);
-    const double low = pore + BESIDE_PEAK * walls->contrast,
-                 high = pore + (1.0 - BESIDE_PEAK) * walls->contrast;
+    const double pore = grey_of_walls(pipeline, walls, pipeline->phases.pore_peak);
+    const double low = pore + PEAK_DISTANCE_LEAST * walls->contrast,
+                 high = pore + (1.0 - PEAK_DISTANCE_LEAST) * walls->contrast;
     if (!(walls->threshold > low && walls->threshold < high)) return STATUS_OK;
     const struct enclosed_sides sides = wall_level_sides(pipeline);
     TRY(enclosed_match(&walls->region, &sides, low, high, &walls->threshold, &porosity));
     walls->void_ratio = porosity / (1.0 - porosity);
   }
-  if (!on_own_voxels(pipeline)) goto cleanup;
-  /* The voxels as they are have the phase that the walls give them. */
+  if (!has_scan_voxels(pipeline)) goto cleanup;
+  /* The scan's own voxels get the phase that the walls give them. */
   pipeline->solid_threshold = walls->threshold;
   if (!restored) pipeline->threshold = walls->threshold;
 cleanup:

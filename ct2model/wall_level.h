@@ -1,4 +1,4 @@
-/* On which greys the walls are measured, and at which of them they lie: where they enclose the void
+/* Chooses the greys on which the walls are measured, and the grey at which they enclose the void
  * ratio, to fractions of a voxel. */
 #ifndef TOSUI_CT2MODEL_WALL_LEVEL_H
 #define TOSUI_CT2MODEL_WALL_LEVEL_H
@@ -6,12 +6,12 @@
 #include "ct2model/scan/enclosed.h"
 #include "ct2model/state.h"
 
-/* The volume that the walls enclose: as it is mirrored in a model of the scan's own voxels; else
- * the region's, so that walls do not depend on which axis the model mirrors. */
+/* Sides of the volume that the walls enclose: as mirrored in a model of the scan's own voxels, else
+ * those of the region. So walls do not depend on which axis the model mirrors. */
 struct enclosed_sides wall_level_sides(const struct pipeline *pipeline);
 
-/* Fills pipeline->walls, after the threshold and the restored scan are known. A threshold that the
- * user gave stays what it is, but on a restored scan, which has other greys. */
+/* Sets pipeline->walls; threshold and restored scan must be known. A threshold given by the user is
+ * kept, except on a restored scan, which has other greys. */
 enum status wall_level_find(struct pipeline *pipeline);
 
 #endif

@@ -54,8 +54,8 @@ static double bin_centre(const struct grey_histogram *histogram, size_t bin) {
   return histogram->low + histogram->width * ((double)bin + 0.5);
 }
 
-/* As grey_histogram_quantile, but a bin stands for all greys half-way to the next that are not
- * empty: levels stored as floats leave most of the narrow bins empty. */
+/* Like grey_histogram_quantile, but a bin represents all greys half-way to the next bins that are
+ * not empty: levels stored as floats leave most of the narrow bins empty. */
 static double level_quantile(const struct grey_histogram *histogram, double porosity) {
   double target = porosity * (double)histogram->total, below = 0.0;
   size_t bin = 0, bins = histogram->bins;
@@ -98,7 +98,7 @@ double grey_histogram_otsu(const struct grey_histogram *histogram) {
       threshold = edge;
       tied = 1;
     } else if (between >= best * (1.0 - 1e-12) && best > 0.0) {
-      /* Empty bins between the classes are equally good: their middle. */
+      /* Empty bins between the classes have equally good edges: the middle is taken. */
       tied++;
       threshold = edge - 0.5 * histogram->width * (double)(tied - 1);
     }
@@ -106,12 +106,12 @@ double grey_histogram_otsu(const struct grey_histogram *histogram) {
   return threshold;
 }
 
-/* Box smoothing wide enough to bridge noise and empty levels, on at most 512 coarse bins. */
+/* Number of coarse bins. They are smoothed widely enough to bridge noise and empty levels. */
 enum { COARSE = 512 };
 
-/* Whether `bin`, the first or last that is not empty, holds what was cut off there: far more than
- * the occupied bins next to it, but less than half of its phase's `share`. Such a spike is no peak.
- */
+/* Whether `bin`, the first or the last that is not empty, holds clipped greys: far more than the
+ * occupied bins next to it, but less than half of the `share` of its phase. Such a spike is not a
+ * peak. */
 static bool is_clipped(const struct grey_histogram *histogram, size_t bin, bool first,
                        double share) {
   const int neighbours = 8;
@@ -157,8 +157,8 @@ static int least_between(const double *coarse, int a, int b) {
   return least;
 }
 
-/* The highest local maximum in first <= i < end; the highest value where there is none, as on the
- * flank of one broad peak. */
+/* The highest local maximum in first <= i < end; if there is none, as on the flank of one broad
+ * peak, the highest value. */
 static int highest_peak(const double *coarse, int first, int end) {
   const int reach = 6;
   int peak = -1, top = first;
@@ -172,7 +172,7 @@ static int highest_peak(const double *coarse, int first, int end) {
   return peak >= 0 ? peak : top;
 }
 
-/* A valley's floor is where no grey is so many times as frequent as the rarest. */
+/* The floor of a valley: greys at most this many times as frequent as the rarest one. */
 #define VALLEY_FLOOR 2.0
 
 void grey_histogram_phases(const struct grey_histogram *histogram, double threshold,
@@ -199,15 +199,16 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
   phases->pore_peak = low + (pore + 0.5) * step;
   phases->grain_peak = low + (grain + 0.5) * step;
   phases->valley = low + (valley + 0.5) * step;
-  int floor_low = valley, floor_high = valley; /* the peaks are higher where there is a valley */
+  int floor_low = valley, floor_high = valley; /* where there is a valley, the peaks lie above its
+                                                  floor */
   while (floor_low > pore && coarse[floor_low - 1] <= VALLEY_FLOOR * coarse[valley]) floor_low--;
   while (floor_high < grain && coarse[floor_high + 1] <= VALLEY_FLOOR * coarse[valley])
     floor_high++;
   phases->valley_low = low + (floor_low + 0.5) * step;
   phases->valley_high = low + (floor_high + 0.5) * step;
   phases->valley_depth = coarse[valley] / fmin(coarse[pore], coarse[grain]);
-  /* The flank away from the other phase is noise alone: 0.3173/2 of a normal distribution lies
-   * below mean - sd. Where the pore's flank is cut off there, the grain's outer flank stands in. */
+  /* The outer flank of the pore peak is due to noise alone: 0.3173/2 of a normal distribution lies
+   * below mean - sd. If this flank is clipped, the outer flank of the grain peak is used. */
   double outer = grey_histogram_porosity(histogram, phases->pore_peak);
   double flank = grey_histogram_quantile(histogram, outer * 0.3173);
   double above = 1.0 - grey_histogram_porosity(histogram, phases->grain_peak);
@@ -218,7 +219,7 @@ void grey_histogram_phases(const struct grey_histogram *histogram, double thresh
     phases->contrast_to_noise = (phases->grain_peak - phases->pore_peak) / phases->noise;
 }
 
-/* Floats in the order of their bits: order-preserving keys for a selection by digits. */
+/* Maps floats to integers in the same order, for a selection by digits. */
 static uint32_t key_of(float value) {
   uint32_t bits;
   memcpy(&bits, &value, 4);
@@ -234,15 +235,15 @@ static float value_of(uint32_t key) {
 
 enum { DIGITS = 65536 };
 
-/* Adds how often greys occur to the counts of their upper digit, or of the lower one of those with
- * the upper digit of `key`. */
+/* Counts the greys by their upper digit or, if `key` is not NULL, those with the upper digit of
+ * `key` by their lower digit. */
 static void count_digits(const float *volume, const struct mirroring *mirroring,
-                         const uint32_t *key, uint64_t *own, uint64_t *counts) {
+                         const uint32_t *key, uint64_t *work, uint64_t *counts) {
   const size_t nx = mirroring->size[0], ny = mirroring->size[1];
 #pragma omp parallel
   {
-    uint64_t *mine = own + (size_t)omp_get_thread_num() * DIGITS;
-    memset(mine, 0, DIGITS * sizeof *mine);
+    uint64_t *thread_counts = work + (size_t)omp_get_thread_num() * DIGITS;
+    memset(thread_counts, 0, DIGITS * sizeof *thread_counts);
 #pragma omp for schedule(static)
     for (size_t row = 0; row < ny * mirroring->size[2]; row++) {
       const unsigned often = mirroring_count(mirroring, 1, row % ny) * // NOLINT: there is a row
@@ -251,13 +252,13 @@ static void count_digits(const float *volume, const struct mirroring *mirroring,
         const uint32_t k = key_of(volume[row * nx + x]);
         const unsigned count = often * mirroring_count(mirroring, 0, x);
         if (key == NULL)
-          mine[k >> 16] += count;
+          thread_counts[k >> 16] += count;
         else if (k >> 16 == *key >> 16)
-          mine[k & 0xffffu] += count;
+          thread_counts[k & 0xffffu] += count;
       }
     }
-#pragma omp critical(grey_digits) /* sums of whole numbers know no order */
-    for (size_t d = 0; d < DIGITS; d++) counts[d] += mine[d];
+#pragma omp critical(grey_digits) /* integer sums do not depend on the order */
+    for (size_t d = 0; d < DIGITS; d++) counts[d] += thread_counts[d];
   }
 }
 
@@ -266,20 +267,20 @@ enum status volume_threshold(const float *volume, const struct mirroring *mirror
   enum status status = STATUS_OK;
   const size_t *n = mirroring->size;
   uint64_t *counts = NULL, total = 1, below = 0, digit = 0;
-  uint64_t *own = NULL;
+  uint64_t *work = NULL;
   TRY(memory_allocate(&counts, 2 * DIGITS, sizeof *counts, "grey counts"));
-  TRY(memory_allocate(&own, (size_t)omp_get_max_threads() * DIGITS, sizeof *own, "grey counts"));
+  TRY(memory_allocate(&work, (size_t)omp_get_max_threads() * DIGITS, sizeof *work, "grey counts"));
   for (int d = 0; d < 3; d++) total *= mirroring->mirrored[d] ? 2 * n[d] - 1 : n[d];
   double target = porosity * (double)total;
   uint32_t key = 0;
   for (int pass = 0; pass < 2; pass++) {
     uint64_t *count = counts + pass * DIGITS;
-    count_digits(volume, mirroring, pass == 0 ? NULL : &key, own, count);
+    count_digits(volume, mirroring, pass == 0 ? NULL : &key, work, count);
     for (digit = 0; digit + 1 < DIGITS && (double)(below + count[digit]) < target; digit++)
       below += count[digit];
     key |= (uint32_t)digit << (pass == 0 ? 16 : 0);
   }
-  /* The grey at the target, how much volume has exactly it, and its neighbours in grey. */
+  /* The grey at the target, the volume that has exactly this grey, and the adjacent greys. */
   float grey = value_of(key), lower = -INFINITY, upper = INFINITY;
   double equal = (double)counts[DIGITS + digit];
 #pragma omp parallel for schedule(static) reduction(max : lower) reduction(min : upper)
@@ -290,12 +291,13 @@ enum status volume_threshold(const float *volume, const struct mirroring *mirror
   double low = isfinite(lower) ? 0.5 * ((double)grey + (double)lower) : (double)grey - 0.5;
   double high = isfinite(upper) ? 0.5 * ((double)grey + (double)upper) : (double)grey + 0.5;
   double share = equal > 0.0 ? (target - (double)below) / equal : 0.5;
-  /* Under one half the nearer count keeps this grey solid: the threshold stays under it. */
+  /* Below one half, keeping this grey solid gives the nearer count, so that the threshold stays
+   * below it. */
   *threshold = share < 0.5 ? low + 2.0 * share * ((double)grey - low)
                            : (double)grey + (2.0 * share - 1.0) * (high - (double)grey);
   if (share < 0.5 && *threshold >= (double)grey) *threshold = nextafter((double)grey, -INFINITY);
 cleanup:
   memory_free(&counts);
-  memory_free(&own);
+  memory_free(&work);
   return status;
 }

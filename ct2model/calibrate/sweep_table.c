@@ -11,7 +11,7 @@
 
 enum { ROWS = 256, MOST_ROWS = 2 * ROWS + 1 };
 
-/* Internal greys first, first + step, ... such that both phases occur at each. */
+/* Chooses greys of the region first, first + step, ... at each of which both phases occur. */
 static void choose_rows(const struct sweep_source *source, double *first, double *step,
                         size_t *count) {
   const struct grey_histogram *histogram = source->histogram;
@@ -28,7 +28,7 @@ static void choose_rows(const struct sweep_source *source, double *first, double
   }
 }
 
-/* counts[i]: voxels of the mirrored volume above row i - 1 and up to row i. */
+/* Counts voxels of the mirrored volume: counts[i] above row i - 1 and up to row i. */
 static void count_volume(const struct sweep_source *source, double first, double step, size_t rows,
                          double *counts, double *total) {
   const struct mirroring *mirroring = &source->mirroring;
@@ -46,7 +46,7 @@ static void count_volume(const struct sweep_source *source, double first, double
         all += count;
       }
     }
-#pragma omp critical(volume_counts) /* sums of whole numbers know no order */
+#pragma omp critical(volume_counts) /* integer sums do not depend on the order */
     {
       for (size_t i = 0; i < rows; i++) counts[i] += (double)below[i];
       *total += (double)all;

@@ -1,4 +1,4 @@
-/* Void ratio and grey histogram against the threshold, at both resolutions. */
+/* Void ratio and grey histogram as functions of the threshold, at both resolutions. */
 #ifndef TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
 #define TOSUI_CT2MODEL_CALIBRATE_SWEEP_TABLE_H
 
@@ -8,9 +8,10 @@
 #include "common/error.h"
 #include "ct2model/calibrate/calibrate.h"
 
-/* Rows rise in the reported grey. Solid is the grain side of the threshold. Of an integer scan the
- * thresholds lie half-way between levels, where "above" and "at or above" are the same. The
- * histograms count the voxels between a row's threshold and the last row's. */
+/* Rows in rising order of the reported grey. Solid is the grain side of the threshold. For an
+ * integer scan the thresholds lie half-way between levels, where "above" and "at or above" are the
+ * same. The histograms count the voxels between the threshold of the previous row and that of this
+ * row. */
 struct sweep_table {
   size_t count;
   double *threshold;
@@ -18,8 +19,9 @@ struct sweep_table {
   double *void_ratio_resampled, *histogram_resampled; /* NULL without a resampled volume */
 };
 
-/* What a sweep is of: greys at full resolution and, unless NULL, the resampled volume, counted as
- * mirrored. A reported grey is `unit` times one of these; of dark grains it falls as they rise. */
+/* Input of a sweep: greys at full resolution and, unless NULL, the resampled volume, counted as
+ * mirrored. A reported grey is `unit` times one of these; with dark grains it decreases as they
+ * increase. */
 struct sweep_source {
   const struct grey_histogram *histogram;
   const float *volume;

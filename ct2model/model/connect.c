@@ -4,14 +4,15 @@
 
 #include "common/memory.h"
 
-/* Union-find over runs. shift: the image of this run that touches image 0 of its parent. */
+/* Union-find over runs. shift: the periodic image of this run, in periods, that is connected to
+ * image 0 of its parent. */
 struct forest {
   uint32_t *parent;
   int16_t (*shift)[3];
-  uint8_t *wraps; /* of roots: bit d set when the part meets its own image along d */
+  uint8_t *wraps; /* of roots: bit d is set if the part meets its own image along d */
 };
 
-static uint32_t find(struct forest *forest, uint32_t run, int shift[3]) {
+static uint32_t find_root(struct forest *forest, uint32_t run, int shift[3]) {
   uint32_t root = run;
   int total[3] = {0, 0, 0};
   while (forest->parent[root] != root) {
@@ -19,7 +20,7 @@ static uint32_t find(struct forest *forest, uint32_t run, int shift[3]) {
     root = forest->parent[root];
   }
   memcpy(shift, total, sizeof total);
-  while (forest->parent[run] != root && run != root) { /* all on the path point at the root */
+  while (forest->parent[run] != root && run != root) { /* path compression */
     uint32_t next = forest->parent[run];
     int step[3];
     for (int d = 0; d < 3; d++) {
@@ -34,9 +35,9 @@ static uint32_t find(struct forest *forest, uint32_t run, int shift[3]) {
 }
 
 /* Run a touches run b, whose image is `step` periods further along `axis`. */
-static void join(struct forest *forest, uint32_t a, uint32_t b, int axis, int step) {
+static void join_runs(struct forest *forest, uint32_t a, uint32_t b, int axis, int step) {
   int to_a[3], to_b[3];
-  uint32_t root_a = find(forest, a, to_a), root_b = find(forest, b, to_b);
+  uint32_t root_a = find_root(forest, a, to_a), root_b = find_root(forest, b, to_b);
   int gap[3];
   for (int d = 0; d < 3; d++) gap[d] = to_a[d] - to_b[d] + (d == axis ? step : 0);
   if (root_a == root_b) {
@@ -44,7 +45,8 @@ static void join(struct forest *forest, uint32_t a, uint32_t b, int axis, int st
       if (gap[d] != 0) forest->wraps[root_a] |= (uint8_t)(1u << d);
     return;
   }
-  /* The older run is the root, so that parts are numbered in the order they are met. */
+  /* The run with the smaller number is the root, so that parts are numbered in the order in which
+   * they are met. */
   if (root_a > root_b) {
     uint32_t swap = root_a;
     root_a = root_b;
@@ -77,7 +79,7 @@ static void join_rows(struct forest *forest, const struct parts *parts, size_t r
   size_t b = parts->row_first[row_b], b_end = parts->row_first[row_b + 1];
   while (a < a_end && b < b_end) {
     const struct run *ra = &parts->runs[a], *rb = &parts->runs[b];
-    if (ra->x0 < rb->x1 && rb->x0 < ra->x1) join(forest, (uint32_t)a, (uint32_t)b, axis, step);
+    if (ra->x0 < rb->x1 && rb->x0 < ra->x1) join_runs(forest, (uint32_t)a, (uint32_t)b, axis, step);
     if (ra->x1 < rb->x1)
       a++;
     else
@@ -114,7 +116,7 @@ static void join_all(struct forest *forest, const struct parts *parts, const boo
       if (periodic[2] && z == nz - 1) join_rows(forest, parts, row, y, 2, 1);
       size_t first = parts->row_first[row], end = parts->row_first[row + 1];
       if (periodic[0] && first < end && parts->runs[first].x0 == 0 && parts->runs[end - 1].x1 == nx)
-        join(forest, (uint32_t)(end - 1), (uint32_t)first, 0, 1);
+        join_runs(forest, (uint32_t)(end - 1), (uint32_t)first, 0, 1);
     }
   }
 }
@@ -175,10 +177,10 @@ enum status parts_find(const uint8_t *image, const size_t size[3], const bool pe
   TRY(memory_allocate(&forest.wraps, n, sizeof *forest.wraps, "labels"));
   for (size_t i = 0; i < n; i++) forest.parent[i] = (uint32_t)i;
   join_all(&forest, parts, periodic);
-  /* A root is the oldest run of its part, so roots are met first. */
+  /* A root is the first run of its part, so that it is met before the others. */
   for (size_t i = 0; i < n; i++) {
     int shift[3];
-    uint32_t root = find(&forest, (uint32_t)i, shift);
+    uint32_t root = find_root(&forest, (uint32_t)i, shift);
     parts->runs[i].part = root == i ? (uint32_t)parts->count++ : parts->runs[root].part;
   }
   TRY(memory_allocate(&parts->parts, parts->count, sizeof *parts->parts, "parts"));

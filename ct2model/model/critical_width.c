@@ -6,12 +6,12 @@
 #include "common/memory.h"
 #include "ct2model/model/connect.h"
 
-/* The critical diameter of Katz and Thompson (1986, Phys. Rev. B 34: 8179): pores at least so wide
- * just lead through. A threshold of the distance to the walls, by halving, in steps of an eighth of
- * a voxel; up to 64 voxels. */
+/* The critical diameter of Katz and Thompson (1986, Phys. Rev. B 34: 8179): the largest one at
+ * which the pores at least as wide still percolate. The threshold of the distance to the walls is
+ * found by bisection, in steps of an eighth of a voxel, up to 64 voxels. */
 enum { STEPS = 8, WIDEST = 64 };
 
-static enum status leads_through(const struct voxel_model *model, size_t layers, float distance,
+static enum status percolates_at(const struct voxel_model *model, size_t layers, float distance,
                                  uint8_t *wide, bool *through) {
   enum status status = STATUS_OK;
   const size_t size[3] = {model->size[0], model->size[1], layers};
@@ -32,17 +32,17 @@ cleanup:
 enum status critical_width_find(const struct voxel_model *model, size_t layers, double *width) {
   enum status status = STATUS_OK;
   uint8_t *wide = NULL;
-  int low = 0, high = STEPS * WIDEST; /* as wide as low leads through, as wide as high does not */
+  int low = 0, high = STEPS * WIDEST; /* `low` percolates, `high` does not */
   bool through = false;
   *width = 0.0;
   TRY(memory_allocate(&wide, model->size[0] * model->size[1] * layers, 1, "pores by their width"));
-  TRY(leads_through(model, layers, 0.0F, wide, &through));
+  TRY(percolates_at(model, layers, 0.0F, wide, &through));
   while (through && high - low > 1) {
     const int middle = (low + high) / 2;
-    bool its = false;
-    TRY(leads_through(model, layers, (float)(0.5 * middle / STEPS * model->spacing[0]), wide,
-                      &its));
-    *(its ? &low : &high) = middle;
+    bool middle_through = false;
+    TRY(percolates_at(model, layers, (float)(0.5 * middle / STEPS * model->spacing[0]), wide,
+                      &middle_through));
+    *(middle_through ? &low : &high) = middle;
   }
   *width = through ? fmax((double)low, 0.5) / STEPS : 0.0;
 cleanup:

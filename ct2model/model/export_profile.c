@@ -9,7 +9,7 @@
 #include "ct2model/model/morphology.h"
 
 struct sums {
-  double pores, voxels, width, wide; /* width: over `wide` pore voxels, voxels */
+  double pores, voxels, width, wide; /* width: sum over `wide` pore voxels, in voxels */
 };
 
 static void write_layers(const struct voxel_model *model, int axis, const struct sums *layer,

@@ -33,7 +33,7 @@ TARGETS static size_t count_both(const uint8_t *restrict a, const uint8_t *restr
   return both;
 }
 
-/* Share of voxel pairs at `distance` along `axis` that are both pore. */
+/* Fraction of the pairs of voxels at `distance` along `axis` that are both pore. */
 static double both_pore(const struct voxel_model *model, int axis, size_t distance) {
   const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
   size_t both = 0;
@@ -67,35 +67,36 @@ static double correlation_length(const struct voxel_model *model) {
 
 /* ---- local thickness ---- */
 
-/* Balls are centred on voxels; the widest ball of a pore lies between them, and is a little
- * wider. */
-static const float MISSED = 0.25f;
+/* Balls are centred on voxels. The largest ball of a pore has its centre between them and is
+ * slightly wider; by this, in voxels. */
+static const float OFF_CENTRE = 0.25f;
 
-/* The place `step` further on, less than one period away. */
-static size_t around(size_t at, long step, size_t n) {
+/* The index `step` further on a periodic axis, less than one period away. */
+static size_t wrapped_index(size_t at, long step, size_t n) {
   const long to = (long)at + step;
   return (size_t)(to < 0 ? to + (long)n : to >= (long)n ? to - (long)n : to);
 }
 
-/* Raises `count` bytes of a row to `value`; the row has `left` of them, and what lies behind it may
- * be another thread's. */
-enum { TOGETHER = 16 };
-typedef uint8_t bytes __attribute__((vector_size(TOGETHER), aligned(1), may_alias));
+/* Raises the first `count` bytes of a row to at least `value`. The row has `left` bytes; what
+ * follows may belong to another thread. */
+enum { VECTOR_BYTES = 16 };
+typedef uint8_t bytes __attribute__((vector_size(VECTOR_BYTES), aligned(1), may_alias));
 static inline void raise_bytes(uint8_t *row, size_t count, size_t left, uint8_t value) {
-  static const uint8_t FIRST[2 * TOGETHER] = {255, 255, 255, 255, 255, 255, 255, 255,
-                                              255, 255, 255, 255, 255, 255, 255, 255};
+  static const uint8_t FIRST[2 * VECTOR_BYTES] = {255, 255, 255, 255, 255, 255, 255, 255,
+                                                  255, 255, 255, 255, 255, 255, 255, 255};
   size_t i = 0;
-  for (; i < count && i + TOGETHER <= left; i += TOGETHER) {
-    const size_t n = count - i < TOGETHER ? count - i : TOGETHER;
-    const bytes raised = *(const bytes *)(FIRST + TOGETHER - n) & value, was = *(bytes *)(row + i);
+  for (; i < count && i + VECTOR_BYTES <= left; i += VECTOR_BYTES) {
+    const size_t n = count - i < VECTOR_BYTES ? count - i : VECTOR_BYTES;
+    const bytes raised = *(const bytes *)(FIRST + VECTOR_BYTES - n) & value,
+                was = *(bytes *)(row + i);
     const bytes lower = (bytes)(was < raised);
     *(bytes *)(row + i) = (raised & lower) | (was & ~lower);
   }
   for (; i < count; i++) row[i] = row[i] < value ? value : row[i];
 }
 
-/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel, where it lies
- * in the layers from `low` to `high` - 1; periodic. */
+/* Raises width[], in quarters of a voxel, to `diameter` in the ball around one voxel, within the
+ * layers from `low` to `high` - 1; periodic. */
 static void paint_ball(const struct voxel_model *model, size_t site, float diameter, size_t low,
                        size_t high, uint8_t *width) {
   const uint8_t quarters = (uint8_t)fminf(4.0f * diameter, 4 * THICKNESS_BINS - 1);
@@ -108,7 +109,7 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
     if (reach[d] > (long)n[d] / 2) reach[d] = (long)n[d] / 2;
   }
   for (long dz = -reach[2]; dz <= reach[2]; dz++) {
-    const size_t layer = around(at[2], dz, n[2]);
+    const size_t layer = wrapped_index(at[2], dz, n[2]);
     if (layer < low || layer >= high) continue;
     for (long dy = -reach[1]; dy <= reach[1]; dy++) {
       double z = (double)dz * model->spacing[2] / unit, y = (double)dy * model->spacing[1] / unit;
@@ -116,20 +117,20 @@ static void paint_ball(const struct voxel_model *model, size_t site, float diame
       if (left < 0.0) continue;
       long half = (long)sqrt(left);
       if (half > reach[0]) half = reach[0];
-      uint8_t *row = width + (layer * n[1] + around(at[1], dy, n[1])) * n[0];
-      const size_t first = around(at[0], -half, n[0]), count = 2 * (size_t)half + 1;
-      const size_t whole = count < n[0] - first ? count : n[0] - first; /* before the row's end */
+      uint8_t *row = width + (layer * n[1] + wrapped_index(at[1], dy, n[1])) * n[0];
+      const size_t first = wrapped_index(at[0], -half, n[0]), count = 2 * (size_t)half + 1;
+      const size_t whole = count < n[0] - first ? count : n[0] - first; /* up to the row's end */
       raise_bytes(row + first, whole, n[0] - first, quarters);
       raise_bytes(row, count - whole, n[0], quarters);
     }
   }
 }
 
-static float ball_of(const struct voxel_model *model, size_t site) {
-  return 2.0f * model->wall_distance[site] / (float)model->spacing[0] + MISSED;
+static float ball_diameter(const struct voxel_model *model, size_t site) {
+  return 2.0f * model->wall_distance[site] / (float)model->spacing[0] + OFF_CENTRE;
 }
 
-/* The voxels that all balls hold, about, and the widest ball. */
+/* Approximate number of voxels in all balls, and the diameter of the largest one. */
 static uint64_t count_work(const struct voxel_model *model, float *widest) {
   const size_t plane = model->size[0] * model->size[1];
   uint64_t work = 0;
@@ -138,8 +139,8 @@ static uint64_t count_work(const struct voxel_model *model, float *widest) {
   for (size_t z = 0; z < model->size[2]; z++) {
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
       if (model->solid[i] != 0) continue;
-      const float ball = ball_of(model, i);
-      const float radius = fmaxf(0.0f, fminf(0.5f * (ball - MISSED), 1e4f));
+      const float ball = ball_diameter(model, i);
+      const float radius = fmaxf(0.0f, fminf(0.5f * (ball - OFF_CENTRE), 1e4f));
       work += 1 + (uint64_t)(4.2f * radius * radius * radius);
       most = ball > most ? ball : most;
     }
@@ -148,7 +149,7 @@ static uint64_t count_work(const struct voxel_model *model, float *widest) {
   return work;
 }
 
-/* All balls, where they lie in a few layers: what others paint there is not lost. */
+/* Paints the parts of all balls that lie in a few layers: each thread writes to its own layers. */
 static void paint_layers(const struct voxel_model *model, size_t low, size_t high, float widest,
                          uint8_t *width) {
   const size_t plane = model->size[0] * model->size[1], nz = model->size[2];
@@ -158,7 +159,7 @@ static void paint_layers(const struct voxel_model *model, size_t low, size_t hig
   for (size_t k = 0; k < n; k++) {
     const size_t z = (low + nz - reach + k) % nz; // NOLINT: a model has a layer
     for (size_t i = z * plane; i < (z + 1) * plane; i++)
-      if (model->solid[i] == 0) paint_ball(model, i, ball_of(model, i), low, high, width);
+      if (model->solid[i] == 0) paint_ball(model, i, ball_diameter(model, i), low, high, width);
   }
 }
 
@@ -208,7 +209,7 @@ cleanup:
 
 /* ---- windows ---- */
 
-/* Pore voxels in each box [0,x) x [0,y) x [0,z). */
+/* Number of pore voxels in each box [0,x) x [0,y) x [0,z). */
 static enum status summed_volume(const struct voxel_model *model, size_t layers, uint32_t **sums) {
   size_t nx = model->size[0] + 1, ny = model->size[1] + 1, nz = layers + 1;
   enum status status = memory_allocate(sums, nx * ny * nz, sizeof **sums, "window sums");

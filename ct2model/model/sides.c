@@ -4,7 +4,7 @@
 
 #include "common/memory.h"
 
-/* Where voxel i of the model comes from. */
+/* The index from which voxel i of the model is copied. */
 static size_t source(size_t i, size_t n) {
   return i < n ? i : 2 * n - 2 - i;
 }
@@ -16,7 +16,7 @@ enum status sides_mirror(const size_t n[3], const struct voxel_model *model, voi
   char *layer = NULL, *out = data;
   if (to[0] == n[0] && to[1] == n[1]) return STATUS_OK;
   TRY(memory_allocate(&layer, n[0] * n[1], bytes, "a layer"));
-  for (size_t z = to[2]; z-- > 0;) { /* from the end, so that nothing is written over unread */
+  for (size_t z = to[2]; z-- > 0;) { /* backwards, so that no value is overwritten unread */
     memcpy(layer, out + z * n[0] * n[1] * bytes, n[0] * n[1] * bytes);
     for (size_t y = 0; y < to[1]; y++)
       for (size_t x = 0; x < to[0]; x++)

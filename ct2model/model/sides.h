@@ -1,4 +1,4 @@
-/* The sides of a model, along the flow: mirrored in x and y, and what its walls are there. */
+/* Mirrors a model at its sides along the flow, in x and y. */
 #ifndef TOSUI_CT2MODEL_MODEL_SIDES_H
 #define TOSUI_CT2MODEL_MODEL_SIDES_H
 
@@ -7,11 +7,12 @@
 #include "common/error.h"
 #include "common/model_file.h"
 
-/* Spreads data[model z][n y][n x] to data[model z][model y][model x], which has room for it: along
- * an axis on which the model has 2n - 1 voxels, those from n on repeat n - 2 .. 0. */
+/* Extends data[model z][n y][n x] to data[model z][model y][model x] in place, for which there is
+ * room: along an axis on which the model has 2n - 1 voxels, those from n on repeat n - 2 .. 0.
+ * `bytes`: size of a value. */
 enum status sides_mirror(const size_t n[3], const struct voxel_model *model, void *data,
                          size_t bytes);
-/* The same of data that are spread already, where they stand. */
+/* The same for data that already have the size of the model. */
 void sides_repeat(const size_t n[3], const struct voxel_model *model, void *data, size_t bytes);
 
 #endif

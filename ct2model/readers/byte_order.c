@@ -6,16 +6,17 @@
 #include "common/memory.h"
 #include "ct2model/readers/row_ends.h"
 
-/* Numbers drawn at random have a roughness of 1.3 (uniform) to 1.4 (normal). A scan is smooth, but
- * for its noise; its low bytes alone are random. */
-#define MUCH_ALIKE 2.0
-/* So alike are neighbours of a noisy scan; the two bytes of one pixel are not. */
-#define ALIKE 0.8
-/* Pixels of 8 bits made to ones of 16 have two equal bytes. */
-#define MOSTLY 0.9
+/* Ratio of roughness from which the other byte order is suggested. Random numbers have a roughness
+ * of 1.3 (uniform) to 1.4 (normal). A scan is smooth except for its noise; only its low bytes are
+ * random. */
+#define ROUGHNESS_RATIO 2.0
+/* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
+#define ROUGHNESS_SCAN 0.8
+/* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
+#define EQUAL_BYTES 0.9
 
-/* Mean difference of neighbours in a row over the mean distance from the mean; infinite where a
- * pixel is not a number. */
+/* Mean difference of neighbours in a row over the mean deviation from the mean; infinite if a pixel
+ * is not a number. */
 static double roughness(const float *pixels, size_t width, size_t height) {
   const size_t n = width * height;
   double mean = 0.0, distance = 0.0, step = 0.0;
@@ -28,24 +29,24 @@ static double roughness(const float *pixels, size_t width, size_t height) {
   return distance > 0.0 ? step / distance : 0.0;
 }
 
-/* Whether what was said to be pixels of 16 bits are pairs of 8: then the two bytes of a pixel are
- * neighbours, as alike as others. `pixels` is overwritten. */
+/* Whether pixels described as 16 bits are pairs of 8-bit pixels: then the two bytes of a pixel are
+ * neighbours, and as alike as others. `pixels` is overwritten. */
 static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, float *pixels) {
   size_t equal = 0;
   for (size_t i = 0; i < width * height; i++) equal += bytes[2 * i] == bytes[2 * i + 1];
-  if ((double)equal > MOSTLY * (double)(width * height)) return false;
+  if ((double)equal > EQUAL_BYTES * (double)(width * height)) return false;
   for (size_t half = 0; half < 2; half++) {
     for (size_t y = 0; y < height; y++) {
       const uint8_t *row = bytes + 2 * width * y + half * (width / 2) * 2;
       for (size_t x = 0; x < width / 2 * 2; x++) pixels[y * (width / 2 * 2) + x] = (float)row[x];
     }
-    if (roughness(pixels, width / 2 * 2, height) > ALIKE) return false;
+    if (roughness(pixels, width / 2 * 2, height) > ROUGHNESS_SCAN) return false;
   }
   return true;
 }
 
-/* Share of neighbours in a row that are 3/4 of the type's range apart. */
-static double leaps(const float *pixels, size_t width, size_t n, enum pixel_type type) {
+/* Fraction of neighbours in a row that differ by more than 3/4 of the range of the type. */
+static double jump_fraction(const float *pixels, size_t width, size_t n, enum pixel_type type) {
   double low, high;
   size_t count = 0;
   if (!pixel_levels(type, &low, &high)) return 0.0;
@@ -54,9 +55,9 @@ static double leaps(const float *pixels, size_t width, size_t n, enum pixel_type
   return (double)count / (double)n;
 }
 
-/* Whether signed pixels are unsigned ones: those above half of the range wrapped to below zero, so
- * that neighbours leap from end to end of it. Labels of both ends leap nowhere when turned, and
- * may be meant: of few values nothing is said. `pixels` is overwritten. */
+/* Whether signed pixels are in fact unsigned: those above half of the range are wrapped to below
+ * zero, so that neighbours jump from one end of the range to the other. Labels of both ends may be
+ * intended, so an image with few values is not judged. `pixels` is overwritten. */
 static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_type type,
                          float *pixels) {
   const enum pixel_type turned = type == PIXEL_I8 ? PIXEL_U8 : PIXEL_U16;
@@ -69,12 +70,12 @@ static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_
     while (v < values && seen[v] != pixels[i]) v++;
     if (v == values) seen[values++] = pixels[i];
   }
-  const double given = leaps(pixels, width, n, type);
+  const double given = jump_fraction(pixels, width, n, type);
   pixels_to_float(pixels, stored, n, turned);
-  return values == 16 && given > 0.001 && leaps(pixels, width, n, turned) < 0.1 * given;
+  return values == 16 && given > 0.001 && jump_fraction(pixels, width, n, turned) < 0.1 * given;
 }
 
-/* Mean difference of pixels `lag` apart, of some thousand that lie all over the first n - most. */
+/* Mean difference of pixels `lag` apart, for some thousand spread over the first n - most. */
 static double lag_difference(const float *pixels, size_t n, size_t most, size_t lag) {
   enum { SAMPLES = 4096 };
   double sum = 0.0;
@@ -85,10 +86,10 @@ static double lag_difference(const float *pixels, size_t n, size_t most, size_t 
   return sum / SAMPLES;
 }
 
-/* The width at which a pixel is like the one below as it is like the one beside it, where that is
- * clearly not so at the width given; else 0. A body that repeats along x passes: there pixels are
- * alike at the width given too; so does one of layers: at none of these lags more than at others,
- * unless they are inclined (row_ends.h). */
+/* The width at which a pixel is as similar to the one below as to the one beside it, if that
+ * clearly fails at the given width; otherwise 0. A body that repeats along x is accepted, as its
+ * pixels are similar at the given width, too; so is a layered body, unless its layers are inclined
+ * (row_ends.h), as no lag is better than others. */
 static size_t better_width(const float *pixels, size_t width, size_t n) {
   enum { LEAST = 8, ASIDE = 4 };
   const size_t most = 4 * width + ASIDE < n / 2 ? 4 * width + ASIDE : n / 2;
@@ -152,7 +153,7 @@ enum status byte_order_check(const struct image *image) {
   pixels_swap(stored, n, image->type);
   pixels_to_float(pixels, stored, n, image->type);
   const double other = roughness(pixels, image->size[0], image->size[1]);
-  if (given > MUCH_ALIKE * other && other > 0.0)
+  if (given > ROUGHNESS_RATIO * other && other > 0.0)
     log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
                 "is %c%zu%s meant in --raw?",
                 image->path, letter_of(image->type), 8 * bytes, image->swap ? "le" : "be");

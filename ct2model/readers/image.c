@@ -44,7 +44,7 @@ static void list_readers(char *text, size_t size) {
 enum status image_file_size(const char *path, uint64_t *size) {
   struct stat info;
   if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  if (!S_ISREG(info.st_mode)) /* to read a pipe might never end */
+  if (!S_ISREG(info.st_mode)) /* reading a pipe might never end */
     return FAIL(STATUS_INPUT, "%s: a %s, not an image file", path,
                 S_ISDIR(info.st_mode) ? "folder" : "pipe or device");
   *size = (uint64_t)info.st_size;
@@ -121,7 +121,7 @@ static enum status read_head(const char *path, unsigned char *head, size_t size,
 
 enum status image_open(const char *path, const struct raw_layout *raw, struct image *image) {
   enum status status = STATUS_OK;
-  unsigned char head[520]; /* an HDF5 file's signature may stand behind 512 */
+  unsigned char head[520]; /* the signature of an HDF5 file may follow 512 bytes */
   size_t got = 0;
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
@@ -180,7 +180,7 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
   const size_t bytes = image->size[0] * image->size[1] * pixel_size(image->type);
   enum status status = image->reader->read(image, page, out);
   unsigned char *pixels = out;
-  /* White for black among all levels, signed or not, is every bit the other way. */
+  /* Exchanging white and black, signed or not, inverts every bit. */
   for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++)
     pixels[i] = (unsigned char)~pixels[i];
   return status;
@@ -201,7 +201,7 @@ cleanup:
   return status;
 }
 
-/* Whether a link leads `path` out of the folder of the header. */
+/* Whether a link takes `path` out of the folder of the header. */
 static bool leads_out(const char *header, const char *path) {
   char *of_header = realpath(header, NULL), *of_path = realpath(path, NULL);
   bool out = false;
@@ -248,7 +248,7 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
     image->data_offset = (double)bytes > wanted ? bytes - (uint64_t)wanted : 0;
   }
   if (compressed) {
-    /* No stream of deflate unpacks to more than 1032 times its length. */
+    /* A deflate stream expands to at most 1032 times its length. */
     double most = 1032.0 * ((double)bytes - (double)image->data_offset);
     if (!(wanted <= most))
       return FAIL(STATUS_INPUT,
@@ -264,7 +264,7 @@ enum status image_claim_pixels(struct image *image, bool compressed) {
               path, (double)bytes - (double)image->data_offset, wanted);
 }
 
-/* One page at `offset` of a file as it is. */
+/* Reads one page at `offset` of an uncompressed file. */
 static enum status read_bytes(const char *path, uint64_t offset, size_t size, size_t page,
                               unsigned char *out) {
   int file = open(path, O_RDONLY | O_CLOEXEC);
@@ -281,8 +281,8 @@ static enum status read_bytes(const char *path, uint64_t offset, size_t size, si
   return FAIL(STATUS_INPUT, "%s: ends within slice %zu; the file is cut short", path, page);
 }
 
-/* Of pixels that lie by columns, z first: a page has one of every so many, through the whole file.
- * Planes of one x are read after each other, and what is not of the page is dropped. */
+/* Reads a page of pixels in column order, z first, whose pixels are spread through the whole file.
+ * Planes of one x are read one after the other, and all that is not of the page is dropped. */
 static enum status read_columns(const struct image *image, size_t page, unsigned char *out) {
   enum status status = STATUS_OK;
   const size_t nx = image->size[0], ny = image->size[1], one = pixel_size(image->type);

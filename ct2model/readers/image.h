@@ -1,7 +1,7 @@
-/* One image file: its header, read apart from its pixels, and its pages.
+/* One image file: its header, which is read before its pixels, and its pages.
  *
- * A reader is three functions; image.c lists them. Reading opens the file anew, so pages may be
- * read from several threads at once. */
+ * A reader consists of three functions; readers.def lists them. Reading opens the file anew, so
+ * that several threads can read pages at once. */
 #ifndef TOSUI_CT2MODEL_READERS_IMAGE_H
 #define TOSUI_CT2MODEL_READERS_IMAGE_H
 
@@ -22,35 +22,37 @@ struct image {
   size_t size[2]; /* x, y */
   size_t pages;
   enum pixel_type type;
-  double voxel[3];          /* m; x, y, z; NAN where the file does not say */
+  double voxel[3];          /* m; x, y, z; NAN if the file does not tell */
   const char *voxel_source; /* "TIFF resolution tags"; NULL if none */
-  char note[160];           /* what a user should hear about this file; "" if nothing */
-  /* for the reader */
-  char *data_path;      /* where the pixels are, if not in `path` */
+  char note[160];           /* a message to the user about this file; "" if none */
+  /* for use by the reader */
+  char *data_path;      /* file with the pixels, if it is not `path` */
   uint64_t data_offset; /* of page 0, for contiguous pixels; 0 otherwise */
   struct inflated
       *inflated; /* compressed contiguous pixels; data_offset then counts unpacked bytes */
-  struct image_dataset *dataset; /* of an HDF5 file */
-  bool swap;                     /* bytes of contiguous pixels */
+  struct image_dataset *dataset; /* dataset of an HDF5 file */
+  bool swap;                     /* contiguous pixels have reversed bytes */
   enum {
     WIDENED_NOT,
     WIDENED_HALF,
     WIDENED_I64,
     WIDENED_U64
   } widened;                     /* stored so, read as type */
-  bool columns;                  /* of contiguous pixels z runs first, then y (Fortran's order) */
-  uint64_t *page_offsets;        /* of the directories of a multi-page TIFF */
-  unsigned orientation;          /* of a TIFF: where its first row and column are */
+  bool columns;                  /* contiguous pixels are ordered with z first, then y (as in
+                                    Fortran) */
+  uint64_t *page_offsets;        /* offsets of the directories of a multi-page TIFF */
+  unsigned orientation;          /* of a TIFF: position of its first row and column */
   bool invert;                   /* white is zero */
   bool plain;                    /* every pixel is a value of `type` */
 };
 
 struct image_reader {
   const char *name;       /* "TIFF" */
-  const char *endings[5]; /* of its files' names in a folder, then NULL: ".tif", ... */
+  const char *endings[5]; /* file name extensions, then NULL: ".tif", ... */
   bool (*claims)(const char *path, const unsigned char *head, size_t n);
   enum status (*open)(const char *path, struct image *image);
-  /* A page as values of the image's type, native byte order; as float if it is not plain. */
+  /* Reads a page as values of the image's type in native byte order, or as float if it is not
+   * `plain`. */
   enum status (*read)(const struct image *image, size_t page, void *out);
 };
 
@@ -58,7 +60,7 @@ struct image_reader {
 #include "ct2model/readers/readers.def"
 #undef READER
 
-/* Layout of headerless files from --raw. */
+/* Layout of headerless files, from --raw. */
 struct raw_layout {
   bool given;
   size_t size[3];
@@ -66,33 +68,33 @@ struct raw_layout {
   bool big_endian;
 };
 
-/* "NXxNYxNZ:u8|u16le|..." */
+/* Parses "NXxNYxNZ:u8|u16le|..."; usage errors. */
 enum status raw_layout_parse(const char *text, struct raw_layout *layout);
 
 /* Reads the header. `raw` is NULL or not `given` for files that describe themselves. Free with
  * image_close. */
 enum status image_open(const char *path, const struct raw_layout *raw, struct image *image);
 void image_close(struct image *image);
-/* Page `page` into out[size[1]][size[0]]. */
+/* Reads page `page` into out[size[1]][size[0]]. */
 enum status image_read(const struct image *image, size_t page, float *out);
-/* Whether all pixels are values of a type with levels. */
+/* Whether all pixels are values of an integer type with few levels (pixel_levels). */
 bool image_has_levels(const struct image *image);
-/* Of an image that has levels: page `page` as `type`, native byte order. */
+/* For an image with levels: reads page `page` as values of `type` in native byte order. */
 enum status image_read_stored(const struct image *image, size_t page, void *out);
-/* True for names that one of the readers takes (by extension). */
+/* Whether one of the readers takes files with this extension. */
 bool image_name_known(const char *name);
 
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, void *out);
-/* For readers: data_offset of pixels that end the file, wherever they start. */
+/* For readers: data_offset of pixels that end with the end of the file, wherever they start. */
 #define PIXELS_AT_END UINT64_MAX
-/* For readers: the header's line `line` says that the pixels are in the file `name` beside it;
- * names that lead out of the header's folder are refused. */
+/* For readers: line `line` of the header names the file `name` beside it as that with the pixels.
+ * Names that lead out of the folder of the header are refused. */
 enum status image_data_beside(struct image *image, const char *name, int line);
-/* For readers: checks that the pixels promised by the header are there; with `compressed` they are
- * gzip or zlib data from data_offset on. */
+/* For readers: checks that the file holds the pixels that the header describes; with `compressed`
+ * they are gzip or zlib data from data_offset on. */
 enum status image_claim_pixels(struct image *image, bool compressed);
-/* For readers: what to do about what cannot be decoded. */
+/* For readers: advice about data that cannot be decoded. */
 #define EXPORT_AGAIN "; the file is cut short or damaged: export it again"
 /* For readers: size of a file in bytes. */
 enum status image_file_size(const char *path, uint64_t *size);

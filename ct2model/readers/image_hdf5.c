@@ -8,7 +8,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
-/* Pages are read some at a time, for chunks that hold many; the library knows one thread only. */
+/* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
 #define BLOCK_BYTES 64e6
 enum { BLOCK_MOST = 64 };
 
@@ -36,7 +36,7 @@ const char *image_hdf5_dataset(const char *path) {
   return NULL;
 }
 
-/* MATLAB (-v7.3) puts a text of 512 bytes before it. */
+/* MATLAB (-v7.3) puts 512 bytes of text before the signature. */
 static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
   static const char SIGNATURE[] = "\x89HDF\r\n\x1a\n";
   (void)path;
@@ -44,12 +44,12 @@ static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
          (n >= 520 && memcmp(head + 512, SIGNATURE, 8) == 0);
 }
 
-/* What is in a group, for the message. */
+/* Lists the contents of a group, for the message. */
 static void list_group(struct h5_file *file, const char *group, char list[200]) {
   size_t count = 0;
   char **names = NULL;
   list[0] = '\0';
-  if (h5_list(file, group, &count, &names) != STATUS_OK) error_clear(); /* is none */
+  if (h5_list(file, group, &count, &names) != STATUS_OK) error_clear(); /* it is no group */
   for (size_t i = 0; i < count; i++)
     snprintf(list + strlen(list), 200 - strlen(list), " %s/%s", strcmp(group, "/") ? group : "",
              names[i]);
@@ -70,7 +70,7 @@ static enum status name_datasets(struct h5_file *file) {
               h5_path(file), h5_path(file), list);
 }
 
-/* The type of a pixel, and that in which the numbers are read: the layer below has no others. */
+/* The type of a pixel, and that in which numbers are read: the HDF5 layer below has no others. */
 static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_type *type) {
   const bool whole = format != 'f';
   if (!whole || bits > 32 || !pixel_type_of(bits, format, pixel))
@@ -82,7 +82,7 @@ static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_
                                 : H5_I32;
 }
 
-/* Numbers as read to pixels: those of less than 32 bits were widened. */
+/* Converts the numbers read to pixels: those of less than 32 bits were widened. */
 static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_type type,
                    void *out) {
   const size_t bytes = pixel_size(pixel);

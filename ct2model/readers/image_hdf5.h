@@ -4,8 +4,8 @@
 
 #include "ct2model/readers/image.h"
 
-/* Where the dataset's name starts in `path` ("/dataset"), NULL where `path` names a plain file, or
- * what stands before ":/" is none. */
+/* Start of the dataset's name in `path` ("/dataset"); NULL if `path` names a plain file, or if no
+ * file precedes ":/". */
 const char *image_hdf5_dataset(const char *path);
 void image_hdf5_end(struct image_dataset *dataset);
 

@@ -18,7 +18,7 @@ static bool npy_claims(const char *path, const unsigned char *head, size_t n) {
   return n >= 10 && memcmp(head, "\x93NUMPY", 6) == 0;
 }
 
-/* What stands behind 'key': in the dictionary; NULL if nothing. */
+/* The text after 'key': in the dictionary; NULL if there is none. */
 static const char *value_of(const char *header, const char *key) {
   char quoted[24];
   snprintf(quoted, sizeof quoted, "'%s':", key);
@@ -28,8 +28,8 @@ static const char *value_of(const char *header, const char *key) {
   return at + strspn(at, " ");
 }
 
-/* What no pixel type holds is widened as it is read: floats of 16 bits to 32, integers of 64 bits
- * to floats, exact up to 2^53. image->type is that of the file's bytes until its pixels are
+/* Types that are no pixel types are widened when read: floats of 16 bits to 32, integers of 64 bits
+ * to floats, exact up to 2^53. image->type is that of the bytes in the file until the pixels are
  * claimed. */
 static bool read_type(const char *value, struct image *image) {
   char order, format;
@@ -37,7 +37,7 @@ static bool read_type(const char *value, struct image *image) {
   if (value == NULL || sscanf(value, "'%c%c%d'", &order, &format, &bytes) != 3) return false;
   if (strchr("<>|=", order) == NULL || bytes < 1 || bytes > 8) return false;
   image->swap = order == '>';
-  if (format == 'b' && bytes == 1) format = 'u'; /* truth values */
+  if (format == 'b' && bytes == 1) format = 'u'; /* booleans */
   if (format == 'f' && bytes == 2) {
     image->widened = WIDENED_HALF;
     image->type = PIXEL_U16;
@@ -128,7 +128,8 @@ static float half_value(uint16_t half) {
 static enum status npy_read(const struct image *image, size_t page, void *out) {
   struct image stored = *image;
   const size_t n = image->size[0] * image->size[1];
-  /* Narrower values come to lie at the end of `out`, and are overtaken by none that is written. */
+  /* Narrower values are read to the end of `out`, so that writing from its start does not overtake
+   * them. */
   char *from = out;
   if (image->widened == WIDENED_HALF) {
     stored.type = PIXEL_U16;

@@ -37,7 +37,7 @@ static bool nrrd_type(const char *name, enum pixel_type *type) {
   return false;
 }
 
-/* The length of "(a,b,c)" vectors or plain spacings, in the unit of `unit`. */
+/* Reads the lengths of "(a,b,c)" vectors, or plain spacings, in the units `units`. */
 static void read_spacing(struct image *image, const char *value, const char *units) {
   double metres[3];
   const char *at = units;

@@ -10,7 +10,7 @@
 
 #include "common/memory.h"
 
-/* libpng reports by longjmp; everything that must be freed lives in this struct. */
+/* libpng reports errors by longjmp; all that must be freed is in this struct. */
 struct png_session {
   FILE *file;
   png_structp png;
@@ -46,8 +46,8 @@ static enum status session_start(struct png_session *session, const char *path) 
   session->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, session, on_error, on_warning);
   if (session->png != NULL) session->info = png_create_info_struct(session->png);
   if (session->info == NULL) return FAIL(STATUS_RUN, "%s: out of memory", path);
-  /* Texts and profiles, for which libpng takes as much memory as the file claims, 2 GB, are
-   * skipped. */
+  /* Texts and profiles, for which libpng allocates as much memory as the file claims, up to 2 GB,
+   * are skipped. */
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
                               1);
@@ -59,7 +59,7 @@ static bool png_claims(const char *path, const unsigned char *head, size_t n) {
   return n >= 8 && png_sig_cmp(head, 0, 8) == 0;
 }
 
-/* Screen resolutions that programs write without being asked are no voxel sizes. */
+/* Screen resolutions, which programs write by default, are no voxel sizes. */
 static bool is_screen_resolution(double pixels_per_metre) {
   static const double DPI[] = {72, 96, 100, 150, 300, 600};
   for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
@@ -154,7 +154,7 @@ static enum status png_read(const struct image *image, size_t page, void *out) {
     memcpy(out, session.pixels, pixels * pixel_size(image->type));
   else
     status = colour_to_grey(image, session.pixels, out);
-  pixels_swap(out, pixels, image->type); /* a PNG is big-endian */
+  pixels_swap(out, pixels, image->type); /* PNG is big-endian */
 cleanup:
   session_end(&session);
   return status;

@@ -15,25 +15,25 @@
 #include "common/memory.h"
 #include "ct2model/readers/tiff_description.h"
 
-/* libtiff has one handler for all threads; the text of the last error belongs to the thread. */
+/* libtiff has one error handler for all threads; the last message is kept per thread. */
 static _Thread_local char tiff_message[160];
 
 static void on_error(const char *module, const char *format, va_list arguments) {
   (void)module;
-  /* Strips are read whole: of no row it says the last that could be. */
+  /* Strips are read as a whole: instead of a row, libtiff names the largest possible number. */
   static const char NO_ROW[] = " at scanline 4294967295";
   vsnprintf(tiff_message, sizeof tiff_message, format, arguments);
   char *at = strstr(tiff_message, NO_ROW);
   if (at != NULL) memmove(at, at + sizeof NO_ROW - 1, strlen(at + sizeof NO_ROW - 1) + 1);
 }
 
-/* Once: libtiff keeps them where other threads read them. */
+/* Set once: libtiff stores the handlers where other threads read them. */
 static void handlers_set(void) {
   TIFFSetErrorHandler(on_error);
   TIFFSetWarningHandler(NULL);
 }
 
-/* A file whose header may name another first directory than is written there. */
+/* A file whose header may refer to another first directory than the stored one. */
 struct source {
   int file;
   uint64_t at;
@@ -79,13 +79,14 @@ static int source_close(thandle_t handle) {
   return failed;
 }
 
-/* With its first directory at `directory`, 0: where the header says. libtiff finds the number of a
- * directory by going through all before it, and a stack of n pages would be gone through n times;
- * the first it takes as it is. Plain reads: a mapped file that shrinks would end us. */
+/* Opens a TIFF with its first directory at `directory`; 0: where the header says. libtiff finds a
+ * directory by number by reading all those before it, so that a stack of n pages would be read n
+ * times; the first directory it takes directly. Plain reads are used, since a mapped file that
+ * shrinks would crash the program. */
 static TIFF *tiff_start(const char *path, uint64_t directory) {
   static pthread_once_t handlers = PTHREAD_ONCE_INIT;
   struct source *source =
-      calloc(1, sizeof *source); /* libtiff's own, like the rest of its memory */
+      calloc(1, sizeof *source); /* not memory_allocate: it belongs to libtiff */
   tiff_message[0] = '\0';
   (void)pthread_once(&handlers, handlers_set);
   if (source == NULL) return NULL;
@@ -108,7 +109,7 @@ static TIFF *tiff_start(const char *path, uint64_t directory) {
   TIFF *tiff = TIFFClientOpen(path, "rm", source, source_read, source_write, source_seek,
                               source_close, source_size, NULL, NULL);
   if (tiff == NULL) source_close(source);
-  if (tiff != NULL) source->head_size = 0; /* what else lies there is as written */
+  if (tiff != NULL) source->head_size = 0; /* the header itself is read as it is stored */
   return tiff;
 }
 
@@ -142,7 +143,8 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   char format = layout->format == SAMPLEFORMAT_IEEEFP ? 'f'
                 : layout->format == SAMPLEFORMAT_INT  ? 'i'
                                                       : 'u';
-  bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* parts of a byte */
+  bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* samples of less than
+                                                                               a byte */
   if (whole && layout->samples == 1 && format == 'u') {
     *type = PIXEL_U8;
     return STATUS_OK;
@@ -154,8 +156,8 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   return STATUS_OK;
 }
 
-/* Whether the greys of a palette are whole numbers of 8 bits (TIFF's have 16). Entries that are no
- * grey do not count: a pixel that has one is refused. */
+/* Whether the greys of a palette fit in 8 bits (TIFF stores 16). Entries that are not grey do not
+ * count: a pixel with such an entry is refused. */
 static bool palette_is_whole(TIFF *tiff, const struct tiff_layout *layout) {
   uint16_t *palette[3];
   if (layout->photometric != PHOTOMETRIC_PALETTE || layout->bits > 8 ||
@@ -178,7 +180,8 @@ static void read_resolution(TIFF *tiff, const char *description, struct image *i
   tiff_voxel_size(description, resolution, metres, image->voxel, &image->voxel_source);
 }
 
-/* ImageJ writes stacks over 4 GB with one directory, the other slices behind the first. */
+/* ImageJ writes stacks of more than 4 GB with a single directory, and the other slices after the
+ * first. */
 static bool imagej_contiguous(TIFF *tiff, const char *description, const struct tiff_layout *layout,
                               struct image *image) {
   char text[40];
@@ -206,7 +209,8 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   return image->pages > 0;
 }
 
-/* The offsets of all directories of full size; thumbnails (reduced images) are left out. */
+/* Collects the offsets of all directories with images of full size; thumbnails (reduced images) are
+ * left out. */
 static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
   size_t room = 0;
   enum status status = STATUS_OK;
@@ -241,7 +245,7 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   } while (TIFFReadDirectory(tiff));
   if (tiff_message[0] == '\0' && !TIFFLastDirectory(tiff))
     snprintf(tiff_message, sizeof tiff_message, "its directories lead in a circle");
-  /* A clean end leaves no message; a broken chain of directories does. */
+  /* A regular end leaves no message; a broken chain of directories does. */
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
@@ -270,7 +274,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   image->plain = true;
   image->orientation = layout.orientation;
-  /* Boxes are given in the pixels of ImageJ and of arrays, which do not turn them either. */
+  /* Boxes refer to pixels as in ImageJ and in arrays, which ignore the orientation, too. */
   if (layout.orientation != ORIENTATION_TOPLEFT)
     snprintf(
         image->note, sizeof image->note,
@@ -292,15 +296,15 @@ cleanup:
   return status;
 }
 
-/* One row of decoded samples to values of the image's type: sub-byte samples, palettes and colours
- * that are grey. */
+/* Converts one row of decoded samples to values of the image's type: samples of less than a byte,
+ * palettes and colours that are grey. */
 struct row_decoder {
   const struct image *image;
   struct tiff_layout layout;
   uint16_t *palette[3];
 };
 
-/* Entries of the palette, in `out` where greys are whole, to greys. */
+/* Maps entries of the palette, which stand in `out` where greys fit in 8 bits, to greys. */
 static enum status map_palette(const struct row_decoder *decoder, const unsigned char *in, size_t n,
                                void *out) {
   const struct image *image = decoder->image;
@@ -322,7 +326,7 @@ static enum status map_palette(const struct row_decoder *decoder, const unsigned
   return STATUS_OK;
 }
 
-/* `small` holds a row of bytes. */
+/* Decodes n samples from column x0 on of row y into `page`; `small`: space for a row of bytes. */
 static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
                               size_t n, size_t y, unsigned char *small, void *page) {
   const struct tiff_layout *layout = &decoder->layout;
@@ -360,7 +364,7 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
   return STATUS_OK;
 }
 
-/* Strips of a page that is stored as it is wanted are decoded in place. */
+/* Whether strips can be decoded in place, since the page is stored in the wanted form. */
 static bool stands_as_wanted(const struct row_decoder *decoder, size_t row) {
   const struct image *image = decoder->image;
   return image->plain && decoder->layout.photometric != PHOTOMETRIC_PALETTE &&
@@ -431,7 +435,7 @@ cleanup:
   return status;
 }
 
-/* Opens a page and checks what its layout has that the first page's need not have. */
+/* Opens a page and checks those properties of its layout that may differ from the first page. */
 static enum status page_open(const struct image *image, size_t page, struct row_decoder *decoder,
                              TIFF **handle) {
   enum status status = STATUS_OK;

@@ -15,7 +15,7 @@ struct inflated {
   char *path;
   uint64_t offset, size;
   pthread_mutex_t lock;
-  FILE *unpacked; /* has no name: gone when closed */
+  FILE *unpacked; /* unnamed temporary file, deleted when closed */
 };
 
 enum status inflate_start(const char *path, uint64_t offset, uint64_t size,

@@ -1,4 +1,4 @@
-/* Compressed pixels (gzip or zlib) behind a header: unpacked once, into a temporary file, when the
+/* Compressed pixels (gzip or zlib) after a header: unpacked once, into a temporary file, when the
  * first slice is read. */
 #ifndef TOSUI_CT2MODEL_READERS_INFLATE_H
 #define TOSUI_CT2MODEL_READERS_INFLATE_H
@@ -9,12 +9,12 @@
 
 struct inflated;
 
-/* Notes where the packed bytes are and how many there must be unpacked; reads nothing yet. Free
+/* Stores the position of the packed bytes and their number when unpacked; nothing is read yet. Free
  * with inflate_end. */
 enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
                           struct inflated **inflated);
 void inflate_end(struct inflated *inflated);
-/* Unpacked bytes offset .. offset + size - 1; may be called from several threads. */
+/* Reads the unpacked bytes offset .. offset + size - 1; may be called from several threads. */
 enum status inflate_read(struct inflated *inflated, uint64_t offset, uint64_t size, void *out);
 
 #endif

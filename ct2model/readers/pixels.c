@@ -7,7 +7,7 @@
 static const struct {
   size_t size;
   const char *name;
-  double low, high; /* of the types with few enough levels */
+  double low, high; /* range of the types with few enough levels */
 } TYPES[] = {
     [PIXEL_U8] = {1, "8-bit unsigned", 0, 255},
     [PIXEL_I8] = {1, "8-bit signed", -128, 127},
@@ -51,7 +51,7 @@ bool pixel_type_of(int bits, char format, enum pixel_type *type) {
   return false;
 }
 
-/* A value that may stand anywhere. */
+/* Loads a value at any alignment. */
 #define LOADER(type)                                                                               \
   static inline type load_##type(const unsigned char *at) {                                        \
     type value;                                                                                    \
@@ -114,32 +114,32 @@ TARGETS void pixels_swap(void *data, size_t n, enum pixel_type type) {
   }
 }
 
-/* Of 256 levels the same one often follows itself, and four counts in turn need not wait for each
- * other; of 65536 one table stays nearer to the processor. */
-enum { IN_TURN = 4 };
+/* With 256 levels the same one often follows itself; four tables used in turn avoid that increments
+ * wait for each other. With 65536 levels a single table stays closer to the processor. */
+enum { TABLES = 4 };
 
 void pixels_count(uint32_t *counts, const void *in, size_t n, enum pixel_type type) {
   const uint8_t *bytes = in;
   size_t i = 0;
   if (pixel_size(type) == 1) {
     const unsigned sign = type == PIXEL_I8 ? 0x80 : 0;
-    for (; i + IN_TURN <= n; i += IN_TURN)
-      for (unsigned k = 0; k < IN_TURN; k++) counts[256 * k + (bytes[i + k] ^ sign)]++;
+    for (; i + TABLES <= n; i += TABLES)
+      for (unsigned k = 0; k < TABLES; k++) counts[256 * k + (bytes[i + k] ^ sign)]++;
     for (; i < n; i++) counts[bytes[i] ^ sign]++;
     return;
   }
   const unsigned sign = type == PIXEL_I16 ? 0x8000 : 0;
-  for (; i + IN_TURN <= n; i += IN_TURN) {
+  for (; i + TABLES <= n; i += TABLES) {
     uint64_t four;
     memcpy(&four, bytes + 2 * i, sizeof four);
-    for (unsigned k = 0; k < IN_TURN; k++) counts[(four >> 16 * k & 0xffffu) ^ sign]++;
+    for (unsigned k = 0; k < TABLES; k++) counts[(four >> 16 * k & 0xffffu) ^ sign]++;
   }
   for (; i < n; i++) counts[load_uint16_t(bytes + 2 * i) ^ sign]++;
 }
 
 uint64_t pixels_counted(const uint32_t *counts, size_t level, enum pixel_type type) {
   uint64_t sum = counts[level];
-  for (size_t k = 1; k < IN_TURN && pixel_size(type) == 1; k++) sum += counts[256 * k + level];
+  for (size_t k = 1; k < TABLES && pixel_size(type) == 1; k++) sum += counts[256 * k + level];
   return sum;
 }
 

@@ -4,21 +4,21 @@
 
 #include "common/memory.h"
 
-/* Widths that are looked at: that of the image, ASIDE to either side of it, and one more. */
+/* Widths that are compared: that of the image, up to ASIDE less or more, and one further width. */
 enum { ASIDE = 4, GIVEN = ASIDE, MORE = 2 * ASIDE + 1, WIDTHS, ROWS = 4000 };
 
-/* With a width that is off by few each row begins a little aside of the one before, and the image
- * is sheared, which layers may be, too. But the last pixel of a row and the first of the next lie
- * at opposite sides of the body, wherever those are: for the width that is right these pairs
- * differ more than neighbours do, and for a wrong one they are neighbours. */
+/* If the width is wrong by a few pixels, each row is shifted against the previous one and the image
+ * is sheared, which real layers may be, too. But the last pixel of a row and the first one of the
+ * next row lie on opposite sides of the body. With the correct width these pairs differ more than
+ * neighbours do; with a wrong one they are neighbours. */
 struct pairs {
   size_t width[WIDTHS];
-  double neighbours, usual; /* all in a row: how many, and the sum of their differences */
+  double neighbours, usual; /* number of neighbours within rows, and the sum of their differences */
   double ends[WIDTHS], sum[WIDTHS], square[WIDTHS];
-  double below[WIDTHS]; /* sum over pixels one width apart */
+  double below[WIDTHS]; /* sum of differences of pixels one width apart */
 };
 
-/* `first`: the place in the file of the first of these pixels. */
+/* Adds n pixels, the first of which has the index `first` in the file. */
 static void add(const float *pixels, size_t n, size_t first, struct pairs *pairs) {
   for (size_t i = 0; i + 1 < n; i++)
     pairs->usual += fabs((double)pixels[i + 1] - (double)pixels[i]);
@@ -36,7 +36,8 @@ static void add(const float *pixels, size_t n, size_t first, struct pairs *pairs
   }
 }
 
-/* What differs by five standard errors is no chance; ends of the given width by three. */
+/* A width is significant if its row ends differ by five standard errors; for the given width by
+ * three. */
 static size_t choose(const struct pairs *pairs, bool more) {
   const double usual = pairs->usual / pairs->neighbours;
   double mean[WIDTHS] = {0.0}, deviation[WIDTHS] = {0.0}, most = 1.2 * usual;

@@ -15,8 +15,8 @@
 #include "ct2model/readers/byte_order.h"
 #include "ct2model/readers/image_hdf5.h"
 
-/* No scanner makes more voxels along an axis; a mistyped size does. */
-#define SIDE_MOST (1 << 20)
+/* Largest number of voxels along an axis: more are a mistyped size. */
+#define VOXELS_PER_AXIS_MOST (1 << 20)
 
 struct name_list {
   char **names;
@@ -64,7 +64,7 @@ int natural_compare(const char *a, const char *b) {
     }
   }
   if (*a != *b) return *a == '\0' ? -1 : 1;
-  return strcmp(a_start, b_start); /* slice_1 and slice_01: a fixed order */
+  return strcmp(a_start, b_start); /* slice_1 and slice_01: in a fixed order */
 }
 
 static int by_natural_order(const void *a, const void *b) {
@@ -76,8 +76,8 @@ static const char *base_name(const char *path) {
   return slash != NULL ? slash + 1 : path;
 }
 
-/* The images of a folder. Files of other kinds are left out, and counted so that nothing is lost
- * in silence. A header with its pixels beside it (x.mhd, x.raw) is one image. */
+/* Lists the images of a folder. Files of other kinds are left out, and counted for a message. A
+ * header with its pixels beside it (x.mhd, x.raw) is one image. */
 static enum status list_folder(const char *folder, bool raw, struct name_list *list) {
   enum status status = STATUS_OK;
   size_t before = list->count, ignored = 0;
@@ -122,7 +122,7 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
     else
       TRY(names_add(list, "", paths[i]));
   }
-  /* A shell sorts slice_10 before slice_9. */
+  /* A shell lists slice_10 before slice_9. */
   if (count > 1) qsort(list->names, list->count, sizeof *list->names, by_natural_order);
   for (size_t i = 1; i < list->count; i++) {
     if (strcmp(list->names[i - 1], list->names[i]) == 0)
@@ -132,7 +132,7 @@ cleanup:
   return status;
 }
 
-/* The last number in a name, -1 if it has none. */
+/* The last number in a name; -1 if there is none. */
 static long long slice_number(const char *path) {
   const char *name = base_name(path), *dot = strrchr(name, '.');
   const char *end = dot != NULL ? dot : name + strlen(name);
@@ -142,7 +142,7 @@ static long long slice_number(const char *path) {
   return start == end || end - start > 17 ? -1 : strtoll(start, NULL, 10);
 }
 
-/* The first slice speaks for all; one that says otherwise is named. */
+/* The voxel size of the first slice is used; a slice that disagrees is reported. */
 static void warn_of_other_voxels(const struct stack *stack) {
   const struct image *first = &stack->files[0];
   for (size_t i = 1; i < stack->file_count; i++) {
@@ -155,7 +155,7 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
-/* Whether two names differ in their digits alone. */
+/* Whether two names differ only in their digits. */
 static bool is_named_alike(const char *a, const char *b) {
   for (a = base_name(a), b = base_name(b);; a++, b++) {
     while (isdigit((unsigned char)*a)) a++;
@@ -165,20 +165,20 @@ static bool is_named_alike(const char *a, const char *b) {
   }
 }
 
-/* Masks, a preview or another scan among the slices: all that is not named as half of the files or
- * more are. False where there is none, or nearly each is named its own way. The name of most is
- * found by Boyer and Moore's vote (MJRTY, 1981), in one walk. */
+/* Warns of masks, a preview or another scan among the slices: all files whose names differ from
+ * those of the majority. False if there is none, or if nearly all names differ. The majority is
+ * found by the vote of Boyer and Moore (MJRTY, 1981), in one pass. */
 static bool warn_of_other_names(const struct name_list *list) {
-  const char *own = NULL, *other = NULL;
+  const char *majority = NULL, *other = NULL;
   size_t votes = 0, owns = 0;
   for (size_t i = 0; i < list->count; i++) {
-    if (votes == 0) own = list->names[i];
-    votes = is_named_alike(list->names[i], own) ? votes + 1 : votes - 1;
+    if (votes == 0) majority = list->names[i];
+    votes = is_named_alike(list->names[i], majority) ? votes + 1 : votes - 1;
   }
   for (size_t i = 0; i < list->count; i++) {
     const char *name = list->names[i];
-    if (is_named_alike(name, own))
-      own = owns++ == 0 ? name : own;
+    if (is_named_alike(name, majority))
+      majority = owns++ == 0 ? name : majority;
     else if (other == NULL)
       other = name;
   }
@@ -186,12 +186,12 @@ static bool warn_of_other_names(const struct name_list *list) {
   log_warning(
       "%zu of %zu files, such as %s, are not named as %s: if they are masks or of another scan, "
       "name the slices alone, with a * for their numbers",
-      list->count - owns, list->count, base_name(other), base_name(own));
+      list->count - owns, list->count, base_name(other), base_name(majority));
   return true;
 }
 
-/* Gaps are a warning. A uniform stride is none, as some scanners number every second slice; it is
- * returned, else 0. */
+/* Warns of gaps in the numbering. A uniform stride is no gap, as some scanners number every second
+ * slice; it is returned, otherwise 0. */
 static long long warn_of_gaps(const struct name_list *list) {
   if (list->count < 3) return 0;
   long long stride = 0;
@@ -262,9 +262,9 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
   stack->size[1] = first->size[1];
   stack->size[2] = stack->first_slice[list->count];
   for (int a = 0; a < 3; a++)
-    if (stack->size[a] > SIDE_MOST)
+    if (stack->size[a] > VOXELS_PER_AXIS_MOST)
       TRY_FAIL(STATUS_INPUT, "%s: %zu voxels along %c: up to %d are read; is the size right?",
-               first->path, stack->size[a], 'x' + a, SIDE_MOST);
+               first->path, stack->size[a], 'x' + a, VOXELS_PER_AXIS_MOST);
   stack->type = first->type;
   memcpy(stack->voxel, first->voxel, sizeof stack->voxel);
   stack->voxel_source = first->voxel_source;
@@ -295,7 +295,7 @@ cleanup:
 void stack_compare_voxel(const struct stack *stack, const double given[3],
                          bool has_slice_distance) {
   char text[2][40];
-  /* Slices left out lie farther apart than pixels. */
+  /* Slices that were left out are farther apart than pixels. */
   if (stack->stride > 2 && !has_slice_distance)
     log_warning("the slices are numbered in steps of %lld (%s, %s, ...): where those between were "
                 "left out, give their distance too, as --voxel-size 5um,5um,10um",

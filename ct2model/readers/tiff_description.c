@@ -66,7 +66,8 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
   }
   for (int axis = 0; axis < 2; axis++) {
     double edge = metres / (double)resolution[axis];
-    /* 600 dpi and coarser, 42 um: a page, unless the unit is one of a microscope. */
+    /* A coarse resolution, of 600 dpi (42 um) or less, is that of a page, unless the unit is one of
+     * microscopy. */
     bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
     voxel[axis] = resolution[axis] > 0.0f && isfinite(edge) && !page ? edge : NAN;
   }

@@ -6,8 +6,8 @@
 
 enum { LANES = RESAMPLE_LANES };
 
-/* Rows are summed while they are in the nearest cache: each input row goes into the few output rows
- * that it has a weight in, and an output row is reduced along x once it is complete. */
+/* Rows are summed while they are in the first-level cache: each input row is added to the few
+ * output rows in which it has a weight; an output row is reduced along x once it is complete. */
 
 TARGETS static void start_row(float *restrict sum, const float *restrict row, float weight,
                               size_t n) {
@@ -19,7 +19,7 @@ TARGETS static void add_row(float *restrict sum, const float *restrict row, floa
   for (size_t i = 0; i < n; i++) sum[i] += weight * row[i];
 }
 
-/* Weights behind `count` are zero, and so is what `in` holds behind its end. */
+/* Reduces a row along x. Weights after `count` are zero, and so is `in` after its end. */
 TARGETS static void weigh_columns(const float *restrict in, const struct resample_axis *x,
                                   float *restrict out) {
   for (size_t i = 0; i < x->out; i++) {
@@ -37,7 +37,7 @@ static size_t pitch_of(const struct resample_axis *x) {
   return (x->in + x->taps + LANES - 1) / LANES * LANES;
 }
 
-/* The most output rows that one input row has a weight in. */
+/* Largest number of output rows in which one input row has a weight. */
 static size_t rows_open(const struct resample_axis *y) {
   size_t most = 1;
   for (size_t i = 0, end = 0; i < y->out; i++) {

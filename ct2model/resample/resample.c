@@ -7,7 +7,7 @@
 #include "common/memory.h"
 #include "ct2model/resample/resample_opencv.h"
 
-/* The slice that stands for layer k when nothing is averaged: the one at the layer's centre. */
+/* The slice used for layer k when nothing is averaged: the one at the centre of the layer. */
 static size_t point_slice(const struct resampler *resampler, size_t layer) {
   double centre = ((double)layer + 0.5) * (double)resampler->in[2] / (double)resampler->out[2];
   size_t z = (size_t)centre;

@@ -1,4 +1,4 @@
-/* The stream that turns slices into model layers. */
+/* Resamples a stream of slices to the layers of a model. */
 #ifndef TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_H
 #define TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_H
 
@@ -16,17 +16,18 @@ struct resampler {
   size_t batch;
   float *planes; /* reduced slices of a batch, [batch][out y][out x] */
   float *scratch;
-  size_t scratch_size, threads; /* floats of scratch a thread */
+  size_t scratch_size, threads; /* scratch_size: floats of work space per thread */
 };
 
-/* `batch` slices are fed at a time. Free with resampler_end. */
+/* Starts resampling from in[3] to out[3] voxels (x, y, z), with `batch` slices at a time. Free with
+ * resampler_end. */
 enum status resampler_start(enum filter filter, const size_t in[3], const size_t out[3],
                             size_t batch, struct resampler *resampler);
 void resampler_end(struct resampler *resampler);
-/* Whether slice z has a weight at all. */
+/* Whether slice z has any weight. */
 bool resampler_wants(const struct resampler *resampler, size_t z);
-/* Slices go to their places i < batch, one thread a place: row by row into what resampler_begin
- * starts, or, where the filter takes no rows, by resampler_point. */
+/* Slices are put in places i < batch, with one thread per place: row by row into the reduction
+ * started by resampler_begin or, if the filter does not take rows, by resampler_point. */
 bool resampler_takes_rows(const struct resampler *resampler);
 void resampler_begin(struct resampler *resampler, size_t i, struct reduction *reduction);
 enum status resampler_point(struct resampler *resampler, const struct pixel_rows *slice, size_t i);

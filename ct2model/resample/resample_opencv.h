@@ -1,4 +1,4 @@
-/* The only door to OpenCV: C++ exceptions end here and become status values. */
+/* Interface to OpenCV: C++ exceptions are caught and become status values. */
 #ifndef TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_OPENCV_H
 #define TOSUI_CT2MODEL_RESAMPLE_RESAMPLE_OPENCV_H
 

@@ -13,7 +13,8 @@ double keys_kernel(double x) {
   return 0.0;
 }
 
-/* Weight of input voxel k, whose centre lies at k + 1/2, for the output centred at `centre`. */
+/* Unnormalised weight of input voxel k, whose centre is at k + 1/2, for the output centred at
+ * `centre`. */
 static double tap(enum filter filter, double centre, double factor, double k) {
   if (filter == FILTER_AREA) {
     double low = fmax(k, centre - 0.5 * factor), high = fmin(k + 1.0, centre + 0.5 * factor);

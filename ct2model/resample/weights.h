@@ -1,8 +1,8 @@
 /* Resampling weights of one axis.
  *
- * Bicubic: Keys' kernel (Keys 1981) with a = -0.75, OpenCV's constant, stretched by the reduction
- * factor so that it filters what the coarser grid cannot carry, and normalised. Area: the overlap
- * of old and new voxel. Beyond the image's edge the weights are cut and normalised again. */
+ * Bicubic: Keys' kernel (Keys 1981) with a = -0.75, as in OpenCV, stretched by the reduction factor
+ * so that it removes what the coarser grid cannot represent, and normalised. Area: the overlap of
+ * old and new voxels. Beyond the edge of the image the weights are cut off and normalised again. */
 #ifndef TOSUI_CT2MODEL_RESAMPLE_WEIGHTS_H
 #define TOSUI_CT2MODEL_RESAMPLE_WEIGHTS_H
 
@@ -12,8 +12,9 @@
 
 enum filter { FILTER_BICUBIC, FILTER_BICUBIC_POINT, FILTER_AREA, FILTER_NONE };
 
-/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i]; `taps` is a multiple of
- * RESAMPLE_LANES, weights behind `count` are zero. Both ends of the taps rise with i. */
+/* out[i] = sum_k weight[i * taps + k] in[first[i] + k], k < count[i]. `taps` is a multiple of
+ * RESAMPLE_LANES, and weights after `count` are zero. first[i] and first[i] + count[i] do not
+ * decrease with i. */
 enum { RESAMPLE_LANES = 16 };
 struct resample_axis {
   size_t in, out, taps;

@@ -7,8 +7,9 @@
 #include "common/log.h"
 #include "common/memory.h"
 
-enum { BLOCKS = 48, LEAST_BLOCK = 8, SLICES = 24 };
-/* Blocks on each side of the middle of a brush, and middles side by side that reach the slice. */
+enum { BLOCKS = 48, BLOCK_PIXELS_LEAST = 8, SLICES = 24 };
+/* BRUSH: blocks on each side of the middle of a brush. WIDE: number of its positions along a side
+ * of the slice, including those that reach in from outside. */
 enum { BRUSH = 1, WIDE = BLOCKS + 2 * BRUSH };
 
 struct blocks {
@@ -37,8 +38,8 @@ static void measure_blocks(const struct region *region, const float *slice, stru
   }
 }
 
-/* Surroundings are smooth and fill the corners: their grey, or NAN where the corners are not of one
- * grey that differs from the middle of the slice. */
+/* Grey of the surroundings, which are smooth and fill the corners; NAN if the corners are not of
+ * one grey that differs from the middle of the slice. */
 static double surrounding_grey(const struct blocks *blocks, double *middle) {
   size_t n = blocks->n, count = 0;
   const size_t corners[4] = {0, n - 1, n * (n - 1), n * n - 1};
@@ -53,8 +54,8 @@ static double surrounding_grey(const struct blocks *blocks, double *middle) {
   return spread < 0.4 * fabs(*middle - mean) ? mean : NAN;
 }
 
-/* The blocks of one axis that the brush covers, whose middle counts from BRUSH blocks before the
- * first. */
+/* Range of the blocks that the brush covers along one axis. Its middle is counted from BRUSH blocks
+ * before the first one. */
 static size_t brush_first(size_t middle) {
   return middle > 2 * BRUSH ? middle - 2 * BRUSH : 0;
 }
@@ -62,8 +63,8 @@ static size_t brush_end(size_t middle, size_t n) {
   return middle < n ? middle + 1 : n;
 }
 
-/* Whether all blocks of the brush at (x, y) are like the surroundings, as all beyond the slice is.
- */
+/* Whether all blocks under the brush at (x, y) are like the surroundings; everything beyond the
+ * slice is. */
 static bool brush_fits(const bool *like, size_t n, size_t x, size_t y) {
   for (size_t v = brush_first(y); v < brush_end(y, n); v++)
     for (size_t u = brush_first(x); u < brush_end(x, n); u++)
@@ -71,8 +72,8 @@ static bool brush_fits(const bool *like, size_t n, size_t x, size_t y) {
   return true;
 }
 
-/* Clears inside[] for blocks like the corners, as far as the brush comes in from beyond the edge of
- * the slice: a large pore in the middle is specimen, and so are pores that open to the surroundings
+/* Clears inside[] for blocks like the corners that the brush reaches from outside the slice. A
+ * large pore in the middle belongs to the specimen, and so do pores that open to the surroundings
  * but are narrower than the brush. */
 static void clear_outside(const struct blocks *blocks, double outside, double middle,
                           bool *inside) {
@@ -88,7 +89,9 @@ static void clear_outside(const struct blocks *blocks, double outside, double mi
   while (grows) {
     grows = false;
     for (size_t b = wide; b < wide * (wide - 1); b++) {
-      if (!fits[b] || reached[b]) continue; /* at the ends of a row all that fit are reached */
+      if (!fits[b] || reached[b])
+        continue; /* all positions that fit at the ends of a row are
+                     reached already */
       reached[b] = reached[b - 1] || reached[b + 1] || reached[b - wide] || reached[b + wide];
       grows |= reached[b];
     }
@@ -122,8 +125,9 @@ static void largest_rectangle(const bool *inside, size_t n, size_t best[4]) {
   }
 }
 
-/* A slice of the whole stack. What is no number, as tools write around a specimen, becomes a grey
- * that none of the slice has: smooth, and unlike the middle. */
+/* Reads a slice of the whole stack. Pixels that are NaN or infinite, as tools write around a
+ * specimen, are replaced by a grey that no other pixel has, so that they are smooth and unlike the
+ * middle. */
 static enum status read_slice(const struct region *region, size_t z, float *slice) {
   const size_t count = region->size[0] * region->size[1];
   const float scale = (float)region->scale;
@@ -148,9 +152,9 @@ enum status autocrop(struct region *region) {
   struct blocks *blocks = NULL;
   TRY(memory_allocate(&slice, region->size[0] * region->size[1], sizeof *slice, "a slice"));
   TRY(memory_allocate(&blocks, 1, sizeof *blocks, "blocks of a slice"));
-  blocks->n = least / LEAST_BLOCK < BLOCKS ? least / LEAST_BLOCK : BLOCKS;
+  blocks->n = least / BLOCK_PIXELS_LEAST < BLOCKS ? least / BLOCK_PIXELS_LEAST : BLOCKS;
   memset(inside, true, sizeof inside);
-  for (size_t i = 0; i < nz && blocks->n >= LEAST_BLOCK; i++) {
+  for (size_t i = 0; i < nz && blocks->n >= BLOCK_PIXELS_LEAST; i++) {
     size_t z = nz > 1 ? i * (region->size[2] - 1) / (nz - 1) : 0;
     double middle;
     TRY(read_slice(region, z, slice));
@@ -169,7 +173,7 @@ enum status autocrop(struct region *region) {
   if (best[2] < 5 || best[3] < 5)
     TRY_FAIL(STATUS_INPUT, "%s: --crop auto finds no box inside the specimen; give --crop",
              region->stack->files[0].path);
-  for (size_t d = 0; d < 2; d++) { /* one block less on each side: those at the rim are mixed */
+  for (size_t d = 0; d < 2; d++) { /* one block less on each side: the outermost ones are mixed */
     best[d]++;
     best[d + 2] -= 2;
     size_t whole = region->size[d];

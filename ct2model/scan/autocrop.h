@@ -7,10 +7,10 @@
 #include "common/error.h"
 #include "ct2model/scan/region.h"
 
-/* Shrinks `region` (the whole stack) in x and y to the largest box that holds none of the
- * surroundings, in any of the slices looked at. Surroundings are what the four corners hold, if
- * that is smooth and unlike the middle, as far as it is joined to the edge by no narrow pores; a
- * stack without them stays whole. */
+/* Shrinks `region` (the whole stack) in x and y to the largest box that contains none of the
+ * surroundings, in any of the slices sampled. Surroundings are what fills the four corners, if that
+ * is smooth and unlike the middle, as far as it is connected to the edge by more than narrow pores.
+ * A stack without surroundings is left unchanged. */
 enum status autocrop(struct region *region);
 
 #endif

@@ -16,8 +16,8 @@ static double clamped(const float *slice, const size_t size[2], long x, long y) 
   return slice[y * nx + x];
 }
 
-/* What the change of phase from a pixel to the next along an axis counts; the normal by Sobel's
- * differences at both. */
+/* Weight (crossing.h) of the change of phase from a pixel to the next one along an axis; the normal
+ * is the sum of Sobel's differences at both. */
 static uint64_t crossing_of(const float *slice, const size_t size[2], long x, long y, int axis) {
   double gradient[3] = {0};
   for (int side = 0; side < 2; side++)
@@ -30,8 +30,8 @@ static uint64_t crossing_of(const float *slice, const size_t size[2], long x, lo
   return crossing_weight(gradient, axis);
 }
 
-/* The length of walls in slices, in CROSSING_UNIT of a pixel: as the specific surface counts, in
- * the slices' own planes. */
+/* Length of the walls in slices, in CROSSING_UNIT of a pixel, measured in the planes of the slices
+ * in the same way as the specific surface. */
 static double wall_length(const float *slices, size_t count, const size_t size[2],
                           double threshold) {
   const size_t nx = size[0], ny = size[1];
@@ -51,7 +51,7 @@ static double wall_length(const float *slices, size_t count, const size_t size[2
   return (double)length;
 }
 
-/* Threshold of `porosity`, and the share under `other`. */
+/* Threshold that gives `porosity`, and the share of pixels under the grey `other`. */
 static enum status threshold_of(const float *slices, size_t n, double porosity, double other,
                                 double *threshold, double *share) {
   enum status status = STATUS_OK;
@@ -94,10 +94,10 @@ enum status denoise_effect_measure(const struct survey *survey, const size_t siz
   memcpy(clean, noisy, count * plane * sizeof *clean);
 #pragma omp parallel for schedule(dynamic)
   for (size_t i = 0; i < count; i++) {
-    enum status one = denoise_slice(kind, &survey->phases, part, clean + i * plane);
-    if (one != STATUS_OK) {
+    enum status slice_status = denoise_slice(kind, &survey->phases, part, clean + i * plane);
+    if (slice_status != STATUS_OK) {
 #pragma omp critical
-      status = one;
+      status = slice_status;
     }
   }
   if (status != STATUS_OK) goto cleanup;

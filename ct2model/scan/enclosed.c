@@ -7,16 +7,18 @@
 #include "common/memory.h"
 #include "common/variants.h"
 
-/* A cell between eight centres is cut into SUB^3 parts, in each of which the grey is linear: an
- * eighth of a voxel moves what they enclose by under 0.1 % of the cells. */
+/* A cell between eight voxel centres is divided into SUB^3 parts, in each of which the grey is
+ * taken to be linear: an eighth of a voxel changes what they enclose by less than 0.1 % of the
+ * cells. */
 enum { SUB = 2, PARTS = SUB * SUB * SUB, BINS = 4096 };
-/* What a part weighs, in whole numbers, whose sums know no order. */
+/* Weight of a part of a cell, an integer, so that sums do not depend on the order. */
 static const int64_t WEIGHT = 1 << 20;
 
-/* Of a thread: what a bin holds more than the one before, and what it holds besides. */
+/* Counts of one thread. `step`: difference between the count of a bin and that of the previous one;
+ * `point`: counts to be added to a bin alone. */
 struct counts {
   int64_t step[BINS + 1], point[BINS];
-  float *extremes; /* of a row of cells: the least, then the most */
+  float *extremes; /* minimum, then maximum, over the corners of each column of a row of cells */
 };
 
 static size_t bin_of(double at) {
@@ -24,7 +26,8 @@ static size_t bin_of(double at) {
   return (size_t)(above < BINS - 1 ? above : BINS - 1);
 }
 
-/* Greys from `low` to `high`, in bins, equally frequent. */
+/* Adds greys between `low` and `high`, in bins, with uniform density. Those beyond the bins go to
+ * the end bins. */
 static void add_greys(struct counts *counts, double low, double high, int64_t weight) {
   const double width = high - low;
   int64_t left = weight;
@@ -45,9 +48,9 @@ static void add_greys(struct counts *counts, double low, double high, int64_t we
   counts->point[(first + last) / 2] += left - each * bins;
 }
 
-/* A cell of the corners c = x + 2 y + 4 z, in bins. The greys of a part spread as those of a linear
- * field in a cube: by the length of its gradient, which is exact across a plane of voxels and has
- * the right variance at any other angle. */
+/* Adds a cell with corner greys c[x + 2 y + 4 z], in bins. The greys of each part are spread like
+ * those of a linear field in a cube, with a width given by the length of its gradient. This is
+ * exact across a plane of voxels and has the right variance for any other direction. */
 static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
   for (int part = 0; part < PARTS; part++) {
     const double u = (part % SUB + 0.5) / SUB, v = (part / SUB % SUB + 0.5) / SUB,
@@ -70,23 +73,23 @@ static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
   }
 }
 
-/* Cell i of an axis lies between centres i - 1 and i. Where the axis is mirrored, the first is the
- * half voxel before the first centre and its image, and the others occur twice; the half voxel
- * after the last centre is a cell more where that is no mirror plane. */
-static size_t cells_of(size_t n, const struct enclosed_sides *sides, int axis) {
+/* Cell i of an axis lies between centres i - 1 and i. If the axis is mirrored, the first cell is
+ * the half voxel between the first centre and its image, and the others occur twice. The half voxel
+ * after the last centre is an additional cell if that centre is no mirror plane (`faces`). */
+static size_t cell_count(size_t n, const struct enclosed_sides *sides, int axis) {
   return n + (sides->reflect[axis] && sides->faces);
 }
-static size_t before(size_t cell, size_t n, bool reflect) {
+static size_t index_before(size_t cell, size_t n, bool reflect) {
   return cell > 0 ? cell - 1 : reflect ? 0 : n - 1;
 }
-static size_t after(size_t cell, size_t n) {
+static size_t index_after(size_t cell, size_t n) {
   return cell < n ? cell : n - 1;
 }
-static int64_t weigh(int64_t weight, size_t cell, size_t n, bool reflect) {
+static int64_t cell_weight(int64_t weight, size_t cell, size_t n, bool reflect) {
   return reflect && cell > 0 && cell < n ? 2 * weight : weight;
 }
 
-/* The least and the most of four rows, voxel by voxel. */
+/* Minimum and maximum of four rows, voxel by voxel. */
 TARGETS static void find_extremes(const float *const rows[4], size_t n, float *restrict least,
                                   float *restrict most) {
   const float *a = rows[0], *b = rows[1], *c = rows[2], *d = rows[3];
@@ -98,20 +101,20 @@ TARGETS static void find_extremes(const float *const rows[4], size_t n, float *r
   }
 }
 
-/* The cells between two rows of one slice and two of the next. Most lie in one phase: beyond the
- * bins, or alike at all corners. */
+/* Adds the cells between two rows of one slice and two of the next. Most lie in one phase, outside
+ * the bins, or have the same grey at all corners. */
 static void add_row(struct counts *counts, const float *const rows[4], size_t nx,
                     const struct enclosed_sides *sides, int64_t weight, double low, double scale) {
   float *const least = counts->extremes, *const most = least + nx;
   find_extremes(rows, nx, least, most);
-  for (size_t x = 0; x < cells_of(nx, sides, 0); x++) {
-    const size_t there = before(x, nx, sides->reflect[0]), here = after(x, nx);
-    const int64_t its_weight = weigh(weight, x, nx, sides->reflect[0]);
+  for (size_t x = 0; x < cell_count(nx, sides, 0); x++) {
+    const size_t there = index_before(x, nx, sides->reflect[0]), here = index_after(x, nx);
+    const int64_t full_weight = cell_weight(weight, x, nx, sides->reflect[0]);
     const float less = least[there] < least[here] ? least[there] : least[here];
     const float more = most[there] < most[here] ? most[here] : most[there];
     const double from = ((double)less - low) * scale, to = ((double)more - low) * scale;
     if (from == to || to <= 0.0 || from >= BINS) {
-      counts->point[bin_of(from)] += its_weight * PARTS;
+      counts->point[bin_of(from)] += full_weight * PARTS;
       continue;
     }
     double corner[8];
@@ -119,7 +122,7 @@ static void add_row(struct counts *counts, const float *const rows[4], size_t nx
       corner[2 * i] = ((double)rows[i][there] - low) * scale;
       corner[2 * i + 1] = ((double)rows[i][here] - low) * scale;
     }
-    add_cell(counts, corner, its_weight);
+    add_cell(counts, corner, full_weight);
   }
 }
 
@@ -128,11 +131,12 @@ static void add_slices(struct counts *counts, const float *last, const float *sl
                        double low, double scale) {
   const size_t nx = size[0], ny = size[1];
 #pragma omp parallel for schedule(static)
-  for (size_t y = 0; y < cells_of(ny, sides, 1); y++) {
-    const size_t here = after(y, ny) * nx, there = before(y, ny, sides->reflect[1]) * nx;
+  for (size_t y = 0; y < cell_count(ny, sides, 1); y++) {
+    const size_t here = index_after(y, ny) * nx,
+                 there = index_before(y, ny, sides->reflect[1]) * nx;
     const float *const rows[4] = {last + there, last + here, slice + there, slice + here};
-    add_row(&counts[omp_get_thread_num()], rows, nx, sides, weigh(weight, y, ny, sides->reflect[1]),
-            low, scale);
+    add_row(&counts[omp_get_thread_num()], rows, nx, sides,
+            cell_weight(weight, y, ny, sides->reflect[1]), low, scale);
   }
 }
 
@@ -143,7 +147,7 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
   const size_t batch = region_batch(region), threads = (size_t)omp_get_max_threads();
   const size_t end = nz - 1;
   const double scale = BINS / (high - low);
-  float *slices = NULL; /* the last slice of the batch before, then the batch */
+  float *slices = NULL; /* last slice of the previous batch, then the batch */
   size_t numbers[64];
   struct counts *counts = NULL;
   int64_t level = 0;
@@ -160,10 +164,10 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
     TRY(region_read(region, numbers, n, slices + plane));
     for (size_t i = 0; i < n; i++)
       add_slices(counts, slices + i * plane, slices + (i + 1) * plane, region->size, sides,
-                 weigh(WEIGHT, z + i, nz, sides->reflect[2]), low, scale);
+                 cell_weight(WEIGHT, z + i, nz, sides->reflect[2]), low, scale);
     memcpy(slices, slices + n * plane, plane * sizeof *slices);
   }
-  if (cells_of(nz, sides, 2) > nz)
+  if (cell_count(nz, sides, 2) > nz)
     add_slices(counts, slices, slices, region->size, sides, WEIGHT, low, scale);
   for (size_t b = 0; b < BINS; b++) {
     int64_t point = 0;
@@ -187,8 +191,8 @@ enum status enclosed_match(const struct region *region, const struct enclosed_si
   enum status status = STATUS_OK;
   struct grey_histogram volume = {0};
   TRY(enclosed_measure(region, sides, low, high, &volume));
-  const double met = grey_histogram_quantile(&volume, *porosity);
-  if (met > low + volume.width && met < high - volume.width) *threshold = met;
+  const double matched = grey_histogram_quantile(&volume, *porosity);
+  if (matched > low + volume.width && matched < high - volume.width) *threshold = matched;
   *porosity = grey_histogram_porosity(&volume, *threshold);
 cleanup:
   grey_histogram_end(&volume);

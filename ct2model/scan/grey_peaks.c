@@ -7,19 +7,29 @@
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
 
-#define BINS 512       /* over one and a half times the contrast */
-#define FLAT 0.1       /* of the contrast, between the halves of what counts as flat */
-#define SMOOTHING 0.02 /* of the contrast: standard deviation of the Gaussian over a histogram */
-#define REACH 21       /* bins, three of these */
-#define CLEAR 3.0      /* persistence in roots of counts, each of deviation 1/2 */
-#define SHALLOW 0.8    /* a valley as high as this share of its peak is none */
-#define EDGES 0.01     /* of the contrast: what edges move a peak by */
+/* Bins of a histogram, over 1.5 times the contrast. */
+#define BINS 512
+/* Largest difference between the halves of a flat cell, over the contrast. */
+#define FLAT_DIFFERENCE 0.1
+/* Standard deviation of the Gaussian that smooths a histogram, over the contrast; its range in
+ * bins, three standard deviations. */
+#define SMOOTHING 0.02
+#define REACH 21
+/* Smallest persistence of a peak, in square roots of counts, whose standard deviation is 1/2. */
+#define PERSISTENCE_CLEAR 3.0
+/* Largest ratio of a valley to its peak. */
+#define VALLEY_MOST 0.8
+/* Shift of a peak by edges, over the contrast. */
+#define EDGE_ERROR 0.01
 #define OCTANTS 8
-#define FEW 50       /* cells; fewer have no peak */
-#define OVERLAP 8    /* cells that a voxel lies in */
-#define PEAKS_TOLD 8 /* in a message */
+/* Fewest cells in which a peak is sought. */
+#define CELLS_MINIMUM 50
+/* Cells to which a voxel belongs. */
+#define CELLS_PER_VOXEL 8
+/* Most peaks that are named in a message. */
+#define PEAKS_TOLD 8
 
-/* Means of 2x2x2 voxels, [z][y][x], and histograms of the flat cells of 2x2x2 of them. */
+/* Means over 2x2x2 voxels, [z][y][x], and histograms of the flat cells of 2x2x2 such means. */
 struct cells {
   size_t size[3];
   float *mean;
@@ -27,7 +37,7 @@ struct cells {
   struct grey_histogram all, octant[OCTANTS];
 };
 
-/* The greys seen so far, up to LABELS; more are no labels. */
+/* Collects the different greys, up to LABELS; an image of labels has no more. */
 #define LABELS 8
 static void note_greys(size_t n, const float *values, float seen[LABELS], int *count) {
   for (size_t i = 0; i < n && *count <= LABELS; i++) {
@@ -38,7 +48,7 @@ static void note_greys(size_t n, const float *values, float seen[LABELS], int *c
   }
 }
 
-static enum status take_means(const struct region *region, struct cells *c) {
+static enum status average_voxels(const struct region *region, struct cells *c) {
   enum status status = STATUS_OK;
   const size_t nx = region->size[0], plane = nx * region->size[1];
   float *slices = NULL, seen[LABELS];
@@ -73,7 +83,7 @@ cleanup:
   return status;
 }
 
-/* Starts histograms about the greys between which 96 % of the means lie. */
+/* Starts histograms around the range that holds 96 % of the means. */
 static enum status choose_bins(const struct region *region, struct cells *c) {
   enum status status = STATUS_OK;
   const size_t count = c->size[0] * c->size[1] * c->size[2];
@@ -98,7 +108,7 @@ cleanup:
 /* Counts the flat cells. */
 static void count_cells(struct cells *c) {
   const size_t step[3] = {1, c->size[0], c->size[0] * c->size[1]};
-  const float limit = (float)(FLAT * c->contrast);
+  const float limit = (float)(FLAT_DIFFERENCE * c->contrast);
   for (size_t z = 0; z + 1 < c->size[2]; z++)
     for (size_t y = 0; y + 1 < c->size[1]; y++)
       for (size_t x = 0; x + 1 < c->size[0]; x++) {
@@ -121,24 +131,26 @@ static void count_cells(struct cells *c) {
       }
 }
 
-/* Roots of what a histogram counts within the Gaussian, of voxels that are counted once. */
+/* Square roots of the smoothed counts of a histogram, scaled to voxels that are counted once. */
 static void smooth(const struct grey_histogram *h, double contrast, double root[BINS]) {
   const double deviation = SMOOTHING * contrast / h->width;
   for (int i = 0; i < BINS; i++) {
     double sum = 0.0;
     for (int j = i - REACH < 0 ? 0 : i - REACH; j <= i + REACH && j < BINS; j++)
       sum += (double)h->counts[j] * exp(-0.5 * pow((double)(i - j) / deviation, 2));
-    root[i] = sqrt(M_SQRT2 * sum / OVERLAP); /* the mean square of the weights is that of this */
+    /* Effective count: the sum times sum w / sum w^2 = sqrt(2), w the weights of the Gaussian. */
+    root[i] = sqrt(M_SQRT2 * sum / CELLS_PER_VOXEL);
   }
 }
 
-/* A summit: its height above the valley to the nearest higher one, and that valley. */
+/* A local maximum, its height above the valley between it and the nearest higher one (its
+ * persistence), and that valley. */
 struct summit {
   int bin;
   double persistence, valley;
 };
 
-/* The summits of a curve, the most persistent first. */
+/* Finds the local maxima of a curve, the most persistent first. */
 static int find_summits(const double root[BINS], struct summit summits[BINS]) {
   int count = 0;
   for (int i = 1; i + 1 < BINS; i++) {
@@ -163,30 +175,32 @@ static double grey_of(const struct cells *c, double bin) {
   return c->all.low + c->all.width * (bin + 0.5);
 }
 
-/* The top of the parabola through a summit's bin and its neighbours. */
-static double top(const double root[BINS], int i) {
+/* Position of the maximum of the parabola through a bin and its neighbours. */
+static double parabola_top(const double root[BINS], int i) {
   const double a = root[i - 1], b = root[i], d = root[i + 1];
   const double bend = a - 2.0 * b + d;
   return (double)i + (bend < 0.0 ? 0.5 * (a - d) / bend : 0.0);
 }
 
-/* Deviation of a peak between the octants, of those that show it between bins `first` and `end`. */
-static double spread(const struct cells *c, int first, int end) {
+/* Standard deviation of the position of a peak over the octants that show it between bins `first`
+ * and `end`. */
+static double octant_scatter(const struct cells *c, int first, int end) {
   double sum = 0.0, squares = 0.0, n = 0.0;
   for (int o = 0; o < OCTANTS; o++) {
     double root[BINS];
     uint64_t cells = 0;
     int best = first;
     for (int i = first; i < end; i++) cells += c->octant[o].counts[i];
-    if (cells < FEW) continue;
+    if (cells < CELLS_MINIMUM) continue;
     smooth(&c->octant[o], c->contrast, root);
     for (int i = first; i < end; i++)
       if (root[i] > root[best]) best = i;
     if (best == first || best + 1 >= end) continue;
-    const double grey = grey_of(c, top(root, best));
+    const double grey = grey_of(c, parabola_top(root, best));
     n++, sum += grey, squares += grey * grey;
   }
-  if (n < 0.5 * OCTANTS) return 0.5 * FLAT * c->contrast; /* the most it can be */
+  /* With too few octants the largest possible scatter. */
+  if (n < 0.5 * OCTANTS) return 0.5 * FLAT_DIFFERENCE * c->contrast;
   return sqrt(fmax(0.0, squares - sum * sum / n) / (n - 1.0));
 }
 
@@ -214,14 +228,14 @@ enum status grey_peaks_find(const struct region *region, struct grey_peaks *peak
   struct summit summits[BINS];
   double root[BINS];
   int bin[PEAKS], clear = 0;
-  TRY(take_means(region, &c));
+  TRY(average_voxels(region, &c));
   TRY(choose_bins(region, &c));
   count_cells(&c);
   smooth(&c.all, c.contrast, root);
   const int count = find_summits(root, summits);
   for (int i = 0; i < count; i++) {
     const double share = summits[i].valley / (summits[i].persistence + summits[i].valley);
-    if (summits[i].persistence < CLEAR || share * share > SHALLOW) continue;
+    if (summits[i].persistence < PERSISTENCE_CLEAR || share * share > VALLEY_MOST) continue;
     summits[clear++] = summits[i];
   }
   if (clear != PEAKS) TRY(not_three(region, &c, summits, clear));
@@ -233,8 +247,8 @@ enum status grey_peaks_find(const struct region *region, struct grey_peaks *peak
   for (int i = 0; i < PEAKS; i++) {
     const int first = i > 0 ? (bin[i - 1] + bin[i]) / 2 : 0;
     const int end = i + 1 < PEAKS ? (bin[i] + bin[i + 1]) / 2 : BINS;
-    peaks->grey[i] = grey_of(&c, top(root, bin[i]));
-    peaks->error[i] = hypot(2.0 * spread(&c, first, end), EDGES * c.contrast);
+    peaks->grey[i] = grey_of(&c, parabola_top(root, bin[i]));
+    peaks->error[i] = hypot(2.0 * octant_scatter(&c, first, end), EDGE_ERROR * c.contrast);
   }
 cleanup:
   memory_free(&c.mean);

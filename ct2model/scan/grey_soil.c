@@ -10,21 +10,27 @@
 #include "ct2model/scan/grey_peaks.h"
 #include "ct2model/scan/settle.h"
 
-#define BINS 512   /* over seven times the range of soil */
-#define ROUNDS 12  /* of moving the bounds */
-#define CLOSE 1e-3 /* of the voids: near enough */
-#define PEAK 3     /* bins on each side that a peak is the mean of */
-#define LEVELS 253 /* of soil between the bounds, from 1 to 254 */
-#define STEP 0.05  /* of the range of soil: by which the bounds move to see what it does */
+/* Bins of the histogram, over seven times the range of soil. */
+#define BINS 512
+/* Largest number of trial shifts of the bounds. */
+#define SHIFTS_MOST 12
+/* Relative tolerance of the void fraction. */
+#define VOIDS_TOLERANCE 1e-3
+/* Bins on each side that are averaged at a peak. */
+#define PEAK_HALF_WIDTH 3
+/* Levels of soil between the bounds, from 1 to 254. */
+#define LEVELS 253
+/* Shift of the bounds from which slopes are measured, over the range of soil. */
+#define SLOPE_STEP 0.05
 
-/* What greys are, in the region's own, where grain is bright. Peaks that a table does without are
- * NAN. */
+/* Bounds of soil, and peaks, in greys of the region, where grain is bright. Peaks that are not
+ * needed because of a table may be NAN. */
 struct bounds {
   double low, high, pore, grain;
   struct porosity_table table;
 };
 
-/* Porosities from 1/255 to 254/255: what is less or more is grain or pore. */
+/* Porosity of a grey, limited to 1/255 to 254/255, since less or more is grain or pore. */
 static double porosity_of(const struct bounds *b, double grey) {
   const struct porosity_table *t = &b->table;
   double porosity = t->porosity[0];
@@ -35,7 +41,7 @@ static double porosity_of(const struct bounds *b, double grey) {
   return fmin(fmax(porosity, 1.0 / 255.0), 254.0 / 255.0);
 }
 
-/* Where an edge between pore and grain is one or the other. */
+/* Grey at which an edge between pore and grain changes from one to the other. */
 static double middle_of(const struct bounds *b) {
   const double pore = isfinite(b->pore) ? b->pore : b->low;
   return 0.5 * (pore + (isfinite(b->grain) ? b->grain : b->high));
@@ -45,8 +51,8 @@ static double ratio_of(double porosity) {
   return porosity / (1.0 - porosity);
 }
 
-/* Bounds and middle move; porosities of greys stay. */
-static void move(struct bounds *b, double step) {
+/* Shifts the bounds and the middle; the table of porosities is not shifted. */
+static void shift_bounds(struct bounds *b, double step) {
   b->low += step, b->high += step;
   b->pore += step, b->grain += step;
 }
@@ -65,12 +71,12 @@ cleanup:
   return status;
 }
 
-/* The most frequent grey from bin `first` to `end`; NAN: none occurs. */
+/* Most frequent grey from bin `first` to `end`; NAN if none occurs. */
 static double find_peak(const struct grey_histogram *h, size_t first, size_t end) {
   double most = 0.0, peak = NAN;
-  for (size_t i = first + PEAK; i + PEAK < end; i++) {
+  for (size_t i = first + PEAK_HALF_WIDTH; i + PEAK_HALF_WIDTH < end; i++) {
     double count = 0.0, sum = 0.0;
-    for (size_t j = i - PEAK; j <= i + PEAK; j++) {
+    for (size_t j = i - PEAK_HALF_WIDTH; j <= i + PEAK_HALF_WIDTH; j++) {
       count += (double)h->counts[j];
       sum += (double)h->counts[j] * (h->low + h->width * ((double)j + 0.5));
     }
@@ -79,7 +85,8 @@ static double find_peak(const struct grey_histogram *h, size_t first, size_t end
   return peak;
 }
 
-/* The peaks below and above, and porosity between them where no table says it. */
+/* Finds the peaks below and above the bounds, and makes porosity linear between them if there is no
+ * table. */
 static enum status find_peaks(const struct region *region, const struct grey_histogram *histogram,
                               struct bounds *b) {
   const double bins_low = (b->low - histogram->low) / histogram->width;
@@ -121,9 +128,9 @@ cleanup:
   return status;
 }
 
-/* The shares of the voxels, and porosity and permeability of each level that occurs. */
-static enum status sum_up(const struct region *region, const struct micro_rules *rules,
-                          const struct bounds *b, struct labels *labels, uint8_t *grain) {
+/* Sums up the fractions of voxels, and sets porosity and permeability of each level that occurs. */
+static enum status summarize(const struct region *region, const struct micro_rules *rules,
+                             const struct bounds *b, struct labels *labels, uint8_t *grain) {
   struct micro *micro = &labels->micro;
   const size_t count = micro->size[0] * micro->size[1] * micro->size[2];
   size_t seen[MICRO_KINDS] = {0}, soils = 0;
@@ -152,8 +159,8 @@ static enum status sum_up(const struct region *region, const struct micro_rules 
               region->stack->files[0].path);
 }
 
-/* What the peaks' errors do to porosity n = (grain - soil) / (grain - pore), and that to Kozeny and
- * Carman's n^3 / (1 - n)^2. */
+/* Propagates the uncertainties of the peaks to the porosity n = (grain - soil) / (grain - pore),
+ * and from there to n^3 / (1 - n)^2 of Kozeny and Carman. */
 static void add_peaks(const struct grey_peaks *p, const struct micro_rules *rules, double sign,
                       struct grey_soil *greys) {
   const double *u = p->error, contrast = p->grey[PEAK_GRAIN] - p->grey[PEAK_PORE];
@@ -171,67 +178,68 @@ static void add_peaks(const struct grey_peaks *p, const struct micro_rules *rule
     greys->permeability_error = (3.0 / n + 2.0 / (1.0 - n)) * greys->porosity_error;
 }
 
-/* Labels by the bounds moved by `shift`. */
-static enum status take_moved(const struct region *region, const struct micro_rules *rules,
-                              const struct bounds *b, double shift, struct labels *labels,
-                              uint8_t *grain) {
+/* Classifies the region with the bounds shifted by `shift`. */
+static enum status apply_shift(const struct region *region, const struct micro_rules *rules,
+                               const struct bounds *b, double shift, struct labels *labels,
+                               uint8_t *grain) {
   struct bounds moved = *b;
-  move(&moved, shift);
+  shift_bounds(&moved, shift);
   const enum status status = classify(region, &moved, &labels->micro, &labels->noisy);
-  return status == STATUS_OK ? sum_up(region, rules, &moved, labels, grain) : status;
+  return status == STATUS_OK ? summarize(region, rules, &moved, labels, grain) : status;
 }
 
-/* The shift with the wanted voids, by false position between none and the farthest, a peak
- * (Dowell, Jarratt 1971: the end that stays counts half). */
+/* Finds the shift with the wanted void fraction, by false position between 0 and the farthest
+ * shift, which moves a bound to a peak (Dowell, Jarratt 1971: the value at the end that stays is
+ * halved). */
 static enum status find_shift(const struct region *region, const struct micro_rules *rules,
                               const struct bounds *b, double wanted, struct labels *labels,
                               uint8_t *grain, double *shift) {
   enum status status = STATUS_OK;
   const double half = 0.5 * (b->high - b->low), e = ratio_of(wanted);
   *shift = 0.0;
-  TRY(take_moved(region, rules, b, 0.0, labels, grain));
-  const double own = labels->voids;
-  if (fabs(own / wanted - 1.0) < CLOSE) return STATUS_OK;
-  const bool up = own < wanted;
+  TRY(apply_shift(region, rules, b, 0.0, labels, grain));
+  const double unshifted = labels->voids;
+  if (fabs(unshifted / wanted - 1.0) < VOIDS_TOLERANCE) return STATUS_OK;
+  const bool up = unshifted < wanted;
   const double end = up                  ? isfinite(b->grain) ? b->grain - b->high : half
                      : isfinite(b->pore) ? b->pore - b->low
                                          : -half;
-  double near = 0.0, far = end, at_near = own - wanted, at_far;
-  TRY(take_moved(region, rules, b, far, labels, grain));
+  double near = 0.0, far = end, at_near = unshifted - wanted, at_far;
+  TRY(apply_shift(region, rules, b, far, labels, grain));
   at_far = labels->voids - wanted;
   if (up ? at_far < 0.0 : at_far > 0.0)
     TRY_FAIL(
         STATUS_INPUT,
         "%s: --micro: its greys give a void ratio of %.4g, and %.4g when they are moved to the "
         "peak of %s, not the measured %.4g",
-        region->stack->files[0].path, ratio_of(own), ratio_of(labels->voids), up ? "grain" : "pore",
-        e);
-  for (int round = 0; round < ROUNDS; round++) {
+        region->stack->files[0].path, ratio_of(unshifted), ratio_of(labels->voids),
+        up ? "grain" : "pore", e);
+  for (int round = 0; round < SHIFTS_MOST; round++) {
     *shift = near - at_near * (far - near) / (at_far - at_near);
-    TRY(take_moved(region, rules, b, *shift, labels, grain));
-    const double now = labels->voids - wanted;
-    if (fabs(now / wanted) < CLOSE) break;
-    if ((now > 0.0) == (at_far > 0.0)) {
-      far = *shift, at_far = now, at_near *= 0.5;
+    TRY(apply_shift(region, rules, b, *shift, labels, grain));
+    const double excess = labels->voids - wanted;
+    if (fabs(excess / wanted) < VOIDS_TOLERANCE) break;
+    if ((excess > 0.0) == (at_far > 0.0)) {
+      far = *shift, at_far = excess, at_near *= 0.5;
     } else {
-      near = far, at_near = at_far, far = *shift, at_far = now;
+      near = far, at_near = at_far, far = *shift, at_far = excess;
     }
   }
 cleanup:
   return status;
 }
 
-/* How void ratios answer to the bounds, and what that leaves unsure; `labels` and `grain` are of
- * other bounds afterwards. */
+/* Measures how the void ratios depend on the bounds, and the resulting uncertainties. `labels` and
+ * `grain` are those of other bounds afterwards. */
 static enum status add_thresholds(const struct region *region, const struct micro_rules *rules,
                                   const struct bounds *b, double measured_error,
                                   struct labels *labels, uint8_t *grain, struct grey_soil *greys) {
   enum status status = STATUS_OK;
   const bool measured = measured_error > 0.0;
-  const double step =
-      measured ? STEP * (b->high - b->low) : sqrt(0.5) * hypot(greys->low_error, greys->high_error);
+  const double step = measured ? SLOPE_STEP * (b->high - b->low)
+                               : sqrt(0.5) * hypot(greys->low_error, greys->high_error);
   const double voids = labels->voids, open = labels->porosity;
-  TRY(take_moved(region, rules, b, step, labels, grain));
+  TRY(apply_shift(region, rules, b, step, labels, grain));
   const double slope = (ratio_of(labels->voids) - ratio_of(voids)) / step;
   greys->threshold_slope = step / (ratio_of(labels->porosity) - ratio_of(open));
   greys->threshold_error = measured ? measured_error / slope : step;
@@ -298,14 +306,14 @@ enum status micro_take(struct region *region, const struct micro_rules *rules, d
   TRY(memory_allocate(&labels->micro.kind, count, 1, "the labels"));
   TRY(memory_allocate(&grain, count, 1, "the labels"));
   if (isnan(void_ratio))
-    TRY(take_moved(region, rules, &b, 0.0, labels, grain));
+    TRY(apply_shift(region, rules, &b, 0.0, labels, grain));
   else
     TRY(find_shift(region, rules, &b, void_ratio / (1.0 + void_ratio), labels, grain, &shift));
   const double pore_peak = b.pore, grain_peak = b.grain;
-  move(&b, shift);
+  shift_bounds(&b, shift);
   if (isnan(void_ratio) ? rules->automatic : void_ratio_error > 0.0) {
     TRY(add_thresholds(region, rules, &b, void_ratio_error, labels, grain, greys));
-    TRY(take_moved(region, rules, &b, 0.0, labels, grain));
+    TRY(apply_shift(region, rules, &b, 0.0, labels, grain));
   }
   TRY(labels_smooth(region, grain, reflect, labels));
   greys->low = sign < 0.0 ? -b.high : b.low;

@@ -1,18 +1,19 @@
-/* The number of a lattice's points in a body whose place on it is by chance has the mean of the
- * body's area and the variance .0728 times its perimeter, in spacings (Kendall 1948, Q. J. Math.
- * 19: of smooth ovals, over all their turns). Slices of a body across an axis each have that; how
- * many are off by the same is read from the labels:
+/* The number of lattice points in a body at a random position has the body's area as its mean and a
+ * variance of 0.0728 times its perimeter, in lattice spacings (Kendall 1948, Q. J. Math. 19: for
+ * smooth ovals, averaged over all orientations). This holds for each slice of a body across an
+ * axis. How many slices have the same error is estimated from the labels:
  *
- * - A wall along the axis is the same in all slices, one across it is met anew in each. With F
- *   faces between labels along the axis, and G along the other two, it is G / (1.7 F) slices: of
- *   surfaces that face all ways F / G is a half, and the variance of the volume then is .067 times
- *   the surface, as it is of smooth bodies in three dimensions.
- * - Slices of as many voxels with as many faces are the same once more, moved or mirrored.
- * - Halves of a slice that are each other's image are off by the same.
+ * - A wall along the axis is the same in all slices, one across it is different in each. With F
+ * faces between labels along the axis, and G along the other two axes, errors agree over
+ * G / (1.7 F) slices. For isotropic surfaces F / G is a half, and the variance of the volume is
+ * then 0.067 times the surface, as for smooth bodies in three dimensions.
+ * - Slices with equal numbers of voxels and of faces are repetitions, shifted or mirrored, with the
+ * same error.
+ * - Halves of a slice that are mirror images of each other have the same error.
  *
- * Of many grains all that is lost in the sum; of one pore across a small image it is per cents.
- * Labels that change along one axis alone are layers, drawn on the faces of voxels: as wide as
- * drawn. */
+ * With many grains the errors average out; for a single pore across a small image they are some per
+ * cent. Labels that change along one axis only are layers drawn on the faces of voxels, and have
+ * exactly the width drawn. */
 #include "ct2model/scan/label_volume.h"
 
 #include <math.h>
@@ -20,45 +21,47 @@
 
 #include "common/memory.h"
 
-static const double OVAL = 0.0728;
-static const double ANEW = 1.7; /* of which .0728 (pi / 4) 2 / 1.7 = .067 */
+static const double VARIANCE_PER_PERIMETER = 0.0728;
+/* Chosen such that 0.0728 (pi / 4) 2 / 1.7 = 0.067. */
+static const double FACE_RATIO_FACTOR = 1.7;
 
-/* A slice across an axis: its grain, and its faces along each axis but that. */
+/* A slice across an axis: its voxels of grain, and its faces between labels along the two other
+ * axes. */
 struct slice {
   uint64_t grain, face[3];
 };
 
-struct labels_seen {
+struct label_slices {
   const uint8_t *grain;
   const size_t *size;
   struct slice *slice[3];
 };
 
-static bool at(const struct labels_seen *seen, const size_t place[3]) {
+static bool is_grain(const struct label_slices *seen, const size_t place[3]) {
   return seen->grain[(place[2] * seen->size[1] + place[1]) * seen->size[0] + place[0]] != 0;
 }
 
-static void count(const struct labels_seen *seen, const bool reflect[3]) {
+static void count_faces(const struct label_slices *seen, const bool reflect[3]) {
   const size_t *n = seen->size;
   size_t place[3];
   for (place[2] = 0; place[2] < n[2]; place[2]++)
     for (place[1] = 0; place[1] < n[1]; place[1]++)
       for (place[0] = 0; place[0] < n[0]; place[0]++) {
-        const bool grain = at(seen, place);
+        const bool grain = is_grain(seen, place);
         for (int a = 0; a < 3; a++) {
           seen->slice[a][place[a]].grain += grain;
           if (place[a] + 1 == n[a] && reflect[a]) continue;
           size_t next[3] = {place[0], place[1], place[2]};
           next[a] = place[a] + 1 < n[a] ? place[a] + 1 : 0;
-          if (at(seen, next) == grain) continue;
+          if (is_grain(seen, next) == grain) continue;
           for (int s = 0; s < 3; s++)
             if (s != a) seen->slice[s][place[s]].face[a]++;
         }
       }
 }
 
-/* Whether turning axis b round, or with b != c exchanging b and c, changes no voxel. */
-static bool is_own_image(const struct labels_seen *seen, int b, int c) {
+/* Whether mirroring axis b or, if b != c, exchanging axes b and c, changes no voxel. */
+static bool is_symmetric(const struct label_slices *seen, int b, int c) {
   const size_t *n = seen->size;
   size_t place[3];
   if (n[b] != n[c]) return false;
@@ -68,16 +71,17 @@ static bool is_own_image(const struct labels_seen *seen, int b, int c) {
         size_t image[3] = {place[0], place[1], place[2]};
         image[b] = b == c ? n[b] - 1 - place[b] : place[c];
         if (b != c) image[c] = place[b];
-        if (at(seen, image) != at(seen, place)) return false;
+        if (is_grain(seen, image) != is_grain(seen, place)) return false;
       }
   return true;
 }
 
-/* Variance of the number of voxels by the slices across axis a; faces: along each axis. */
-static double variance(const struct labels_seen *seen, const double faces[3], int a) {
+/* Variance of the number of voxels by the slices across axis a. `faces`: number of faces between
+ * labels along each axis. */
+static double variance(const struct label_slices *seen, const double faces[3], int a) {
   const int b = a == 0 ? 1 : 0, c = a == 2 ? 1 : 2;
-  const double run =
-      fmin((double)seen->size[a], fmax(1.0, (faces[b] + faces[c]) / (ANEW * faces[a])));
+  const double run = fmin((double)seen->size[a],
+                          fmax(1.0, (faces[b] + faces[c]) / (FACE_RATIO_FACTOR * faces[a])));
   double sum = 0.0, images = 1.0;
   for (size_t i = 0; i < seen->size[a]; i++) {
     const struct slice *slice = &seen->slice[a][i];
@@ -86,22 +90,23 @@ static double variance(const struct labels_seen *seen, const double faces[3], in
       same += memcmp(slice, &seen->slice[a][j], sizeof *slice) == 0;
     sum += (double)(slice->face[b] + slice->face[c]) * fmax(same, run);
   }
-  if (faces[b] > 0.0 && is_own_image(seen, b, b)) images *= 2.0;
-  if (faces[c] > 0.0 && is_own_image(seen, c, c)) images *= 2.0;
-  if (faces[b] > 0.0 && faces[c] > 0.0 && is_own_image(seen, b, c)) images *= sqrt(2.0);
-  return OVAL * M_PI / 4.0 * sum * images; /* a perimeter is pi / 4 of the faces (Cauchy) */
+  if (faces[b] > 0.0 && is_symmetric(seen, b, b)) images *= 2.0;
+  if (faces[c] > 0.0 && is_symmetric(seen, c, c)) images *= 2.0;
+  if (faces[b] > 0.0 && faces[c] > 0.0 && is_symmetric(seen, b, c)) images *= sqrt(2.0);
+  return VARIANCE_PER_PERIMETER * M_PI / 4.0 * sum * images; /* by Cauchy, a perimeter is pi / 4 of
+                                                                the faces */
 }
 
 enum status label_volume_error(const uint8_t *grain, const size_t size[3], const bool reflect[3],
                                double *error) {
   enum status status = STATUS_OK;
-  struct labels_seen seen = {.grain = grain, .size = size};
+  struct label_slices seen = {.grain = grain, .size = size};
   double faces[3] = {0}, most = 0.0;
   int axes = 0;
   *error = NAN;
   for (int a = 0; a < 3; a++)
     TRY(memory_allocate(&seen.slice[a], size[a], sizeof *seen.slice[a], "slices"));
-  count(&seen, reflect);
+  count_faces(&seen, reflect);
   for (int a = 0; a < 3; a++) {
     const int across = a == 0 ? 1 : 0;
     for (size_t i = 0; i < size[across]; i++) faces[a] += (double)seen.slice[across][i].face[a];

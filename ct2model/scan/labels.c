@@ -19,7 +19,7 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
     if (rules->count == LABELS_MOST)
       return FAIL(STATUS_USAGE, "--segmented: more than %d labels", LABELS_MOST);
     const size_t i = rules->count++;
-    rules->value[i] = (double)strtof(at, &end); /* as pixels are read */
+    rules->value[i] = (double)strtof(at, &end); /* single precision, as pixels are read */
     if (end == at) goto wrong;
     for (size_t other = 0; other < i; other++)
       if (rules->value[other] == rules->value[i])
@@ -36,7 +36,7 @@ enum status labels_parse(const char *text, struct label_rules *rules) {
       snprintf(soil, sizeof soil, "%.*s", (int)inside, end + 6);
       const enum status status = soil_parse("segmented", soil, &rules->soil[i]);
       if (status != STATUS_OK) return status;
-      rules->soily[i] = true;
+      rules->is_soil[i] = true;
       at = end + 6 + inside + 1;
       if (*at != '\0' && *at != ',') goto wrong;
       at += *at == ',';
@@ -71,30 +71,31 @@ double labels_void_ratio_error(const struct labels *labels) {
   return 2.0 * labels->volume_error / pow(1.0 - labels->voids, 2.0);
 }
 
-static size_t find(const struct labels *labels, double value) {
+static size_t find_label(const struct labels *labels, double value) {
   size_t i = 0;
   while (i < labels->count && labels->value[i] != value) i++;
   return i;
 }
 
-static void swap(struct labels *labels, size_t i, size_t j) {
+static void swap_labels(struct labels *labels, size_t i, size_t j) {
   const double value = labels->value[i];
-  const bool pore = labels->pore[i], soily = labels->soily[i];
+  const bool pore = labels->pore[i], is_soil = labels->is_soil[i];
   const struct soil soil = labels->soil[i];
   labels->value[i] = labels->value[j], labels->value[j] = value;
   labels->pore[i] = labels->pore[j], labels->pore[j] = pore;
-  labels->soily[i] = labels->soily[j], labels->soily[j] = soily;
+  labels->is_soil[i] = labels->is_soil[j], labels->is_soil[j] = is_soil;
   labels->soil[i] = labels->soil[j], labels->soil[j] = soil;
 }
 
-static void sort(struct labels *labels) {
+static void sort_labels(struct labels *labels) {
   for (size_t i = 1; i < labels->count; i++)
     for (size_t j = i; j > 0 && labels->value[j] < labels->value[j - 1]; j--)
-      swap(labels, j, j - 1);
+      swap_labels(labels, j, j - 1);
 }
 
-/* The values of three slices, if they are few; of the others too, until there are two. */
-static enum status look(const struct region *region, struct labels *labels, bool *few) {
+/* Collects the values of three slices while they are few, and of further slices until there are
+ * two. */
+static enum status collect_values(const struct region *region, struct labels *labels, bool *few) {
   enum status status = STATUS_OK;
   const size_t plane = region->size[0] * region->size[1], nz = region->size[2];
   float *slice = NULL;
@@ -108,7 +109,7 @@ static enum status look(const struct region *region, struct labels *labels, bool
       const double value = (double)slice[p];
       if (value == last) continue;
       last = value;
-      if (find(labels, value) < labels->count) continue;
+      if (find_label(labels, value) < labels->count) continue;
       *few = labels->count < LABELS_MOST;
       if (*few) labels->value[labels->count++] = value;
     }
@@ -134,7 +135,8 @@ static enum status name_unknown(const struct region *region, size_t z, double va
               name, value, value, value);
 }
 
-/* 1 grain, 0 all else; *fits is false where a value is none of two labels that were found. */
+/* Sets grain[] to 1 in grain and 0 elsewhere. *fits becomes false if a voxel has neither of two
+ * labels that were found automatically. */
 static enum status classify(const struct region *region, const struct label_rules *rules,
                             struct labels *labels, uint8_t *grain, bool *fits) {
   enum status status = STATUS_OK;
@@ -149,7 +151,7 @@ static enum status classify(const struct region *region, const struct label_rule
     size_t at = 0;
     for (size_t p = 0; p < plane; p++) {
       const double value = (double)slice[p];
-      if (!(at < labels->count && labels->value[at] == value)) at = find(labels, value);
+      if (!(at < labels->count && labels->value[at] == value)) at = find_label(labels, value);
       if (at == labels->count) {
         if (rules->count == 0) {
           *fits = false;
@@ -159,22 +161,22 @@ static enum status classify(const struct region *region, const struct label_rule
         if (at == LABELS_MOST) TRY(name_greys(region, ""));
         labels->value[labels->count++] = value;
       }
-      const bool open = labels->pore[at] || labels->soily[at];
+      const bool open = labels->pore[at] || labels->is_soil[at];
       seen[at]++;
       grain[z * plane + p] = !open;
       pores += open;
       if (labels->micro.kind != NULL)
-        labels->micro.kind[z * plane + p] = labels->soily[at]  ? (uint8_t)(at + 1)
-                                            : labels->pore[at] ? MICRO_PORE
-                                                               : MICRO_GRAIN;
+        labels->micro.kind[z * plane + p] = labels->is_soil[at] ? (uint8_t)(at + 1)
+                                            : labels->pore[at]  ? MICRO_PORE
+                                                                : MICRO_GRAIN;
     }
   }
   const double count = (double)plane * (double)region->size[2];
   for (size_t i = 0; i < labels->count; i++) {
-    voids += (double)seen[i] * (labels->pore[i]    ? 1.0
-                                : labels->soily[i] ? labels->soil[i].porosity
-                                                   : 0.0);
-    if (*fits && labels->soily[i] && seen[i] == 0)
+    voids += (double)seen[i] * (labels->pore[i]      ? 1.0
+                                : labels->is_soil[i] ? labels->soil[i].porosity
+                                                     : 0.0);
+    if (*fits && labels->is_soil[i] && seen[i] == 0)
       TRY_FAIL(STATUS_INPUT, "%s: --segmented: no voxel has the label %g, which is said to be soil",
                region->stack->files[0].path, labels->value[i]);
     labels->micro.soil[i + 1] = labels->soil[i];
@@ -186,13 +188,13 @@ cleanup:
   return status;
 }
 
-/* Two values are two labels; which is pore is a convention, and said. */
+/* Two values are labels; which one is pore follows a convention, and is reported. */
 static enum status find_labels(const struct region *region, const struct label_rules *rules,
                                bool dark, struct labels *labels) {
   bool few;
-  enum status status = look(region, labels, &few);
+  enum status status = collect_values(region, labels, &few);
   if (status != STATUS_OK) return status;
-  sort(labels);
+  sort_labels(labels);
   labels->on = few && labels->count == 2;
   if (labels->on) labels->pore[dark ? 1 : 0] = true;
   if (labels->on || !rules->given) return STATUS_OK;
@@ -208,7 +210,7 @@ static enum status find_labels(const struct region *region, const struct label_r
               labels->value[0]);
 }
 
-/* Share of 0 in the mirrored model, where the last layers occur once. */
+/* Fraction of zeros in the mirrored model, where the last layers occur once. */
 static double share_of_model(const uint8_t *grain, const size_t size[3], const bool reflect[3]) {
   double weighed = 0.0, all = 0.0;
   for (size_t row = 0; row < size[1] * size[2]; row++)
@@ -267,19 +269,19 @@ enum status labels_take(struct region *region, const struct label_rules *rules, 
   *labels = (struct labels){.on = true, .count = rules->count};
   memcpy(labels->value, rules->value, sizeof labels->value);
   memcpy(labels->pore, rules->pore, sizeof labels->pore);
-  memcpy(labels->soily, rules->soily, sizeof labels->soily);
+  memcpy(labels->is_soil, rules->is_soil, sizeof labels->is_soil);
   memcpy(labels->soil, rules->soil, sizeof labels->soil);
   memcpy(labels->micro.size, region->size, sizeof region->size);
   if (rules->count == 0) TRY(find_labels(region, rules, dark, labels));
   if (!labels->on) goto cleanup;
   TRY(memory_allocate(&grain, count, 1, "the labels"));
   for (size_t i = 0; i < rules->count; i++)
-    if (rules->soily[i] && labels->micro.kind == NULL)
+    if (rules->is_soil[i] && labels->micro.kind == NULL)
       TRY(memory_allocate(&labels->micro.kind, count, 1, "the labels"));
   TRY(classify(region, rules, labels, grain, &fits));
   labels->on = fits;
   if (!fits) goto cleanup;
-  sort(labels);
+  sort_labels(labels);
   TRY(labels_smooth(region, grain, reflect, labels));
   TRY(label_volume_error(grain, region->size, reflect, &labels->volume_error));
 cleanup:

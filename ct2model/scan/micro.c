@@ -67,13 +67,13 @@ enum status micro_check(const struct micro *micro, const double spacing[3]) {
   return STATUS_OK;
 }
 
-/* Voxels of a box by kind: how many pores, how much soil. */
+/* Contents of a box of voxels: number of pore and of soil voxels, and sums over the latter. */
 struct content {
   double pores, soils, porosity, log_permeability;
 };
 
-static void add(const struct micro *micro, const size_t first[3], const size_t end[3],
-                struct content *content) {
+static void add_box(const struct micro *micro, const size_t first[3], const size_t end[3],
+                    struct content *content) {
   for (size_t z = first[2]; z < end[2]; z++)
     for (size_t y = first[1]; y < end[1]; y++)
       for (size_t x = first[0]; x < end[0]; x++) {
@@ -98,7 +98,8 @@ void micro_resample(const struct micro *micro, int turn, const size_t n[3], cons
       struct content content = {0};
       porosity[voxel] = permeability[voxel] = 0.0f;
       if (solid[voxel]) continue;
-      /* Walls are smooth: a voxel of the pore side may cover grain alone, beside what it is. */
+      /* Walls are smoothed: a model voxel on the pore side may cover grain only, so that adjacent
+       * voxels are used. */
       for (size_t wider = 0; wider < 3 && content.pores + content.soils == 0.0; wider++) {
         size_t first[3], end[3];
         for (int d = 0; d < 3; d++) {
@@ -109,7 +110,7 @@ void micro_resample(const struct micro *micro, int turn, const size_t n[3], cons
           first[axis] = low > wider ? low - wider : 0;
           end[axis] = high + wider < micro->size[axis] ? high + wider : micro->size[axis];
         }
-        add(micro, first, end, &content);
+        add_box(micro, first, end, &content);
       }
       if (content.soils <= content.pores || content.soils == 0.0) continue;
       porosity[voxel] =

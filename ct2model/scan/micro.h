@@ -1,5 +1,5 @@
-/* Soil whose pores are smaller than the voxels: a porosity and a permeability a voxel, of a
- * segmented image's labels or of the greys between pore and grain, and the same carried to the
+/* Soil whose pores are smaller than the voxels: porosity and permeability per voxel, from the
+ * labels of a segmented image or from greys between pore and grain, and their resampling to the
  * voxels of a model. */
 #ifndef TOSUI_CT2MODEL_SCAN_MICRO_H
 #define TOSUI_CT2MODEL_SCAN_MICRO_H
@@ -10,25 +10,25 @@
 #include "common/error.h"
 
 struct soil {
-  double porosity;     /* 0 to 1, without both */
+  double porosity;     /* between 0 and 1, exclusive */
   double permeability; /* m^2 */
 };
 
-/* Permeability (m^2) of grains of one diameter (m): d^2 n^3 / (180 (1 - n)^2). Kozeny 1927, Carman
- * 1937. */
+/* Permeability (m^2) of soil with grains of one diameter (m): d^2 n^3 / (180 (1 - n)^2). Kozeny
+ * 1927, Carman 1937. */
 double soil_kozeny_carman(double porosity, double grain_size);
 
-/* "0.35, 1.8e-15 m^2", or a grain size instead of the permeability: "0.35, 2um". Usage errors name
- * `option`. */
+/* Parses "0.35, 1.8e-15 m^2", or with a grain size instead of the permeability "0.35, 2um". Usage
+ * errors name `option`. */
 enum status soil_parse(const char *option, const char *text, struct soil *soil);
-/* A permeability as it stands, or by Kozeny and Carman from a grain size: one of the two is set,
- * the other 0. */
+/* Parses a permeability or a grain size, from which the permeability follows by Kozeny and Carman:
+ * one of the two is set, the other one is 0. */
 enum status soil_parse_permeability(const char *option, const char *text, double *permeability,
                                     double *grain_size);
 
 enum { MICRO_PORE = 0, MICRO_GRAIN = 255, MICRO_KINDS = 256 };
 
-/* What each voxel of a region is: MICRO_PORE, MICRO_GRAIN or a row of `soil`. */
+/* The kind of each voxel of a region: MICRO_PORE, MICRO_GRAIN or an index of `soil`. */
 struct micro {
   size_t size[3];
   uint8_t *kind;                 /* [z][y][x]; NULL: no voxel is soil */
@@ -38,13 +38,13 @@ struct micro {
 /* Frees `kind`. */
 void micro_end(struct micro *micro);
 
-/* Soil of pores wider than the model's voxels (m) is an input error. */
+/* Input error if the pores of a soil are wider than the model's voxels (m). */
 enum status micro_check(const struct micro *micro, const double spacing[3]);
 
-/* Porosity and permeability (f32) of the model's voxels [n z][n y][n x]: of the scan's voxels that
- * one covers, grain left out, those that most are; 0 where that is pore, and where `solid` is not
- * 0. Porosity is their mean, permeability the geometric mean of the soil among them. Axis d of the
- * model is axis (d + turn) mod 3 of the region. */
+/* Porosity and permeability of the model's voxels [n z][n y][n x]. A model voxel is soil if most of
+ * the scan's voxels that it covers, grain excluded, are soil; otherwise both are 0, as they are
+ * where `solid` is not 0. Porosity is the mean over soil and pores, permeability (m^2) the
+ * geometric mean over the soil. Axis d of the model is axis (d + turn) mod 3 of the region. */
 void micro_resample(const struct micro *micro, int turn, const size_t n[3], const uint8_t *solid,
                     float *porosity, float *permeability);
 

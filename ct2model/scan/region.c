@@ -81,18 +81,19 @@ enum status region_read(const struct region *region, const size_t *numbers, size
   {
     char *buffer = NULL;
     struct pixel_rows rows;
-    enum status mine = memory_allocate(&buffer, region_buffer_size(region), 1, "a slice");
+    enum status thread_status = memory_allocate(&buffer, region_buffer_size(region), 1, "a slice");
 #pragma omp for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
-      if (mine == STATUS_OK) mine = region_read_rows(region, numbers[i], buffer, &rows);
-      for (size_t y = 0; y < region->size[1] && mine == STATUS_OK; y++)
+      if (thread_status == STATUS_OK)
+        thread_status = region_read_rows(region, numbers[i], buffer, &rows);
+      for (size_t y = 0; y < region->size[1] && thread_status == STATUS_OK; y++)
         pixel_rows_read(&rows, y, region->size[0],
                         out + (i * region->size[1] + y) * region->size[0]);
     }
     memory_free(&buffer);
-    if (mine != STATUS_OK) {
+    if (thread_status != STATUS_OK) {
 #pragma omp critical
-      status = mine;
+      status = thread_status;
     }
   }
   return status;
@@ -102,7 +103,7 @@ enum status region_turn(struct region *region, int axis, float **store) {
   enum status status = STATUS_OK;
   const struct region from = *region;
   size_t plane = from.size[0] * from.size[1], batch = region_batch(&from), numbers[64];
-  size_t stride[3]; /* in the turned region, of a step along the scan's x, y, z */
+  size_t stride[3]; /* stride in the turned region of a step along x, y, z of the scan */
   float *slices = NULL, *turned = NULL;
   struct progress progress;
   progress_start(&progress, "preparing", "slices", (double)from.size[2]);

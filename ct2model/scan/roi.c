@@ -40,7 +40,7 @@ static bool is_inside(const struct roi *roi, size_t x, size_t y, size_t z) {
   return inside;
 }
 
-/* Whether it reaches half a voxel past the slices' edges, or a box past their ends. */
+/* Whether the region of interest extends more than half a voxel beyond the scan. */
 static bool is_beyond(const struct roi *roi, const struct stack *stack) {
   const double *v = roi->value, half = 0.5;
   bool beyond = false;
@@ -60,7 +60,8 @@ static bool is_at_height(const struct roi *roi, size_t z) {
   return roi->kind != ROI_BOX || (middle > roi->value[2] && middle < roi->value[2] + roi->value[5]);
 }
 
-/* Moves the greys inside to the front of `slice`; how many. `mask` is NULL but for masks. */
+/* Moves the greys inside to the front of `slice` and returns their number. `mask` is NULL unless
+ * the region of interest is a mask. */
 static size_t select_inside(const struct roi *roi, const struct stack *stack, size_t z,
                             const float *mask, float *slice) {
   size_t n = 0;
@@ -73,7 +74,7 @@ static size_t select_inside(const struct roi *roi, const struct stack *stack, si
   return n;
 }
 
-/* Of the stack's size, or one slice that counts for all. */
+/* Opens a mask, which has the size of the stack, or is one slice that applies to all. */
 static enum status open_mask(const struct roi *roi, const struct stack *stack, struct stack *mask) {
   enum status status = stack_open(&roi->path, 1, NULL, mask);
   if (status != STATUS_OK) return error_context(status, "--roi");
@@ -87,7 +88,8 @@ static enum status open_mask(const struct roi *roi, const struct stack *stack, s
               stack->size[1], stack->size[2]);
 }
 
-/* A scan in the place of its mask would count as inside but for its black voxels. */
+/* Warns if the mask looks like a scan, all of whose voxels but the black ones would count as
+ * inside. */
 static void warn_of_greys(const struct roi *roi, const float *slice, size_t pixels) {
   enum { LABELS = 32 };
   float seen[LABELS];

@@ -1,5 +1,5 @@
-/* Region of interest: the part of the scan whose void ratio was measured. Container walls and air
- * around the specimen do not count. In voxels of the whole stack. */
+/* Region of interest: the part of the scan to which the measured void ratio refers, without
+ * container walls and surrounding air. In voxels of the whole stack. */
 #ifndef TOSUI_CT2MODEL_SCAN_ROI_H
 #define TOSUI_CT2MODEL_SCAN_ROI_H
 
@@ -17,10 +17,11 @@ struct roi {
   const char *path; /* mask: a stack of the same size, 0 outside; points into the parsed text */
 };
 
-/* "box:X0,Y0,Z0,NX,NY,NZ", "cylinder:CX,CY,R" or "mask:PATH"; usage errors. */
+/* Parses "box:X0,Y0,Z0,NX,NY,NZ", "cylinder:CX,CY,R" or "mask:PATH"; usage errors. */
 enum status roi_parse(const char *text, struct roi *roi);
-/* Counts the greys of all voxels of the stack whose centre is inside; `region` gives stack and
- * grey scale. An input error where nothing is inside or the mask does not fit. */
+/* Adds to `histogram` the greys of all voxels of the stack whose centre is inside; `region` gives
+ * the stack and the scale of greys. An input error if nothing is inside or the mask has another
+ * size. */
 enum status roi_count(const struct roi *roi, const struct region *region,
                       struct grey_histogram *histogram);
 

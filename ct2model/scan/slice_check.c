@@ -6,9 +6,10 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 
-/* Pixels unlike their left neighbour: nearly all where there is noise of a grey level or more; the
- * edges alone in labels and in bodies without noise. */
-#define NOISY 0.5
+/* Fraction of pixels that differ from their left neighbour above which a slice is noisy: nearly all
+ * differ where there is noise of a grey level or more, but only those at edges in labels and in
+ * images without noise. */
+#define DIFFERENT_FRACTION 0.5
 
 enum status slice_check_start(size_t count, struct slice_check *check) {
   enum status status = STATUS_OK;
@@ -41,7 +42,7 @@ void slice_check_add(struct slice_check *check, size_t z, const struct pixel_row
   check->constant[z] = constant;
 }
 
-/* The slice before z that it is a copy of, the nearest; z if there is none. */
+/* The nearest slice before z of which z is a copy; z if there is none. */
 static size_t copied_from(const struct slice_check *check, size_t z) {
   for (size_t d = 1; d <= z; d++)
     if (check->hash[z] == check->hash[z - d]) return z - d;
@@ -54,13 +55,13 @@ static enum status is_noisy(const struct region *region, size_t z, float *slice,
   size_t unlike = 0;
   TRY(region_read(region, &z, 1, slice));
   for (size_t i = 0; i < n; i++) unlike += i % nx > 0 && slice[i] != slice[i - 1]; // NOLINT: nx > 0
-  *noisy = (double)unlike > NOISY * (double)n;
+  *noisy = (double)unlike > DIFFERENT_FRACTION * (double)n;
 cleanup:
   return status;
 }
 
-/* The slice beside z that is of more than one grey; `count` if there is none. */
-static size_t lively_neighbour(const struct slice_check *check, size_t z) {
+/* The nearest slice to z with more than one grey; `count` if there is none. */
+static size_t varied_neighbour(const struct slice_check *check, size_t z) {
   for (size_t d = 1; d < check->count; d++) {
     if (z >= d && !check->constant[z - d]) return z - d;
     if (z + d < check->count && !check->constant[z + d]) return z + d;
@@ -98,7 +99,7 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
                 copies, n, name[0], name[1]);
   }
   if (constants == 0 || constants == n) goto cleanup;
-  TRY(is_noisy(region, lively_neighbour(check, constant), slice, &noisy));
+  TRY(is_noisy(region, varied_neighbour(check, constant), slice, &noisy));
   if (noisy) {
     stack_slice_name(region->stack, region->origin[2] + constant, name[0], sizeof name[0]);
     log_warning("%zu of %zu slices are of one grey (first: %s): no scan, but a gap or a plate in "

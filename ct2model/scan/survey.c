@@ -6,16 +6,19 @@
 
 #include "common/memory.h"
 
-enum { SLICES = 8, SMOOTH = 8, BINS = 4096 };
-/* Within fewer pixels of the axis a few grains look like rings and like beam hardening. */
+/* Slices that are sampled; radii on each side in the average of rings; bins of a histogram. */
+enum { SLICES = 8, RING_AVERAGE = 8, BINS = 4096 };
+/* Smallest number of radii: within fewer pixels of the axis a few grains look like rings and like
+ * beam hardening. */
 enum { RADII_LEAST = 48 };
-static const double ENOUGH = 1e6; /* pixels that tell the trend; a correction takes them all */
+/* Pixels that suffice for the radial trend; a correction uses all. */
+static const double PIXELS_FOR_TREND = 1e6;
 
-/* Where the slice lies: pixel x, y of the region is at radius |(x, y) + shift|. */
+/* Position of the slices: pixel x, y of the region is at radius |(x, y) + shift|. */
 struct frame {
   double shift[2];
   size_t size[2], radii;
-  size_t step; /* every how many rows are looked at */
+  size_t step; /* only every `step`th row is used */
 };
 
 static struct frame frame_of(const struct region *region) {
@@ -40,7 +43,7 @@ static double trend_at(const double trend[2], double rho) {
   return trend[0] + rho * rho * trend[1];
 }
 
-/* Both phases' grey at each radius, [2][radii]: pore, grain. */
+/* Greys of both phases at each radius, [2][radii]: pore, grain. */
 static void phase_greys(const struct survey *survey, float *greys) {
   for (size_t r = 0; r < survey->radii; r++) {
     double rho = ((double)r + 0.5) / (double)survey->radii;
@@ -49,8 +52,9 @@ static void phase_greys(const struct survey *survey, float *greys) {
   }
 }
 
-/* What pixels inside one phase deviate from it: sum and number by phase and half of the slice,
- * [4][radii]. Pixels at a boundary hold both phases and are left out, as are bright minerals. */
+/* Adds up the deviations of pixels inside one phase from its grey: sum and number by phase and by
+ * half of the slice, [4][radii]. Pixels at a boundary, which hold both phases, and bright minerals
+ * are left out. */
 static void add_deviations(const struct frame *frame, const float *greys, const float *slice,
                            double *sum, double *number) {
   const float *pore = greys, *grain = greys + frame->radii;
@@ -75,7 +79,7 @@ static void add_deviations(const struct frame *frame, const float *greys, const 
 }
 
 /* Weighted least squares of a + b rho^2 to the deviations of one phase in the halves `first` to
- * `last` - 1, added to `trend`; false where there is too little of it. */
+ * `last` - 1, added to `trend`; false if there are too few pixels. */
 static bool fit_trend(const double *sum, const double *number, size_t radii, size_t first,
                       size_t last, double trend[2]) {
   double n = 0.0, s = 0.0, q = 0.0, qq = 0.0, sq = 0.0;
@@ -95,41 +99,45 @@ static bool fit_trend(const double *sum, const double *number, size_t radii, siz
   return true;
 }
 
-/* Rings of the two halves less their running mean over the radius, [2][radii]; NAN where too few
- * pixels. */
+/* Radial profiles of the two halves minus their running mean over the radius, [2][radii]; NAN where
+ * there are too few pixels. */
 static void ring_deviations(const double *sum, const double *number, size_t radii, double *ring) {
   const double least = 8.0;
   for (size_t side = 0; side < 2; side++) {
     const double *s[2] = {sum + side * radii, sum + (2 + side) * radii};
     const double *n[2] = {number + side * radii, number + (2 + side) * radii};
     for (size_t r = 0; r < radii; r++) {
-      double total = 0.0, weight = 0.0, here = n[0][r] + n[1][r];
-      for (size_t k = r > SMOOTH ? r - SMOOTH : 0; k <= r + SMOOTH && k < radii; k++) {
+      double total = 0.0, weight = 0.0, count_here = n[0][r] + n[1][r];
+      for (size_t k = r > RING_AVERAGE ? r - RING_AVERAGE : 0; k <= r + RING_AVERAGE && k < radii;
+           k++) {
         total += s[0][k] + s[1][k];
         weight += n[0][k] + n[1][k];
       }
-      ring[side * radii + r] = here < least ? NAN : (s[0][r] + s[1][r]) / here - total / weight;
+      ring[side * radii + r] =
+          count_here < least ? NAN : (s[0][r] + s[1][r]) / count_here - total / weight;
     }
   }
 }
 
-/* Rings go all the way round, noise and grains do not: the covariance of the two halves is the
- * rings' variance. */
+/* Rings are complete circles, noise and grains are not: the covariance of the two halves is the
+ * variance of the rings. */
 static double ring_covariance(const double *a, const double *b, size_t radii) {
   double sum = 0.0, n = 0.0;
   for (size_t r = 0; r < radii; r++) {
     if (isnan(a[r]) || isnan(b[r])) continue;
-    sum += a[r] * b[r] * (double)(r + 1); /* as much as there are pixels */
+    sum += a[r] * b[r] * (double)(r + 1); /* weighted by the number of pixels */
     n += (double)(r + 1);
   }
   return n > 0.0 ? sum / n : NAN;
 }
 
-/* The rings that the two halves agree on: their mean, times the share of it that is no noise. */
+/* The profile of the rings: the mean of both halves, times the fraction of its variance that is not
+ * noise. */
 static void ring_estimate(const double *ring, size_t radii, double variance, float *profile) {
   for (size_t r = 0; r < radii; r++) {
     double noise = 0.0, n = 0.0;
-    for (size_t k = r > 2 * SMOOTH ? r - 2 * SMOOTH : 0; k <= r + 2 * SMOOTH && k < radii; k++) {
+    for (size_t k = r > 2 * RING_AVERAGE ? r - 2 * RING_AVERAGE : 0;
+         k <= r + 2 * RING_AVERAGE && k < radii; k++) {
       double gap = ring[k] - ring[radii + k];
       if (isnan(gap)) continue;
       noise += 0.25 * gap * gap;
@@ -145,8 +153,9 @@ static int by_value(const void *a, const void *b) {
   return (x > y) - (x < y);
 }
 
-/* Where noise hides the valley: noise from differences two pixels apart, most of which lie within a
- * phase, contrast from what the total variance, n (1 - n) contrast^2 + noise^2, leaves. */
+/* Contrast and noise where noise hides the valley of the histogram. The noise follows from the
+ * differences of pixels two apart, most of which lie within a phase; the contrast from the
+ * remainder of the total variance, n (1 - n) contrast^2 + noise^2. */
 static enum status phases_by_moments(const struct region *region, double porosity,
                                      struct survey *survey) {
   enum status status = STATUS_OK;
@@ -253,7 +262,8 @@ static enum status survey_trend(const struct frame *frame, struct survey *survey
                      sum + i * each + each / 2);
     for (size_t i = each; i < survey->count * each; i++)
       sum[i % each] += sum[i]; // NOLINT: there are two radii at least
-    /* What the two halves say of the grain is as uncertain as they differ. */
+    /* The uncertainty of the trend of the grain is taken from the difference between the two
+     * halves. */
     double halves[2][2] = {{0}};
     for (size_t i = 0; i < 2; i++)
       if (!fit_trend(sum + 2 * radii, number + 2 * radii, radii, i, i + 1, halves[i])) goto cleanup;
@@ -262,7 +272,7 @@ static enum status survey_trend(const struct frame *frame, struct survey *survey
       goto cleanup;
     survey->beam_error = 0.5 * fabs(halves[0][1] - halves[1][1]) / contrast;
   }
-  size_t first = 0, last = radii - 1; /* what was seen */
+  size_t first = 0, last = radii - 1; /* range of radii with grain */
   while (first < last && number[2 * radii + first] + number[3 * radii + first] == 0.0) first++;
   while (first < last && number[2 * radii + last] + number[3 * radii + last] == 0.0) last--;
   double squares = pow(((double)last + 0.5) / (double)radii, 2.0) -
@@ -317,7 +327,7 @@ enum status survey_take(const struct region *region, double porosity, bool all,
       .count = nz < most ? nz : most, .porosity = porosity, .mean = NAN, .beam = NAN, .rings = NAN};
   survey->pixels = survey->count * plane;
   survey->radii = frame.radii;
-  if (!all) frame.step += (size_t)((double)(survey->count * plane) / ENOUGH);
+  if (!all) frame.step += (size_t)((double)(survey->count * plane) / PIXELS_FOR_TREND);
   for (size_t i = 0; i < survey->count; i++)
     numbers[i] = survey->count > 1 ? i * (nz - 1) / (survey->count - 1) : 0;
   TRY(memory_allocate(&survey->sample, survey->count * plane, sizeof *survey->sample, "slices"));
@@ -343,21 +353,21 @@ static enum status level(const struct region *region, float *slice) {
   const size_t *size = region->size;
   struct frame frame = frame_of(region);
   size_t radii = survey->radii;
-  float *greys = NULL, *own = NULL;
+  float *greys = NULL, *slice_rings = NULL;
   double *sum = NULL;
   const float *rings = correction->rings ? survey->ring_profile : NULL;
   if (!correction->beam && !correction->rings) return STATUS_OK;
   double contrast = survey->phases.grain_peak - survey->phases.pore_peak;
   TRY(memory_allocate(&greys, 2 * radii, sizeof *greys, "radial means"));
   phase_greys(survey, greys);
-  if (correction->rings && !survey->rings_stay) { /* this slice's own */
+  if (correction->rings && !survey->rings_stay) { /* rings of this slice alone */
     double variance = pow(survey->rings * contrast, 2.0) + 1e-30;
     TRY(memory_allocate(&sum, 10 * radii, sizeof *sum, "rings"));
-    TRY(memory_allocate(&own, radii, sizeof *own, "rings"));
+    TRY(memory_allocate(&slice_rings, radii, sizeof *slice_rings, "rings"));
     add_deviations(&frame, greys, slice, sum, sum + 4 * radii);
     ring_deviations(sum, sum + 4 * radii, radii, sum + 8 * radii);
-    ring_estimate(sum + 8 * radii, radii, variance, own);
-    rings = own;
+    ring_estimate(sum + 8 * radii, radii, variance, slice_rings);
+    rings = slice_rings;
   }
   for (size_t y = 0; y < size[1]; y++) {
     for (size_t x = 0; x < size[0]; x++) {
@@ -371,7 +381,7 @@ static enum status level(const struct region *region, float *slice) {
   }
 cleanup:
   memory_free(&sum);
-  memory_free(&own);
+  memory_free(&slice_rings);
   memory_free(&greys);
   return status;
 }

@@ -1,5 +1,5 @@
-/* What the scanner did to the specimen: how wide it blurs a grain's surface, what fringe it leaves
- * there, how strong the noise is and over what length it is correlated. */
+/* The imaging properties of a scanner: width of its blur, strength of its phase-contrast fringe,
+ * standard deviation and correlation length of its noise. */
 #ifndef TOSUI_CT2MODEL_SCANNER_BLUR_AND_NOISE_H
 #define TOSUI_CT2MODEL_SCANNER_BLUR_AND_NOISE_H
 
@@ -8,21 +8,24 @@
 #include "ct2model/scanner/edge_response.h"
 
 struct scanner {
-  bool known;              /* false: segmented, or no surface stands alone; all else is then NAN */
-  bool assumed;            /* then as much of it as taking a blur out needs, the blur assumed */
-  bool narrow;             /* a phase is nowhere deep: each surface has another one near */
-  bool levels;             /* then pore, grain and fringe are known all the same */
-  double blur, blur_error; /* m: standard deviation, without the voxel's own width; 1 sigma */
-  double fringe;           /* strength of the Laplacian, per blur^2 */
+  bool known;              /* false: the image is segmented, or no surface is free of neighbours;
+                              all other members are then NAN */
+  bool assumed;            /* the blur is assumed; only what deblurring needs is set */
+  bool narrow;             /* one phase is nowhere deep: each surface has another one near */
+  bool levels;             /* where narrow: pore, grain and fringe are known all the same */
+  double blur, blur_error; /* m: standard deviation without the voxel's own width, and its standard
+                              error */
+  double fringe;           /* coefficient of the Laplacian, in units of blur^2 (edge_response.h) */
   double pore, grain;      /* greys of the region, far from surfaces */
-  double noise;            /* standard deviation, greys of the region */
+  double noise;            /* standard deviation, in greys of the region */
   double contrast_to_noise;
-  double noise_correlation; /* m: standard deviation of the Gaussian that correlates white noise */
-  double resolution;        /* m: period at which the modulation transfer falls to a tenth */
-  double smooth_walls;      /* 0 as of sand to 1, no relief (smooth_walls.h); NAN: not looked for */
-  double fine_relief;       /* 0 as of sand to 1, much small relief, as of fines; likewise */
-  double unit;              /* m: the smallest side of a voxel, unit of the response's distances */
-  struct edge_response response; /* greys 0 pore, 1 grain; over all windows */
+  double noise_correlation; /* m: standard deviation of the Gaussian filter that turns white noise
+                               into it */
+  double resolution;        /* m: period at which the modulation transfer falls to 0.1 */
+  double smooth_walls;      /* 0: relief of sand, 1: none (smooth_walls.h); NAN: not estimated */
+  double fine_relief;       /* 0: relief of sand, 1: much finer, as of fines; NAN: not estimated */
+  double unit;              /* m: shortest voxel edge, the unit of distance of `response` */
+  struct edge_response response; /* summed over all windows; greys 0 in pores, 1 in grains */
 };
 
 #endif

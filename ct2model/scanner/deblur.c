@@ -12,41 +12,46 @@
 
 /* The share of grain is M u, where u, 0 <= u <= 1, minimises
  *
- *   |g - H A u|^2 / 2 + lambda S(u),   lambda = SURFACE N (1 + f')^2 / s^2,
+ *   |g - H A u|^2 / 2 + lambda S(u),   lambda = SURFACE N (1 + f')^2 / s^2.
  *
- * g the scan, A the grey of the grain at a place, H the scanner's blur with the voxel's own average
- * M, S the surface of the grains (grain_surface.h); by accelerated projected gradients (FISTA, Beck
- * and Teboulle 2009). u itself has steps within voxels, of which a surface between voxels would be
- * rough.
+ * Here g is the scan, A the local grey of the grain, H the scanner's blur combined with the average
+ * M over a voxel, and S the surface of the grains (grain_surface.h). The minimum is found by
+ * accelerated projected gradients (FISTA, Beck and Teboulle 2009). u itself has steps within
+ * voxels, which would make a surface interpolated between voxels rough.
  *
- * With the noise power P = variance times the volume it is correlated over, -log likelihood is
- * |g - H A u|^2 / (2 P); a surface of s^2, the square of the blur (a voxel at least), costs
- * SURFACE: grains have no relief much finer than the scanner can see. What noise makes there is
- * less where it is correlated over a length l: a Gaussian's spectrum is P exp(-(l q)^2), and relief
- * just seen has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), what
- * the data gain by relief, is lambda q^2. N is P over that of noise as fine as voxels tell
- * (DEBLUR_CORRELATION_LEAST). A fringe f raises the scanner's transfer of relief of wavenumber 1 /
- * s, 1 + f' times (edge_fit_transfer), its square in the likelihood; surface costs as much more. f'
- * = f (blur / s)^2: a blur finer than voxels has its fringe where they do not see. SURFACE was
- * fitted to generated sands of blur 0.5 to 3 voxels and contrast 4 to 30 times the noise, RELIEF
- * chosen on some of them (docs/notes/2026-11-23-scanner.md). */
-static const double SURFACE = 0.13, RELIEF = 1.5, AVERAGE = 1.0 / 12.0;
-/* Rounds before grains are told apart. */
-enum { ROUNDS_FIRST = 10 };
-/* What is grain for sure after these: pores that the scan hides are darker. From .65 to .9 grains
- * are restored alike (docs/notes/2026-11-27-grain-greys.md). */
-static const float BRIGHT = 0.65F;
+ * With the noise power P, the variance times the correlation volume, -log likelihood is
+ * |g - H A u|^2 / (2 P). A surface of s^2, the square of the blur (at least a voxel), costs
+ * SURFACE, since grains have no relief much finer than the scanner resolves. Noise correlated over
+ * a length l makes less of such relief: its spectrum is P exp(-(l q)^2), and relief that is just
+ * resolved has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), the
+ * gain in likelihood by relief, equals lambda q^2. So N = P exp(-RELIEF (l^2 - l0^2) / s^2),
+ * relative to the finest noise that voxels resolve, of length l0 = DEBLUR_CORRELATION_LEAST. A
+ * fringe f raises the scanner's transfer of relief of wavenumber 1 / s by a factor 1 + f'
+ * (edge_fit_transfer), which enters the likelihood squared; surface costs more by the same factor.
+ * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
+ * are. SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
+ * 30 times the noise, and RELIEF was chosen on some of them (docs/notes/2026-11-23-scanner.md). */
+static const double SURFACE = 0.13, RELIEF = 1.5;
+/* Variance that the average over a voxel adds to the blur, voxels^2. */
+static const double VOXEL_VARIANCE = 1.0 / 12.0;
+/* Iterations before the grains are separated. */
+enum { ITERATIONS_FIRST = 10 };
+/* Grey above which a voxel is certainly grain after these iterations; pores that the scan hides are
+ * darker. With values from 0.65 to 0.9 the grains are restored alike
+ * (docs/notes/2026-11-27-grain-greys.md). */
+static const float GREY_SURELY_GRAIN = 0.65F;
 
 struct filters {
-  double once[3], twice[3]; /* standard deviations of H and of H^T H */
-  double fringe[3];         /* of H: share of the Laplacian */
-  double step, cost;
+  double once[3], twice[3]; /* standard deviations of H and of H^T H, in voxels */
+  double fringe[3];         /* of H: weights of the second differences */
+  double largest;           /* upper bound of the eigenvalues of H^T H */
+  double cost;              /* lambda: cost of a voxel's area of surface */
 };
 
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner, .rounds = DEBLUR_ROUNDS};
+  *deblur = (struct deblur){.scanner = *scanner, .iterations = DEBLUR_ITERATIONS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -63,7 +68,7 @@ void deblur_end(struct deblur *deblur) {
   memory_free(&deblur->contacts);
 }
 
-/* The largest of H^T H. */
+/* The largest eigenvalue of H^T H: the square of the largest transfer. */
 static double largest_transfer(double fringe) {
   double most = 1.0;
   for (int i = 0; i < 1000; i++) {
@@ -74,11 +79,11 @@ static double largest_transfer(double fringe) {
 }
 
 static void choose_filters(const struct deblur_scanner *scanner, struct filters *filters) {
-  double blur = 0.0; /* voxels^2, alike along all axes */
+  double blur = 0.0; /* in squares of the shortest voxel edge: the largest over the axes */
   for (int d = 0; d < 3; d++) {
     const double square = pow(scanner->blur[d], 2.0);
-    filters->once[d] = sqrt(square + AVERAGE);
-    filters->twice[d] = sqrt(2.0 * (square + AVERAGE));
+    filters->once[d] = sqrt(square + VOXEL_VARIANCE);
+    filters->twice[d] = sqrt(2.0 * (square + VOXEL_VARIANCE));
     filters->fringe[d] = scanner->fringe * square;
     blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
@@ -89,12 +94,13 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
   filters->cost =
       SURFACE * scanner->surface * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
-  filters->step = 1.05 * largest_transfer(scanner->fringe);
+  filters->largest = 1.05 * largest_transfer(scanner->fringe);
 }
 
-/* The grey of the grain around each voxel: what the scan's inner voxels have over what a grain of
- * grey 1 has there, which a fringe raises near surfaces; 1 far from all. Grains differ by some per
- * cent, heavy minerals by more than their contrast. y is 1 in grain, 0 in pore. */
+/* Estimates the local grey of the grain: the ratio of the scan's greys to those that grain of grey
+ * 1 would have, which a fringe raises near surfaces, both averaged over voxels well inside grains;
+ * 1 far from all of these. The greys of grains differ by some per cent, those of heavy minerals by
+ * more than the contrast. y is 1 in grain, 0 in pore. */
 static void find_grain(struct deblur *deblur, const struct filters *filters) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   float *a = deblur->a, *b = deblur->b, *work = deblur->share;
@@ -115,7 +121,8 @@ static void find_grain(struct deblur *deblur, const struct filters *filters) {
   }
 }
 
-/* Grain as the scan shows it, and the share of grain to begin with; none darker than `least`. */
+/* Starting values: the grey of the grain from the smoothed scan, not below `least`, and the share
+ * of grain. */
 static void guess_grain(struct deblur *deblur, const struct filters *filters, float least) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   double fine[3];
@@ -129,11 +136,11 @@ static void guess_grain(struct deblur *deblur, const struct filters *filters, fl
   }
 }
 
-/* Grain by what is restored so far. */
+/* Estimates the grey of the grain again from the share of grain restored so far. */
 static void find_grain_again(struct deblur *deblur, const struct filters *filters) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   for (size_t i = 0; i < n; i++)
-    deblur->y[i] = deblur->u[i] * deblur->grain[i] > BRIGHT ? 1.0F : 0.0F;
+    deblur->y[i] = deblur->u[i] * deblur->grain[i] > GREY_SURELY_GRAIN ? 1.0F : 0.0F;
   find_grain(deblur, filters);
 }
 
@@ -150,8 +157,8 @@ TARGETS static void subtract_from(const float *restrict a, size_t n, float *rest
   for (size_t i = 0; i < n; i++) out[i] = a[i] - out[i];
 }
 
-/* What `out`, a row of H A y, leaves of the scan; nothing beyond its faces. */
-static void leave_row(const struct deblur *deblur, size_t row, float *out) {
+/* Replaces `out`, a row of H A y, by the residual g - H A y; 0 outside the faces of the scan. */
+static void row_residual(const struct deblur *deblur, size_t row, float *out) {
   const size_t *n = deblur->size, at[2] = {row % n[1], row / n[1]}; // NOLINT: a volume has a row
   size_t first = deblur->beyond[0][0], end = n[0] - deblur->beyond[0][1];
   for (int d = 0; d < 2; d++) {
@@ -163,23 +170,24 @@ static void leave_row(const struct deblur *deblur, size_t row, float *out) {
   memset(out + end, 0, (n[0] - end) * sizeof *out);
 }
 
-static bool all_shown(const struct deblur *deblur) {
+static bool scan_fills_slab(const struct deblur *deblur) {
   size_t beyond = 0;
   for (int d = 0; d < 3; d++) beyond += deblur->beyond[d][0] + deblur->beyond[d][1];
   return beyond == 0;
 }
 
-/* a = H^T (g - H a) / A. Where the scan shows all of the slab, grey is H^T g, and H^T H one filter.
- * A row is done with while it is in the cache, here and in iterate: memory is what takes time. */
-static void explain(struct deblur *deblur, const struct filters *filters) {
+/* Direction of descent of the misfit: a = H^T (g - H a) / A, where a holds A y at the start. If the
+ * scan fills the slab, deblur->grey holds H^T g and H^T H is a single filter. Here and in iterate
+ * each row is finished while it is in the cache, since memory bandwidth limits the speed. */
+static void descent_of_misfit(struct deblur *deblur, const struct filters *filters) {
   const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
-  const bool whole = all_shown(deblur);
+  const bool whole = scan_fills_slab(deblur);
   float *a = deblur->a, *b = deblur->b, *share = deblur->share;
   gaussian_filter(a, size, whole ? filters->twice : filters->once, b, share);
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < rows; row++) {
     laplacian_subtract_row(share, size, filters->fringe, row, b + row * nx);
-    if (!whole) leave_row(deblur, row, b + row * nx);
+    if (!whole) row_residual(deblur, row, b + row * nx);
   }
   if (!whole) gaussian_filter(b, size, filters->once, a, share);
 #pragma omp parallel for schedule(static)
@@ -201,20 +209,20 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
   }
 }
 
-/* Rounds from u on; grey as explain takes it. */
-static void iterate(struct deblur *deblur, const struct filters *filters, int rounds) {
+/* Iterates from the current u; deblur->grey as descent_of_misfit expects it. */
+static void iterate(struct deblur *deblur, const struct filters *filters, int iterations) {
   const size_t nx = deblur->size[0], rows = deblur->size[1] * deblur->size[2];
   struct grain_surface surface = {.cost = filters->cost, .contacts = deblur->contacts};
   memcpy(surface.size, deblur->size, sizeof surface.size);
   memcpy(surface.stretch, deblur->scanner.stretch, sizeof surface.stretch);
-  const double step = 1.0 / (filters->step + grain_surface_stiffness(&surface));
+  const double step = 1.0 / (filters->largest + grain_surface_stiffness(&surface));
   double t = 1.0;
   float *y = deblur->y, *a = deblur->a;
   memcpy(y, deblur->u, nx * rows * sizeof *y);
   multiply(deblur->grain, y, nx * rows, a);
-  for (int round = 0; round < rounds; round++) {
+  for (int iteration = 0; iteration < iterations; iteration++) {
     const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * t * t));
-    explain(deblur, filters);
+    descent_of_misfit(deblur, filters);
     grain_surface_pull(&surface, y, deblur->b, a);
 #pragma omp parallel for schedule(static)
     for (size_t at = 0; at < rows * nx; at += nx) {
@@ -225,18 +233,20 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int ro
   }
 }
 
-/* Where grains lie close the blur hides pores between them, and the scan shows inner voxels of a
- * darker grain, which would fill them. So none is taken for darker at first, and grain is found
- * again when pores show (docs/notes/2026-11-27-grain-greys.md). What is compared with a scan made
- * up and restored alike shows all, and does without: the bounds of smooth_walls.c were found so. */
+/* Where grains lie close together, the blur hides the pores between them; the scan then seems to
+ * show the inside of a darker grain, which would fill these pores. So no grain is taken to be
+ * darker at first, and its grey is estimated again once pores have appeared
+ * (docs/notes/2026-11-27-grain-greys.md). A slab that the scan fills is one that is compared with a
+ * simulated scan restored in the same way; it does without this, as the thresholds in
+ * smooth_walls.c were determined so. */
 enum status deblur_run(struct deblur *deblur) {
   enum status status = STATUS_OK;
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
-  const bool whole = all_shown(deblur);
-  struct filters filters = {.step = 0.0};
+  const bool whole = scan_fills_slab(deblur);
+  struct filters filters = {.largest = 0.0};
   double average[3];
   for (int d = 0; d < 3; d++)
-    average[d] = -0.5 * AVERAGE; /* M: the Laplacian blurs by twice that */
+    average[d] = -0.5 * VOXEL_VARIANCE; /* M as a Laplacian: it blurs by twice the weight */
   choose_filters(&deblur->scanner, &filters);
   guess_grain(deblur, &filters, whole ? 0.0F : 1.0F);
   if (whole) {
@@ -244,10 +254,10 @@ enum status deblur_run(struct deblur *deblur) {
     laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
   }
   memset(deblur->contacts, 0, n);
-  iterate(deblur, &filters, ROUNDS_FIRST);
+  iterate(deblur, &filters, ITERATIONS_FIRST);
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
-  iterate(deblur, &filters, deblur->rounds);
+  iterate(deblur, &filters, deblur->iterations);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;
@@ -255,7 +265,7 @@ cleanup:
 
 double deblur_misfit(struct deblur *deblur, const float *grey) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
-  struct filters filters = {.step = 0.0};
+  struct filters filters = {.largest = 0.0};
   double square = 0.0;
   choose_filters(&deblur->scanner, &filters);
   multiply(deblur->grain, deblur->u, n, deblur->a);

@@ -1,4 +1,4 @@
-/* One slab of a scan without the scanner's blur and noise. */
+/* Removes the scanner's blur and noise from one slab of a scan. */
 #ifndef TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 #define TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 
@@ -7,46 +7,48 @@
 
 #include "common/error.h"
 
-/* Noise is taken as correlated over a length of so many voxels at least: finer noise makes relief
- * between the voxels. */
+/* Smallest correlation length of the noise, in shortest voxel edges, that is assumed: finer noise
+ * would make relief between the voxels. */
 #define DEBLUR_CORRELATION_LEAST 0.6
 
-/* Rounds of descent after grains are told apart. Under blurs of over two voxels and contrasts of
- * over 15 half as many leave throats wide, and k up to 6 % too high; twice as many move it by 2 %
- * at most (docs/notes/2026-11-27-faces.md). What is compared with a scan made up and restored alike
- * makes do with fewer. */
-enum { DEBLUR_ROUNDS = 60, DEBLUR_ROUNDS_COMPARED = 30 };
+/* Iterations after the grains are separated. Under blurs of over two voxels and contrasts of over
+ * 15 half as many leave throats too wide, and k up to 6 % too high; twice as many change it by 2 %
+ * at most (docs/notes/2026-11-27-faces.md). Slabs that are compared with a simulated scan restored
+ * in the same way need fewer. */
+enum { DEBLUR_ITERATIONS = 60, DEBLUR_ITERATIONS_COMPARED = 30 };
 
-/* What the scanner does, lengths in voxels of the slab by axis. */
+/* Properties of the scanner in the units of the slab. Arrays of 3 are along x, y, z, in voxels of
+ * the slab. */
 struct deblur_scanner {
-  double blur[3]; /* standard deviation, without the voxel's own width */
-  double fringe;  /* the blurred image less this times blur^2 times its Laplacian */
-  double power;   /* of the noise: variance over contrast^2, times the volume that it is alike in,
-                     voxels */
-  double correlation; /* length that the noise is correlated over, of its Gaussian filter, in the
-                         shortest voxel edges */
-  double stretch[3];  /* voxel edges over their shortest */
-  double surface;     /* times the usual cost of surface; 1 where walls have relief */
+  double blur[3];     /* standard deviation without the voxel's own width */
+  double fringe;      /* strength f: the blurred image minus f blur^2 times its Laplacian */
+  double power;       /* noise: variance over contrast^2, times correlation volume, voxels */
+  double correlation; /* correlation length of the noise: standard deviation of its Gaussian filter,
+                         in shortest voxel edges */
+  double stretch[3];  /* voxel edges over the shortest one */
+  double surface;     /* cost of surface relative to the usual one; 1 where walls have relief */
 };
 
 struct deblur {
-  size_t size[3]; /* of the slab at work, at most as large as at deblur_start */
-  /* Of these, voxels at either end of each axis that the scan does not show, of any grey. */
+  size_t size[3]; /* of the slab being restored, at most the voxels given to deblur_start */
+  /* Number of these voxels at either end of each axis that lie outside the scan; their greys are
+   * not used. */
   size_t beyond[3][2];
   struct deblur_scanner scanner;
-  int rounds;   /* DEBLUR_ROUNDS, or as set after deblur_start */
-  float *grey;  /* [z][y][x], 0 pore and 1 grain; is lost */
-  float *share; /* the result: the share of grain, 0 to 1 */
+  int iterations; /* DEBLUR_ITERATIONS, or as set after deblur_start */
+  float *grey;  /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
+  float *share; /* result [z][y][x]: share of grain, 0 to 1 */
   float *grain, *u, *y, *a, *b;
   uint8_t *contacts;
 };
 
-/* Room for so many voxels, to be freed with deblur_end. */
+/* Allocates slabs of up to `voxels` voxels; free with deblur_end, on failure too. */
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur);
 void deblur_end(struct deblur *deblur);
+/* Restores deblur->share from deblur->grey, whose `size` and `beyond` are set. */
 enum status deblur_run(struct deblur *deblur);
-/* What the result leaves unexplained of `grey`, the scan: the sum of squares over voxels. */
+/* Misfit of the result to the scan `grey`: the sum of squared residuals over voxels. */
 double deblur_misfit(struct deblur *deblur, const float *grey);
 
 #endif

@@ -13,7 +13,7 @@ double edge_bin_distance(size_t bin) {
 
 /* ---- fit ---- */
 
-/* The bins within reach that hold something: how far out each is, how many voxels, their mean. */
+/* The non-empty bins within reach: distance, number of voxels and mean grey of each. */
 struct filled {
   size_t count;
   double distance[EDGE_BINS], n[EDGE_BINS], mean[EDGE_BINS];
@@ -29,39 +29,39 @@ static void find_filled(const struct edge_response *response, double reach, stru
   }
 }
 
-/* Least squares of a + b u + c v to the bins, u and v the two parts of the response, or with c = b
- * times a fringe that is not NAN; the sum of the squares left. */
+/* Fits a + b u + c v to the bins by least squares, where u is the step response and v the fringe
+ * response. A finite `fringe` fixes c at b * fringe. Returns the sum of squared residuals. */
 static double fit_linear(const struct filled *filled, double deviation, double shift, double fringe,
                          double out[3]) {
-  const bool given = isfinite(fringe);
-  const int sought = given ? 2 : 3;
-  double m[3][4] = {{0}}, left = 0.0, step[EDGE_BINS], bell[EDGE_BINS];
+  const bool fringe_fixed = isfinite(fringe);
+  const int unknowns = fringe_fixed ? 2 : 3;
+  double m[3][4] = {{0}}, residual = 0.0, step[EDGE_BINS], bell[EDGE_BINS];
   for (size_t i = 0; i < filled->count; i++) {
     const double t = (filled->distance[i] - shift) / deviation, n = filled->n[i];
     step[i] = erfc(t / sqrt(2.0));
     bell[i] = exp(-0.5 * t * t);
     double row[4] = {1.0, 0.5 * step[i], -t * bell[i] / sqrt(2.0 * M_PI), filled->mean[i]};
-    if (given) row[1] += fringe * row[2];
-    for (int a = 0; a < sought; a++)
+    if (fringe_fixed) row[1] += fringe * row[2];
+    for (int a = 0; a < unknowns; a++)
       for (int b = 0; b < 4; b++) m[a][b] += n * row[a] * row[b];
   }
-  for (int p = 0; p < sought; p++) { /* positive definite: no pivots needed */
+  for (int p = 0; p < unknowns; p++) { /* positive definite: no pivots needed */
     if (!(m[p][p] > 0.0)) return INFINITY;
-    for (int a = 0; a < sought; a++) {
+    for (int a = 0; a < unknowns; a++) {
       if (a == p) continue;
       const double factor = m[a][p] / m[p][p];
       for (int b = p; b < 4; b++) m[a][b] -= factor * m[p][b];
     }
   }
-  for (int p = 0; p < sought; p++) out[p] = m[p][3] / m[p][p];
-  if (given) out[2] = fringe * out[1];
+  for (int p = 0; p < unknowns; p++) out[p] = m[p][3] / m[p][p];
+  if (fringe_fixed) out[2] = fringe * out[1];
   for (size_t i = 0; i < filled->count; i++) {
     const double t = (filled->distance[i] - shift) / deviation;
-    left += filled->n[i] * pow(out[0] + out[1] * 0.5 * step[i] -
-                                   out[2] * t * bell[i] / sqrt(2.0 * M_PI) - filled->mean[i],
-                               2.0);
+    residual += filled->n[i] * pow(out[0] + out[1] * 0.5 * step[i] -
+                                       out[2] * t * bell[i] / sqrt(2.0 * M_PI) - filled->mean[i],
+                                   2.0);
   }
-  return left;
+  return residual;
 }
 
 bool edge_fit_find(const struct edge_response *response, double reach, double fringe,
@@ -72,17 +72,17 @@ bool edge_fit_find(const struct edge_response *response, double reach, double fr
   find_filled(response, reach, &filled);
   for (size_t i = 0; i < filled.count; i++) count += filled.n[i];
   if (count < 500.0 || filled.count < 12) return false;
-  double wide[2] = {0.3, fmin(reach, 5.0)}, far[2] = {-0.6, 0.6};
+  double deviations[2] = {0.3, fmin(reach, 5.0)}, shifts[2] = {-0.6, 0.6};
   for (int round = 0; round < 5; round++) {
     double best[2] = {deviation, shift};
     for (int i = 0; i <= 20; i++)
       for (int j = 0; j <= 12; j++) {
-        const double s = wide[0] * pow(wide[1] / wide[0], i / 20.0);
-        const double d = far[0] + (far[1] - far[0]) * j / 12.0;
+        const double s = deviations[0] * pow(deviations[1] / deviations[0], i / 20.0);
+        const double d = shifts[0] + (shifts[1] - shifts[0]) * j / 12.0;
         double found[3] = {0};
-        const double left = fit_linear(&filled, s, d, fringe, found);
-        if (!(left < least) || !(found[1] > 0.0) || !(found[2] > -0.3 * found[1])) continue;
-        least = left;
+        const double residual = fit_linear(&filled, s, d, fringe, found);
+        if (!(residual < least) || !(found[1] > 0.0) || !(found[2] > -0.3 * found[1])) continue;
+        least = residual;
         best[0] = s;
         best[1] = d;
         memcpy(linear, found, sizeof linear);
@@ -90,11 +90,12 @@ bool edge_fit_find(const struct edge_response *response, double reach, double fr
     if (!isfinite(least)) return false;
     deviation = best[0];
     shift = best[1];
-    const double step = pow(wide[1] / wide[0], 1.0 / 10.0), side = (far[1] - far[0]) / 6.0;
-    wide[0] = deviation / step;
-    wide[1] = deviation * step;
-    far[0] = shift - side;
-    far[1] = shift + side;
+    const double step = pow(deviations[1] / deviations[0], 1.0 / 10.0),
+                 shift_step = (shifts[1] - shifts[0]) / 6.0;
+    deviations[0] = deviation / step;
+    deviations[1] = deviation * step;
+    shifts[0] = shift - shift_step;
+    shifts[1] = shift + shift_step;
   }
   *fit = (struct edge_fit){.deviation = deviation,
                            .fringe = linear[2] / linear[1],
@@ -105,15 +106,15 @@ bool edge_fit_find(const struct edge_response *response, double reach, double fr
   return true;
 }
 
-/* Variance, voxels^2, that the voxel's own width adds to the blur, and that of the bins. */
-static const double OWN = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
+/* Variance, in voxels^2, that the widths of the voxel and of the bins add to that of the blur. */
+static const double WIDTH_VARIANCE = (1.0 + 1.0 / (EDGE_FINE * EDGE_FINE)) / 12.0;
 
 double edge_fit_blur(const struct edge_fit *fit) {
-  return sqrt(fmax(fit->deviation * fit->deviation - OWN, 0.01));
+  return sqrt(fmax(fit->deviation * fit->deviation - WIDTH_VARIANCE, 0.01));
 }
 
 double edge_fit_deviation(double blur) {
-  return hypot(blur, sqrt(OWN));
+  return hypot(blur, sqrt(WIDTH_VARIANCE));
 }
 
 double edge_fit_transfer(const struct edge_fit *fit, double frequency) {
@@ -164,12 +165,12 @@ cleanup:
   return status;
 }
 
-/* A voxel within reach has a slope between its neighbours. */
+/* The gradient of a voxel within reach needs the distances of its neighbours. */
 double edge_response_limit(double reach, const double stretch[3]) {
   return reach + fmin(1.001 * fmax(stretch[0], fmax(stretch[1], stretch[2])), 2.0);
 }
 
-/* The voxel that holds a point of voxel coordinates; false beyond the window. */
+/* The voxel that contains a point, given in voxel coordinates; false outside the window. */
 static bool voxel_at(const double point[3], const size_t size[3], size_t *voxel) {
   size_t at[3];
   for (int d = 0; d < 3; d++) {
@@ -204,15 +205,15 @@ void edge_response_add(const float *grey, const float *smooth, const float *dist
         ends[side][a] =
             (double)at[a] + normal[a] / length * ((side ? -reach : reach) - d) / stretch[a];
     if (!voxel_at(ends[0], size, &pore) || !voxel_at(ends[1], size, &grain)) continue;
-    const double alone = 0.85 * reach - 0.5;
-    if ((double)distance[pore] < alone || (double)distance[grain] > -alone) continue;
+    const double clear = 0.85 * reach - 0.5;
+    if ((double)distance[pore] < clear || (double)distance[grain] > -clear) continue;
     if (smooth[grain] > 1.35f || smooth[grain] < 0.7f || smooth[pore] > 0.3f) continue;
     const double bin = (d + EDGE_REACH) * EDGE_FINE;
     if (bin >= 0.0 && bin < EDGE_BINS) {
-      size_t part = 0;
-      for (int a = 0; middle != NULL && a < 3; a++) part |= (size_t)(at[a] >= middle[a]) << a;
-      response[part].sum[(size_t)bin] += (double)grey[i];
-      response[part].count[(size_t)bin] += 1.0;
+      size_t octant = 0;
+      for (int a = 0; middle != NULL && a < 3; a++) octant |= (size_t)(at[a] >= middle[a]) << a;
+      response[octant].sum[(size_t)bin] += (double)grey[i];
+      response[octant].count[(size_t)bin] += 1.0;
     }
   next:;
   }

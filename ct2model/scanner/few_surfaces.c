@@ -6,18 +6,18 @@
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/windows.h"
 
-/* The delete-one jackknife (Tukey 1958, Ann. Math. Stat. 29: 614) over the octants of the region:
- * the blur b_i of all but octant i, and their mean b,
+/* The delete-one jackknife (Tukey 1958, Ann. Math. Stat. 29: 614) over the octants of the region.
+ * With b_i the blur fitted without octant i, and b the mean of these,
  *
- *   s^2 = (n - 1) / n sum (b_i - b)^2.
+ *    s^2 = (n - 1) / n sum (b_i - b)^2.
  *
- * Windows that overlap show a surface twice, but in the same octant. */
+ * Overlapping windows show a surface twice, but in the same octant. */
 enum { OCTANTS = 8 };
-/* Where the rest does not tell a blur at all, it hangs on one octant. */
-static const double UNSEEN = 0.25;
+/* Relative error assumed where the blur cannot be fitted without one of the octants. */
+static const double ERROR_UNKNOWN = 0.25;
 
-static void find_octants(const struct windows *all, double reach,
-                         struct edge_response octant[OCTANTS]) {
+static void add_octants(const struct windows *all, double reach,
+                        struct edge_response octant[OCTANTS]) {
   memset(octant, 0, OCTANTS * sizeof *octant);
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
@@ -41,7 +41,7 @@ double few_surfaces_error(const struct windows *all, double reach) {
   struct edge_response octant[OCTANTS];
   double sum = 0.0, square = 0.0, n = 0.0;
   if (all->count >= WINDOWS) return 0.0;
-  find_octants(all, reach, octant);
+  add_octants(all, reach, octant);
   for (int left_out = 0; left_out < OCTANTS; left_out++) {
     struct edge_response rest = {0};
     struct edge_fit fit;
@@ -51,12 +51,12 @@ double few_surfaces_error(const struct windows *all, double reach) {
         rest.sum[b] += octant[i].sum[b];
         rest.count[b] += octant[i].count[b];
       }
-    if (!edge_fit_find(&rest, reach, NAN, &fit)) return UNSEEN;
+    if (!edge_fit_find(&rest, reach, NAN, &fit)) return ERROR_UNKNOWN;
     sum += edge_fit_blur(&fit);
     square += edge_fit_blur(&fit) * edge_fit_blur(&fit);
     n += 1.0;
   }
-  if (n < 2.0) return UNSEEN;
+  if (n < 2.0) return ERROR_UNKNOWN;
   const double mean = sum / n;
   return sqrt((n - 1.0) * fmax(square / n - mean * mean, 0.0)) / mean;
 }

@@ -22,8 +22,9 @@ static int weights_of(double sigma, float weight[GAUSSIAN_MOST + 1]) {
   return reach;
 }
 
-/* out = weight[0] rows[0] + sum over k of weight[k] (rows[-k] + rows[k]), n of each. What a run of
- * voxels adds up to stays in registers; the last run begins so early that it ends with the row. */
+/* out = weight[0] rows[0] + sum over k of weight[k] (rows[-k] + rows[k]), for n voxels per row. The
+ * sums of RUN voxels at a time stay in registers; the last run starts early enough to end with the
+ * row, and so overlaps the one before. */
 typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
 enum { WIDE = 16, RUN = 4 * WIDE };
 #define AT(row, x) (*(const lanes *)((row) + (x)))
@@ -32,9 +33,9 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
   for (size_t begin = 0; n >= RUN && begin < n; begin += RUN) {
     const size_t x = begin + RUN <= n ? begin : n - RUN;
     // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): weights are made before
-    const float *own = rows[0] + x, w = weight[0];
-    lanes s = w * AT(own, 0), t = w * AT(own, WIDE), u = w * AT(own, 2 * WIDE),
-          v = w * AT(own, 3 * WIDE);
+    const float *centre = rows[0] + x, w = weight[0];
+    lanes s = w * AT(centre, 0), t = w * AT(centre, WIDE), u = w * AT(centre, 2 * WIDE),
+          v = w * AT(centre, 3 * WIDE);
     for (int k = 1; k <= reach; k++) {
       const float *a = rows[-k] + x, *b = rows[k] + x, f = weight[k];
       s += f * (AT(a, 0) + AT(b, 0));
@@ -59,7 +60,8 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
   }
 }
 
-/* Along x: in pieces, each copied with what is beside it, by reflection at the row's ends. */
+/* Filters a row along x in pieces. Each piece is copied together with the voxels on either side,
+ * which are reflected at the ends of the row. */
 enum { PIECE = 8 * RUN };
 static void filter_row(const float *in, const float *weight, int reach, size_t n, float *out) {
   const float *shifted[2 * GAUSSIAN_MOST + 1];
@@ -86,8 +88,8 @@ struct pass {
   float weight[GAUSSIAN_MOST + 1];
 };
 
-/* A slice of the volume, or along z the rows at one y. Rows that follow each other along the axis
- * are summed in turn: most of the next one's are still in the cache then. */
+/* Filters one slice of the volume or, along z, the rows of one y. Rows that follow each other along
+ * the axis are summed in turn: most of the input of the next one is then still in the cache. */
 static void filter_slice(const float *in, const size_t size[3], const struct pass *pass,
                          size_t slice, float *out) {
   const int axis = pass->axis, reach = pass->reach;
@@ -101,7 +103,7 @@ static void filter_slice(const float *in, const size_t size[3], const struct pas
       continue;
     }
     const bool inside = at >= (size_t)reach && at + (size_t)reach < along;
-    if (inside) /* most are: without a multiplication each */
+    if (inside) /* most rows: pointers without reflection */
       for (int k = -reach; k <= reach; k++)
         rows[reach + k] = in + (first + at * step) * nx + k * (long)(step * nx);
     else
@@ -123,12 +125,12 @@ void gaussian_filter(const float *in, const size_t size[3], const double sigma[3
     pass[n].reach = weights_of(sigma[a], pass[n].weight);
     n++;
   }
-  /* From one to the other, so that the last one ends in `out` where the first need not begin there;
-   * else it is moved. */
+  /* Passes alternate between `work` and `out`, starting so that the last one ends in `out` if the
+   * first one may do so; otherwise the result is copied. */
   bool into_work = n % 2 == 0 || in == out;
   for (int i = 0; i < n;) {
     float *to = into_work ? work : out, *then = into_work ? out : work;
-    /* Along x and then y slice by slice, while it is in the cache. */
+    /* The passes along x and y are done slice by slice, while the slice is in the cache. */
     const bool both = i + 1 < n && pass[i + 1].axis == 1;
     const size_t slices = pass[i].axis == 2 ? size[1] : size[2];
 #pragma omp parallel for schedule(static)

@@ -1,22 +1,24 @@
-/* Gaussian filters and Laplacians of volumes of greys in memory, [z][y][x], repeated by reflection
- * at their ends. Each voxel is summed in one order: the same bits on any number of threads. */
+/* Gaussian filters and Laplacians of volumes of greys in memory, [z][y][x], extended by reflection
+ * at their ends. Each voxel is summed in a fixed order: the result is bit-identical for any number
+ * of threads. */
 #ifndef TOSUI_CT2MODEL_SCANNER_GAUSSIAN_H
 #define TOSUI_CT2MODEL_SCANNER_GAUSSIAN_H
 
 #include <stddef.h>
 
+/* Largest half width of a filter, in voxels. */
 enum { GAUSSIAN_MOST = 64 };
 
-/* sigma in voxels by axis (x, y, z); axes under 0.1 stay. `in` and `out` may be the same; `work` is
- * as large. */
+/* Filters `in` into `out` with standard deviations `sigma` in voxels along x, y, z; axes with less
+ * than 0.1 are not filtered. `in` and `out` may be the same; `work` is as large as these. */
 void gaussian_filter(const float *in, const size_t size[3], const double sigma[3], float *work,
                      float *out);
-/* out = in - sum over axes of weight[axis] times the second difference. */
+/* out = in - sum over axes of weight[axis] times the second difference along the axis. */
 void laplacian_subtract(const float *in, const size_t size[3], const double weight[3], float *out);
-/* One row of that, y + ny z, into `out`. */
+/* The same for one row, number y + ny z, into out[nx]. */
 void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],
                             size_t row, float *out);
-/* The voxel of a row of n that stands at `at`, before, in or after the row. */
+/* Index of position `at`, which may lie outside, in a row of n voxels extended by reflection. */
 size_t gaussian_reflect(long at, size_t n);
 
 #endif

@@ -6,15 +6,15 @@
 #include "common/variants.h"
 #include "ct2model/scanner/grains.h"
 
-/* |grad u| is sqrt(|grad u|^2 + ROUNDING^2). */
+/* |grad u| is computed as sqrt(|grad u|^2 + ROUNDING^2), which is differentiable at 0. */
 #define ROUNDING 0.1F
 
-/* Rows beside one, which is taken again where there are none. */
+/* The rows adjacent to a row; at the ends of the volume the row itself. */
 struct rows {
   const float *y_next, *y_last, *z_next, *z_last;
 };
 
-/* weight = cost / |grad u|, forward differences; at a contact u falls to 0 on both sides. */
+/* weight = cost / |grad u|, by forward differences. At a contact u falls to 0 on both sides. */
 TARGETS static void find_weights(const float *restrict u, const struct rows *near,
                                  const uint8_t *restrict contact, const float inverse[3],
                                  float cost, size_t n, float *restrict weight) {
@@ -33,8 +33,8 @@ TARGETS static void find_weights(const float *restrict u, const struct rows *nea
   }
 }
 
-/* downhill += the divergence of weight grad u. All in one loop without ends of its own: rows are
- * short, and what is left over of one is not summed many voxels at a time. */
+/* downhill += the divergence of weight grad u. One loop without special cases at the ends: rows are
+ * short, and the remainder of each loop would not be vectorised. */
 TARGETS static void add_pull(const float *restrict u, const struct rows *near,
                              const uint8_t *restrict contact, const float *restrict weight,
                              const float *restrict weight_y, const float *restrict weight_z,

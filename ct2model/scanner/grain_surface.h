@@ -1,10 +1,10 @@
-/* The surface of grains as a cost: the sum of |grad u| over voxels (total variation, Rudin, Osher
- * and Fatemi 1992), each grain's by itself.
+/* The cost of the grains' surface: the sum of |grad u| over voxels (total variation, Rudin, Osher
+ * and Fatemi 1992), for each grain by itself.
  *
- * With one total variation of all grains a contact would cost nothing, and a wedge beside it would
- * be filled as a liquid that wets both grains fills it (Young's law: cos(angle / 2) is the
- * contact's cost over that of two walls). With a contact that costs as much as the two walls that
- * it takes the place of the angle is 0, and wedges stay as the scan shows them. */
+ * With a single total variation of all grains a contact would cost nothing, and the wedge beside it
+ * would be filled as by a liquid that wets both grains (Young's law: cos(angle / 2) is the cost of
+ * the contact over that of two walls). If a contact costs as much as the two walls that it
+ * replaces, the angle is 0, and wedges stay as the scan shows them. */
 #ifndef TOSUI_CT2MODEL_SCANNER_GRAIN_SURFACE_H
 #define TOSUI_CT2MODEL_SCANNER_GRAIN_SURFACE_H
 
@@ -13,14 +13,15 @@
 
 struct grain_surface {
   size_t size[3];
-  double stretch[3];       /* voxel edges over their shortest */
-  double cost;             /* of a voxel's area of surface */
-  const uint8_t *contacts; /* as grains_find makes them */
+  double stretch[3];       /* voxel edges over the shortest one */
+  double cost;             /* of a unit of surface area, in voxels */
+  const uint8_t *contacts; /* [z][y][x], from grains_find */
 };
 
-/* The most that the gradient changes by, over the change of u. */
+/* Lipschitz constant of the gradient of the cost: an upper bound of its change over the change of
+ * u. */
 double grain_surface_stiffness(const struct grain_surface *surface);
-/* downhill -= the derivative of the cost of share[z][y][x]; `work` is as large. */
+/* downhill -= the derivative of the cost with respect to share[z][y][x]; `work` is as large. */
 void grain_surface_pull(const struct grain_surface *surface, const float *share, float *work,
                         float *downhill);
 

@@ -13,7 +13,7 @@ enum status grain_window(const struct window *window, const double stretch[3],
   memcpy(deblur->size, window->size, sizeof deblur->size);
   memcpy(deblur->grey, window->grey, window_voxels(window) * sizeof *window->grey);
   deblur->scanner = *scanner;
-  deblur->rounds = DEBLUR_ROUNDS_COMPARED;
+  deblur->iterations = DEBLUR_ITERATIONS_COMPARED;
   TRY(deblur_run(deblur));
   TRY(edge_distances(deblur->share, window->size, stretch, GRAIN_WINDOW_FAR, distance));
 cleanup:

@@ -1,4 +1,4 @@
-/* Windows of a scan with their grains restored from under the scanner's blur. */
+/* Windows of a scan whose grains are restored by deblurring. */
 #ifndef TOSUI_CT2MODEL_SCANNER_GRAIN_WINDOWS_H
 #define TOSUI_CT2MODEL_SCANNER_GRAIN_WINDOWS_H
 
@@ -6,16 +6,18 @@
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/windows.h"
 
-/* Voxels: shares of grain further from walls are 0 and 1. */
+/* Distance from a wall, in voxels, beyond which the share of grain is 0 or 1. */
 #define GRAIN_WINDOW_FAR 0.5
 
-/* `distance` of a window, in voxels times `stretch` and at most GRAIN_WINDOW_FAR, becomes that
- * to the surfaces restored of its greys under `scanner`. `deblur`: room for its voxels. */
+/* Restores the grains of a window under `scanner` and sets `distance` to the distances to their
+ * surface, in shortest voxel edges, limited to GRAIN_WINDOW_FAR. `deblur`: space for the voxels of
+ * the window. */
 enum status grain_window(const struct window *window, const double stretch[3],
                          const struct deblur_scanner *scanner, struct deblur *deblur,
                          float *distance);
-/* Every windows_step of them with such distances, and no greys, under a scanner of which blur,
- * fringe, noise and levels are known. Free with windows_end, on failure too. */
+/* Every windows_step()th window of `scan` with the distances to its restored surfaces, and without
+ * greys. Blur, fringe, noise and levels of `scanner` must be known. Free with windows_end, on
+ * failure too. */
 enum status grain_windows(const struct windows *scan, const struct scanner *scanner,
                           struct windows *grains);
 

@@ -7,40 +7,43 @@
 #include "common/memory.h"
 #include "ct2model/scanner/grain_depth.h"
 
-/* A flood from the deepest voxels on: each voxel goes to the grain of its deepest neighbour that
- * the flood has met before. So which neighbour that is, its way, each voxel knows by itself; ways
- * lead to the deepest voxel of a part; and only where parts meet does the order of the flood
- * matter, as parts that are one grain become one. */
+/* The watershed floods the grains from the deepest voxels: each voxel joins the part of its deepest
+ * neighbour that was flooded before it. Which neighbour this is (its "way") depends on that voxel
+ * alone, so that ways are found in parallel; they lead to the deepest voxel of a part. The order of
+ * the flood matters only where parts meet, since parts of one grain are joined then. */
 
-/* Two parts of a grain meet where it is nearly as thick as they are, two grains at a neck. */
-static const float MERGE = 0.7F;
-/* Voxels: pores further from grains are nobody's. STEPS a voxel of depth: voxels of one level are
- * met in the order of the scan. */
-enum { BESIDE = 6, STEPS = 65536, NOBODY = 0 };
-/* Neighbours: along axis d the one before is way 2 d, the next one is way 2 d + 1. A voxel may also
- * be the deepest of a part, or nobody's. */
+/* Two parts belong to one grain if the depth where they meet is at least this fraction of the depth
+ * of the shallower one; else the meeting is a neck between two grains. */
+static const float MERGE_DEPTH_RATIO = 0.7F;
+/* PORE_RANGE: pores further than this from grains, in voxels, belong to none. LEVELS_PER_VOXEL:
+ * levels per voxel of depth; voxels of one level are flooded in the order of the scan. NOBODY:
+ * number of the part of voxels that belong to none. */
+enum { PORE_RANGE = 6, LEVELS_PER_VOXEL = 65536, NOBODY = 0 };
+/* Neighbours: along axis d the previous one is way 2 d, the next one way 2 d + 1. DEEPEST: the
+ * voxel is the deepest of a part. NONE: it belongs to no grain. */
 enum { WAYS = 6, DEEPEST = 6, NONE = 7 };
-#define NEVER UINT32_MAX /* a level that the flood does not reach */
+#define NEVER UINT32_MAX /* level of voxels that the flood does not reach */
 
 struct flood {
   size_t size[3], step[3];
-  const float *depth; /* of voxels, voxels; below 0 in the pore */
+  const float *depth; /* of each voxel, in voxels; negative in pores */
   uint8_t *way;       /* of voxels */
-  uint32_t *part;     /* of voxels: first their levels, then their parts, from 1 on */
-  uint32_t *parent;   /* of parts, themselves where they are roots */
-  float *peak;        /* of parts: the largest depth */
+  uint32_t *part;     /* of each voxel: first its level, then its part, from 1 on */
+  uint32_t *parent;   /* of each part; its own number where it is a root */
+  float *peak;        /* largest depth of each part */
   size_t parts;
 };
 
-/* 0 the deepest. */
+/* Level at which a voxel is flooded; 0 is the deepest. */
 static uint32_t level_of(float depth) {
   const float most = depth < (float)GRAIN_DEEPEST ? depth : (float)GRAIN_DEEPEST;
-  return depth > -BESIDE ? (uint32_t)(((float)GRAIN_DEEPEST - most) * (float)STEPS) : NEVER;
+  return depth > -PORE_RANGE ? (uint32_t)(((float)GRAIN_DEEPEST - most) * (float)LEVELS_PER_VOXEL)
+                             : NEVER;
 }
 
-/* Whether a neighbour comes before a voxel of that level. */
-static bool is_earlier(uint32_t its_level, int way, uint32_t level) {
-  return way % 2 ? its_level < level : its_level <= level;
+/* Whether a neighbour is flooded before a voxel of the given level. */
+static bool is_earlier(uint32_t neighbour_level, int way, uint32_t level) {
+  return way % 2 ? neighbour_level < level : neighbour_level <= level;
 }
 
 static bool has_neighbour(const struct flood *flood, const size_t at[3], int way) {
@@ -52,15 +55,16 @@ static size_t neighbour_of(const struct flood *flood, size_t voxel, int way) {
   return way % 2 ? voxel + flood->step[way / 2] : voxel - flood->step[way / 2];
 }
 
-static void place_of(const struct flood *flood, size_t voxel, size_t at[3]) {
+static void position_of(const struct flood *flood, size_t voxel, size_t at[3]) {
   at[0] = voxel % flood->size[0];
   at[1] = voxel / flood->size[0] % flood->size[1];
   at[2] = voxel / flood->step[2];
 }
 
-/* The deepest earlier neighbour; those that are known as nobody's may be left out. */
+/* The way to the deepest neighbour that was flooded earlier, on request without those that are
+ * known to belong to no grain. */
 static uint8_t find_way(const struct flood *flood, size_t voxel, const size_t at[3],
-                        bool but_nobodys) {
+                        bool skip_nobodys) {
   const uint32_t level = flood->part[voxel];
   float highest = -INFINITY;
   uint8_t best = flood->depth[voxel] > 0.0F ? DEEPEST : NONE;
@@ -69,7 +73,7 @@ static uint8_t find_way(const struct flood *flood, size_t voxel, const size_t at
     if (!has_neighbour(flood, at, way)) continue;
     const size_t other = neighbour_of(flood, voxel, way);
     if (!is_earlier(flood->part[other], way, level)) continue;
-    if (but_nobodys && flood->way[other] == NONE) continue;
+    if (skip_nobodys && flood->way[other] == NONE) continue;
     if (!(flood->depth[other] > highest)) continue;
     highest = flood->depth[other];
     best = (uint8_t)way;
@@ -92,37 +96,37 @@ static size_t find_ways(struct flood *flood) {
   return lonely;
 }
 
-/* A pore's voxel without an earlier neighbour is nobody's, and with it those that have no others
- * than such. There are few. */
+/* A voxel of a pore without an earlier neighbour belongs to no grain, nor do those whose only
+ * earlier neighbours are such voxels. There are few. */
 static enum status drop_lonely(struct flood *flood, size_t lonely) {
   enum status status = STATUS_OK;
   const size_t n = flood->step[2] * flood->size[2];
-  size_t *left = NULL, count = 0, room = lonely;
+  size_t *pending = NULL, count = 0, room = lonely;
   if (lonely == 0) return STATUS_OK;
-  TRY(memory_allocate(&left, room, sizeof *left, "grains"));
+  TRY(memory_allocate(&pending, room, sizeof *pending, "grains"));
   for (size_t i = 0; i < n; i++)
-    if (flood->way[i] == NONE && flood->part[i] != NEVER) left[count++] = i;
+    if (flood->way[i] == NONE && flood->part[i] != NEVER) pending[count++] = i;
   while (count > 0) {
-    const size_t voxel = left[--count];
-    size_t at[3], its[3];
-    place_of(flood, voxel, at);
+    const size_t voxel = pending[--count];
+    size_t at[3], other_at[3];
+    position_of(flood, voxel, at);
     for (int way = 0; way < WAYS; way++) {
       if (!has_neighbour(flood, at, way)) continue;
       const size_t other = neighbour_of(flood, voxel, way);
-      if (flood->way[other] != (way ^ 1)) continue; /* it does not come here */
-      place_of(flood, other, its);
-      flood->way[other] = find_way(flood, other, its, true);
+      if (flood->way[other] != (way ^ 1)) continue; /* its way does not lead here */
+      position_of(flood, other, other_at);
+      flood->way[other] = find_way(flood, other, other_at, true);
       if (flood->way[other] != NONE) continue;
-      if (count == room) TRY(memory_resize(&left, room *= 2, sizeof *left, "grains"));
-      left[count++] = other;
+      if (count == room) TRY(memory_resize(&pending, room *= 2, sizeof *pending, "grains"));
+      pending[count++] = other;
     }
   }
 cleanup:
-  memory_free(&left);
+  memory_free(&pending);
   return status;
 }
 
-/* Numbers the parts and follows all ways. */
+/* Numbers the parts, and follows the way of each voxel to its part. */
 static enum status follow_ways(struct flood *flood) {
   enum status status = STATUS_OK;
   const size_t nx = flood->size[0], rows = flood->size[1] * flood->size[2];
@@ -153,7 +157,7 @@ cleanup:
   return status;
 }
 
-/* A voxel at which parts may become one. */
+/* A voxel at which parts may be joined. */
 struct meeting {
   uint32_t level;
   size_t voxel;
@@ -165,7 +169,8 @@ static int compare_meetings(const void *a, const void *b) {
   return one->voxel < other->voxel ? -1 : one->voxel > other->voxel;
 }
 
-/* Deep enough at least for the depths that the parts have by themselves: joined they are deeper. */
+/* Whether the voxel is deep enough to join its part with another one, by the depths of the single
+ * parts; joined parts are at least as deep, so that no meeting is missed. */
 static bool may_join(const struct flood *flood, size_t voxel, const size_t at[3]) {
   const uint32_t part = flood->part[voxel];
   const float depth = flood->depth[voxel];
@@ -173,13 +178,13 @@ static bool may_join(const struct flood *flood, size_t voxel, const size_t at[3]
     if (!has_neighbour(flood, at, way)) continue;
     const uint32_t other = flood->part[neighbour_of(flood, voxel, way)];
     if (other != part && other != NOBODY &&
-        !(depth < MERGE * fminf(flood->peak[part], flood->peak[other])))
+        !(depth < MERGE_DEPTH_RATIO * fminf(flood->peak[part], flood->peak[other])))
       return true;
   }
   return false;
 }
 
-/* Into `out`, or only their number. */
+/* Writes the meetings of a row to `out` if that is not NULL; returns their number. */
 static size_t row_meetings(const struct flood *flood, size_t row, struct meeting *out) {
   const size_t nx = flood->size[0];
   size_t count = 0;
@@ -197,11 +202,11 @@ static uint32_t root_of(uint32_t *parent, uint32_t part) {
   return part;
 }
 
-/* Parts that are one grain become one, as the flood comes by. */
+/* Joins the parts of one grain that meet at this voxel. */
 static void join_at(struct flood *flood, const struct meeting *meeting) {
   const size_t voxel = meeting->voxel;
   size_t at[3];
-  place_of(flood, voxel, at);
+  position_of(flood, voxel, at);
   for (int way = 0; way < WAYS; way++) {
     if (!has_neighbour(flood, at, way)) continue;
     const size_t other = neighbour_of(flood, voxel, way);
@@ -210,7 +215,8 @@ static void join_at(struct flood *flood, const struct meeting *meeting) {
       continue;
     const uint32_t a = root_of(flood->parent, flood->part[voxel]),
                    b = root_of(flood->parent, flood->part[other]);
-    if (a == b || flood->depth[voxel] < MERGE * fminf(flood->peak[a], flood->peak[b])) continue;
+    if (a == b || flood->depth[voxel] < MERGE_DEPTH_RATIO * fminf(flood->peak[a], flood->peak[b]))
+      continue;
     const bool first = flood->peak[a] >= flood->peak[b];
     flood->parent[first ? b : a] = first ? a : b;
   }
@@ -263,7 +269,7 @@ enum status grains_find(const float *share, const size_t size[3], const double s
   enum status status = STATUS_OK;
   struct flood flood = {.size = {size[0], size[1], size[2]},
                         .step = {1, size[0], size[0] * size[1]},
-                        .way = contacts}; /* which are not known before ways are done with */
+                        .way = contacts}; /* written only when the ways are no longer needed */
   const size_t n = flood.step[2] * size[2];
   float *depth = NULL;
   TRY(memory_allocate(&depth, n, sizeof *depth, "grains"));

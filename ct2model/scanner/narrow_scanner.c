@@ -11,58 +11,64 @@
 #include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/windows.h"
 
-/* A piece in the middle is restored as smooth walls would be, and its grains are blurred by one
- * trial after the other: least squares of pore + contrast times that to the scan give the levels
- * for each, and the blur that leaves least. Walls have moved with the noise and with the blur that
- * was taken out, so that what is found is some 10 to 30 % low. How much is seen on a scan made up
- * of the same grains, whose scanner is known: the one sought gives there what the scan gave
- * (indirect inference, Gourieroux, Monfort and Renault 1993). */
-enum { PIECE = 64, TRIALS = 10, TURNS = 2, CORRECTIONS = 2 };
-static const double LEAST = 0.4, STEP = 1.26; /* voxels, and the ratio of two trials */
-static const double FIRST = 2.0;              /* voxels, where the blur that was read is wider */
-static const double SMOOTH = 8.0;             /* cost of surface, times the usual */
-/* An image with less noise is drawn, not scanned, and its blur need not be a Gaussian. */
-static const double CONTRAST_MOST = 50.0;
-/* Of bodies of known blur two thirds are found within a tenth, the rest within .1 to .45
- * (docs/notes/2026-11-26-scans.md); 1 sigma. */
-static const double UNCERTAIN = 0.25;
+/* A cube in the middle of the scan is restored with the surface cost of smooth walls. Its grains
+ * are then blurred by a series of trial widths. For each width, least squares of pore + contrast *
+ * (blurred grains) to the scan give the levels; the width with the smallest residual is the
+ * estimate. It is some 10 to 30 % low, since noise and the deblurring have displaced the walls.
+ * This bias is measured on a scan simulated from the same grains with a known scanner: the one
+ * sought gives there the same estimate as on the real scan (indirect inference, Gourieroux, Monfort
+ * and Renault 1993). */
+enum { SIDE = 64, BLUR_TRIALS = 10, ROUNDS = 2, CORRECTIONS = 2 };
+/* Smallest blur tried, in voxels, and the ratio of successive trials. */
+static const double BLUR_MIN = 0.4, BLUR_RATIO = 1.26;
+/* Starting value of the blur, in voxels, where the measured one is wider than the widest trial. */
+static const double BLUR_FIRST = 2.0;
+/* Cost of surface, relative to the usual one, with which the grains are restored. */
+static const double SMOOTH_SURFACE_COST = 8.0;
+/* An image with less noise is synthetic, and its blur need not be Gaussian. */
+static const double CONTRAST_TO_NOISE_MAX = 50.0;
+/* Relative standard error of the blur. For two thirds of bodies with known blur the estimate is
+ * within 0.1, for the others within 0.1 to 0.45 (docs/notes/2026-11-26-scans.md). */
+static const double BLUR_ERROR = 0.25;
 
-struct look {
-  bool levels;                 /* pore and contrast are 0 and 1: the window's greys are known */
-  double fringe;               /* as it is taken out */
-  double blur, pore, contrast; /* blur in voxels, greys of the window */
-  double noise, length;        /* standard deviation, and length in voxels */
+struct estimate {
+  bool levels;                 /* pore and contrast are fixed at 0 and 1: the levels are known */
+  double fringe;               /* strength, as in struct scanner; not fitted */
+  double blur, pore, contrast; /* blur in voxels; greys in units of the window */
+  double noise, length;        /* standard deviation, and correlation length in voxels */
 };
 
-/* Least squares of pore + contrast its[] to grey[], where they are not known; the mean square left.
- */
-static double fit_levels(const float *its, const float *grey, size_t n, struct look *look) {
-  if (look->levels) {
+/* Fits pore + contrast * model[] to grey[] by least squares, unless the levels are known. Returns
+ * the mean square residual. */
+static double fit_levels(const float *model, const float *grey, size_t n,
+                         struct estimate *estimate) {
+  if (estimate->levels) {
     double square = 0.0;
-    for (size_t i = 0; i < n; i++) square += pow((double)grey[i] - (double)its[i], 2.0);
-    look->contrast = 1.0;
-    look->pore = 0.0;
+    for (size_t i = 0; i < n; i++) square += pow((double)grey[i] - (double)model[i], 2.0);
+    estimate->contrast = 1.0;
+    estimate->pore = 0.0;
     return square / (double)n;
   }
   double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0, yy = 0.0;
   for (size_t i = 0; i < n; i++) {
-    const double a = (double)its[i], b = (double)grey[i];
+    const double a = (double)model[i], b = (double)grey[i];
     x += a, y += b, xx += a * a, xy += a * b, yy += b * b;
   }
   x /= (double)n, y /= (double)n;
   xx = xx / (double)n - x * x, xy = xy / (double)n - x * y, yy = yy / (double)n - y * y;
-  look->contrast = xy / xx;
-  look->pore = y - look->contrast * x;
+  estimate->contrast = xy / xx;
+  estimate->pore = y - estimate->contrast * x;
   return yy - xy * xy / xx;
 }
 
-/* Noise: what the grains leave of the scan. */
-static void find_noise(const float *its, struct window *piece, const double stretch[3],
-                       struct look *look) {
+/* Estimates the noise from the residual of the fit: the scan minus the blurred grains `model`. */
+static void estimate_noise(const float *model, struct window *piece, const double stretch[3],
+                           struct estimate *estimate) {
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
   struct noise_sums sums = {.end = NAN};
   for (size_t i = 0; i < n; i++)
-    piece->smooth[i] = piece->grey[i] - (float)(look->pore + look->contrast * (double)its[i]);
+    piece->smooth[i] =
+        piece->grey[i] - (float)(estimate->pore + estimate->contrast * (double)model[i]);
   noise_add(piece->smooth, piece->distance, piece->size, -GRAIN_WINDOW_FAR - 1.0, 1.0, 0.0,
             INFINITY, &sums);
   double length = 0.0, axes = 0.0;
@@ -71,117 +77,122 @@ static void find_noise(const float *its, struct window *piece, const double stre
     length += noise_length(&sums, a) * stretch[a];
     axes += 1.0;
   }
-  look->noise = noise_deviation(&sums);
-  look->length = length / fmax(axes, 1.0);
+  estimate->noise = noise_deviation(&sums);
+  estimate->length = length / fmax(axes, 1.0);
 }
 
-/* At the first window, whose distances become those to its walls. False where the least is at an
- * end of the trials. */
-static enum status look_at(struct windows *all, const struct deblur_scanner *work,
-                           struct deblur *deblur, struct look *look, bool *found) {
+/* Estimates blur, levels and noise on the first window, whose distances become those to the
+ * restored walls. `found` is false where the smallest residual lies at an end of the trials. */
+static enum status estimate_scanner(struct windows *scan, const struct deblur_scanner *work,
+                                    struct deblur *deblur, struct estimate *estimate, bool *found) {
   enum status status = STATUS_OK;
-  struct window *piece = &all->window[0];
+  struct window *piece = &scan->window[0];
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
-  struct windows made = {0};
-  double left[TRIALS];
+  struct windows blurred = {0};
+  double residual[BLUR_TRIALS];
   int least = 0;
-  TRY(grain_window(piece, all->stretch, work, deblur, piece->distance));
-  for (int t = 0; t < TRIALS; t++) {
-    TRY(windows_make_up(all, LEAST * pow(STEP, t), look->fringe, 0.0, 1.0, &made));
-    left[t] = fit_levels(made.window[0].grey, piece->grey, n, look);
-    if (left[t] < left[least]) least = t;
-    windows_end(&made);
+  TRY(grain_window(piece, scan->stretch, work, deblur, piece->distance));
+  for (int t = 0; t < BLUR_TRIALS; t++) {
+    TRY(windows_simulate(scan, BLUR_MIN * pow(BLUR_RATIO, t), estimate->fringe, 0.0, 1.0,
+                         &blurred));
+    residual[t] = fit_levels(blurred.window[0].grey, piece->grey, n, estimate);
+    if (residual[t] < residual[least]) least = t;
+    windows_end(&blurred);
   }
-  *found = least > 0 && least + 1 < TRIALS && look->contrast > 0.0;
+  *found = least > 0 && least + 1 < BLUR_TRIALS && estimate->contrast > 0.0;
   if (!*found) goto cleanup;
-  const double up = left[least + 1] - left[least], down = left[least - 1] - left[least];
-  look->blur = LEAST * pow(STEP, least + 0.5 * (down - up) / (down + up));
-  TRY(windows_make_up(all, look->blur, look->fringe, 0.0, 1.0, &made));
-  fit_levels(made.window[0].grey, piece->grey, n, look);
-  find_noise(made.window[0].grey, piece, all->stretch, look);
+  const double up = residual[least + 1] - residual[least],
+               down = residual[least - 1] - residual[least];
+  estimate->blur = BLUR_MIN * pow(BLUR_RATIO, least + 0.5 * (down - up) / (down + up));
+  TRY(windows_simulate(scan, estimate->blur, estimate->fringe, 0.0, 1.0, &blurred));
+  fit_levels(blurred.window[0].grey, piece->grey, n, estimate);
+  estimate_noise(blurred.window[0].grey, piece, scan->stretch, estimate);
 cleanup:
-  windows_end(&made);
+  windows_end(&blurred);
   return status;
 }
 
-/* The scanner that makes the grains of `scan` look as they were seen. */
-static enum status correct_look(const struct windows *scan, const struct deblur_scanner *work,
-                                struct deblur *deblur, const struct look *seen, struct look *look,
-                                bool *found) {
+/* Corrects the bias of the estimate `seen`: finds the scanner under which a scan simulated from the
+ * grains of `scan` gives the same estimate. */
+static enum status correct_bias(const struct windows *scan, const struct deblur_scanner *work,
+                                struct deblur *deblur, const struct estimate *seen,
+                                struct estimate *estimate, bool *found) {
   enum status status = STATUS_OK;
   const size_t *size = scan->window[0].size, n = size[0] * size[1] * size[2];
-  struct windows made = {0};
-  struct look its = {.levels = seen->levels, .fringe = seen->fringe};
-  *look = *seen;
-  for (int again = 0; *found && again < CORRECTIONS; again++) {
-    TRY(windows_make_up(scan, look->blur, look->fringe, look->noise / look->contrast, look->length,
-                        &made));
-    float *grey = made.window[0].grey;
-    for (size_t i = 0; i < n; i++) grey[i] = (float)(look->pore + look->contrast * (double)grey[i]);
-    TRY(look_at(&made, work, deblur, &its, found));
-    windows_end(&made);
+  struct windows simulated = {0};
+  struct estimate simulated_estimate = {.levels = seen->levels, .fringe = seen->fringe};
+  *estimate = *seen;
+  for (int round = 0; *found && round < CORRECTIONS; round++) {
+    TRY(windows_simulate(scan, estimate->blur, estimate->fringe,
+                         estimate->noise / estimate->contrast, estimate->length, &simulated));
+    float *grey = simulated.window[0].grey;
+    for (size_t i = 0; i < n; i++)
+      grey[i] = (float)(estimate->pore + estimate->contrast * (double)grey[i]);
+    TRY(estimate_scanner(&simulated, work, deblur, &simulated_estimate, found));
+    windows_end(&simulated);
     if (!*found) break;
-    look->blur *= seen->blur / its.blur;
-    look->contrast *= seen->contrast / its.contrast;
-    look->pore += seen->pore - its.pore;
-    look->noise *= seen->noise / its.noise;
+    estimate->blur *= seen->blur / simulated_estimate.blur;
+    estimate->contrast *= seen->contrast / simulated_estimate.contrast;
+    estimate->pore += seen->pore - simulated_estimate.pore;
+    estimate->noise *= seen->noise / simulated_estimate.noise;
   }
 cleanup:
-  windows_end(&made);
+  windows_end(&simulated);
   return status;
 }
 
-/* Noise that was seen far from walls, as it is where levels or a wide blur were read, stays. */
-static void take_look(const struct look *look, const struct windows *scan, bool wide,
-                      struct scanner *scanner) {
+/* Copies the estimate into `scanner`. Noise measured far from walls, which exists where the levels
+ * are known or a blur too wide was measured, is kept. */
+static void apply_estimate(const struct estimate *estimate, const struct windows *scan, bool wide,
+                           struct scanner *scanner) {
   const double contrast = scanner->grain - scanner->pore;
-  scanner->pore += contrast * look->pore;
-  scanner->grain = scanner->pore + contrast * look->contrast;
-  scanner->blur = look->blur * scan->unit;
-  if (look->levels) return;
+  scanner->pore += contrast * estimate->pore;
+  scanner->grain = scanner->pore + contrast * estimate->contrast;
+  scanner->blur = estimate->blur * scan->unit;
+  if (estimate->levels) return;
   if (!wide) {
-    scanner->noise = contrast * look->noise;
-    scanner->noise_correlation = look->length * scan->unit;
+    scanner->noise = contrast * estimate->noise;
+    scanner->noise_correlation = estimate->length * scan->unit;
   }
-  scanner->contrast_to_noise = contrast * look->contrast / scanner->noise;
+  scanner->contrast_to_noise = contrast * estimate->contrast / scanner->noise;
 }
 
 double narrow_scanner_widest(void) {
-  return LEAST * pow(STEP, TRIALS - 1);
+  return BLUR_MIN * pow(BLUR_RATIO, BLUR_TRIALS - 1);
 }
 
 enum status narrow_scanner_find(const struct region *region, struct scanner *scanner) {
   enum status status = STATUS_OK;
-  struct scanner its = *scanner;
+  struct scanner current = *scanner;
   struct deblur deblur = {0};
   struct deblur_scanner work;
   struct windows scan = {0};
   const double fringe = scanner->levels ? scanner->fringe : 0.0;
-  struct look seen = {.levels = scanner->levels, .fringe = fringe}, look;
+  struct estimate seen = {.levels = scanner->levels, .fringe = fringe}, estimate;
   bool found = true;
-  const bool wide = its.blur > narrow_scanner_widest() * scanner->unit;
-  if (wide) its.blur = FIRST * scanner->unit;
-  for (int turn = 0; found && turn < TURNS; turn++) {
-    const struct grey_phases phases = {.pore_peak = its.pore, .grain_peak = its.grain};
-    restore_scanner(region, &its, its.blur, 1, &work);
-    work.surface = SMOOTH;
-    TRY(windows_read_middle(region, &phases, PIECE, &scan));
+  const bool wide = current.blur > narrow_scanner_widest() * scanner->unit;
+  if (wide) current.blur = BLUR_FIRST * scanner->unit;
+  for (int round = 0; found && round < ROUNDS; round++) {
+    const struct grey_phases phases = {.pore_peak = current.pore, .grain_peak = current.grain};
+    restore_scanner(region, &current, current.blur, 1, &work);
+    work.surface = SMOOTH_SURFACE_COST;
+    TRY(windows_read_middle(region, &phases, SIDE, &scan));
     const size_t *size = scan.window[0].size;
     TRY(deblur_start(size[0] * size[1] * size[2], &work, &deblur));
-    TRY(look_at(&scan, &work, &deblur, &seen, &found));
-    TRY(correct_look(&scan, &work, &deblur, &seen, &look, &found));
-    found =
-        found && look.blur > LEAST && look.blur < narrow_scanner_widest() && look.contrast > 0.0;
-    if (found) take_look(&look, &scan, wide, &its);
+    TRY(estimate_scanner(&scan, &work, &deblur, &seen, &found));
+    TRY(correct_bias(&scan, &work, &deblur, &seen, &estimate, &found));
+    found = found && estimate.blur > BLUR_MIN && estimate.blur < narrow_scanner_widest() &&
+            estimate.contrast > 0.0;
+    if (found) apply_estimate(&estimate, &scan, wide, &current);
     deblur_end(&deblur);
     windows_end(&scan);
   }
-  if (!found || its.contrast_to_noise > CONTRAST_MOST) goto cleanup;
-  its.known = true;
-  its.assumed = false;
-  its.blur_error = UNCERTAIN * its.blur;
-  its.resolution *= its.blur / scanner->blur;
-  *scanner = its;
+  if (!found || current.contrast_to_noise > CONTRAST_TO_NOISE_MAX) goto cleanup;
+  current.known = true;
+  current.assumed = false;
+  current.blur_error = BLUR_ERROR * current.blur;
+  current.resolution *= current.blur / scanner->blur;
+  *scanner = current;
 cleanup:
   deblur_end(&deblur);
   windows_end(&scan);

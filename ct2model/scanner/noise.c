@@ -3,8 +3,11 @@
 #include <math.h>
 #include <stdbool.h>
 
-enum { APART = 6 };                 /* slices */
-static const double CUT_MOST = 0.5; /* of the voxels: a drawn image has one grey, and no noise */
+/* Distance between the two slices of a pair, in slices. */
+enum { SLICES_APART = 6 };
+/* A scan with a larger fraction of voxels at the end of its range is a synthetic image without
+ * noise. */
+static const double CLIPPED_FRACTION_MAX = 0.5;
 
 static bool is_inside(float grey, float distance, double depth, double sign, double level,
                       double most) {
@@ -15,8 +18,8 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
                double sign, double level, double most, struct noise_sums *sums) {
   const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * ny;
   const size_t step[3] = {1, nx, plane};
-  double mean = 0.0, last = 0.0; /* of this slice, and of the one before */
-  double means[APART + 1] = {0}; /* of the last slices, in turn; the oldest is the next to go */
+  double mean = 0.0, last = 0.0; /* mean greys of this slice and of the one before */
+  double means[SLICES_APART + 1] = {0}; /* mean greys of the latest slices, in a ring */
   for (size_t z = 0; z < nz; z++, last = mean) {
     double sum = 0.0, n = 0.0;
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
@@ -26,10 +29,10 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
     }
     mean = n > 0.0 ? sum / n : level;
     if (n < 30.0) {
-      means[z % (APART + 1)] = mean;
+      means[z % (SLICES_APART + 1)] = mean;
       continue;
     }
-    means[z % (APART + 1)] = mean;
+    means[z % (SLICES_APART + 1)] = mean;
     for (size_t i = z * plane; i < (z + 1) * plane; i++) {
       if (!is_inside(grey[i], distance[i], depth, sign, level, most)) continue;
       const double here = (double)grey[i] - mean;
@@ -44,10 +47,11 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
         sums->product[a] += here * ((double)grey[other] - (a == 2 ? last : mean));
         sums->pairs[a] += 1.0;
       }
-      if (z < APART) continue;
-      const size_t far = i - APART * plane;
+      if (z < SLICES_APART) continue;
+      const size_t far = i - SLICES_APART * plane;
       if (!is_inside(grey[far], distance[far], depth, sign, level, most)) continue;
-      sums->apart += pow(here - ((double)grey[far] - means[(z - APART) % (APART + 1)]), 2.0);
+      sums->apart +=
+          pow(here - ((double)grey[far] - means[(z - SLICES_APART) % (SLICES_APART + 1)]), 2.0);
       sums->apart_pairs += 1.0;
     }
   }
@@ -58,14 +62,14 @@ double noise_deviation(const struct noise_sums *sums) {
   return sums->count > 0.0 ? sqrt(sums->square / sums->count) : NAN;
 }
 
-/* Standard deviation of max(Z, -a), Z normal of deviation 1, of which a share of all is -a (Tobin
- * 1958, Econometrica 26: 24). Dark pores under a contrast of 4 times the noise lose a tenth and
- * more of their noise when a scan is saved from black on; walls, whose grey is in the middle, lose
- * none. */
-double noise_left(const struct noise_sums *sums) {
+/* Standard deviation of max(Z, -a), where Z is standard normal and `share` is the probability of -a
+ * (Tobin 1958, Econometrica 26: 24). At a contrast of 4 times the noise, dark pores lose a tenth
+ * and more of their noise when a scan is saved with greys clipped at black; walls, whose grey is in
+ * the middle, lose none. */
+double noise_clipping_ratio(const struct noise_sums *sums) {
   const double share = sums->at_end / sums->count;
   double low = 0.0, high = 6.0;
-  if (!(share > 0.0 && share < CUT_MOST)) return 1.0;
+  if (!(share > 0.0 && share < CLIPPED_FRACTION_MAX)) return 1.0;
   for (int i = 0; i < 40; i++) {
     const double middle = 0.5 * (low + high);
     *(0.5 * erfc(middle / sqrt(2.0)) > share ? &low : &high) = middle;
@@ -74,7 +78,8 @@ double noise_left(const struct noise_sums *sums) {
   return sqrt(1.0 - share - a * density + a * a * share - mean * mean);
 }
 
-/* Of a Gaussian filter's taps w: sum of w_k w_(k+1) over sum of w_k^2. */
+/* Correlation of neighbouring voxels after a Gaussian filter of white noise: with the filter's
+ * weights w, sum of w_k w_(k+1) over sum of w_k^2. */
 static double neighbour_correlation(double length) {
   double square = 0.0, product = 0.0;
   for (int k = -40; k <= 40; k++) {
@@ -100,10 +105,10 @@ double noise_length(const struct noise_sums *sums, int axis) {
   return 0.5 * (low + high);
 }
 
-/* Bartlett (1946, J. R. Stat. Soc. Suppl. 8: 27): of noise alike by rho(r) so many voxels tell as
- * much of its variance as one of noise that is not, the sum of rho^2; rho is exp(-r^2 / (4 l^2)).
- */
+/* Number of correlated voxels that give as much information on the variance as one independent
+ * voxel: sum of rho^2 over all lags (Bartlett 1946, J. R. Stat. Soc. Suppl. 8: 27), with rho(r) =
+ * exp(-r^2 / (4 l^2)). */
 double noise_deviation_error(const struct noise_sums *sums, double length) {
-  const double alike = pow(fmax(sqrt(2.0 * M_PI) * length, 1.0), 3.0);
-  return sqrt(0.5 * alike / sums->apart_pairs);
+  const double voxels_per_independent = pow(fmax(sqrt(2.0 * M_PI) * length, 1.0), 3.0);
+  return sqrt(0.5 * voxels_per_independent / sums->apart_pairs);
 }

@@ -10,51 +10,59 @@
 #include "ct2model/scanner/ramp.h"
 #include "ct2model/surface/phase_bits.h"
 
-/* Of two points a distance r apart, in any direction, one is in the pore and one in the grain with
- * a probability of S r / 2 as r goes to 0, S the surface of a unit of volume (Debye, Anderson,
- * Brumberger 1957, J. Appl. Phys. 28: 679; of the spectrum of scattering Porod 1951). So 2 / r
- * times that probability is S where it is followed back to r = 0. Surfaces that are near each
- * other, at edges and contacts, let it fall at once, along a straight line (Ciccariello, Goodisman,
- * Brumberger 1988, J. Appl. Cryst. 21: 117):
+/* The probability that of two points a distance r apart, in any direction, one lies in the pore and
+ * one in the grain tends to S r / 2 as r goes to 0, where S is the surface per volume (Debye,
+ * Anderson, Brumberger 1957, J. Appl. Phys. 28: 679; for the spectrum of scattering Porod 1951). So
+ * 2 / r times that probability, extrapolated to r = 0, is S. It falls with r, at first linearly,
+ * because of surfaces near each other at edges and contacts (Ciccariello, Goodisman, Brumberger
+ * 1988, J. Appl. Cryst. 21: 117):
  *
  *   S (1 - B x + BEND x^3),   x = r / a,   a = 4 n (1 - n) / S,
  *
- * a the length over which a porosity n has turned into chance. BEND is that of the true grains of
- * sixty generated sands, angular, round, long and with fines, whose B is .21 to .37
- * (docs/notes/2026-11-26-specific-surface.md). Restored grains show the probability right from some
- * two blurs on: S and B are fitted from there to twice that. */
+ * where a is the distance at which the extrapolated probability reaches that of independent points
+ * at porosity n. BEND is that of the true grains of sixty generated sands, angular, round,
+ * elongated and with fines, whose B is 0.21 to 0.37 (docs/notes/2026-11-26-specific-surface.md).
+ * Restored grains show the correct probability beyond about two blurs: S and B are fitted from that
+ * distance to twice that. */
 static const double BEND = 1.0 / 64.0;
-static const double FROM_BLURS = 2.0, FROM_VOXELS = 2.0, FROM_MOST = 0.7, TO = 2.0;
-/* Where noise and relief cannot be told apart, B tells edges and contacts from walls that are
- * smooth all over: it is .21 and more of true sands, .23 to .3 of touching balls, .25 and less of
- * balls that stand apart, and tubes, fibres and slits show the law in no direction alike
- * (docs/notes/2026-11-26-smooth-sands.md). There S is the law's, and its half width holds the
- * restored surface, too. */
-static const double APART = 0.15, TOUCHING = 0.21;
-/* Of 102 sands B is .254 and more, and hides no smooth walls
+/* Range of the fit: from RANGE_BLURS blurs, but at most RANGE_MOST of a and at least RANGE_VOXELS
+ * voxels, to RANGE_FACTOR times that. */
+static const double RANGE_BLURS = 2.0, RANGE_VOXELS = 2.0, RANGE_MOST = 0.7, RANGE_FACTOR = 2.0;
+/* B tells edges and contacts from walls that are smooth all over, where noise and relief cannot be
+ * told apart: it is 0.21 or more for true sands, 0.23 to 0.3 for touching balls and 0.25 or less
+ * for balls that stand apart; tubes, fibres and slits do not follow the law equally in all
+ * directions (docs/notes/2026-11-26-smooth-sands.md). Up to B_APART the smooth restored surface is
+ * kept, from B_TOUCHING on S is that of the law; the half width of the latter covers the restored
+ * surface, too. */
+static const double B_APART = 0.15, B_TOUCHING = 0.21;
+/* For 102 sands B is 0.254 or more: walls with this B are not smooth
  * (docs/notes/2026-11-28-surface-cost.md). */
-static const double GRAINS = 0.25;
-/* S over that of the restored surface: of sands it is 1.17 at most. Where the law asks for more, as
- * between plane walls a few voxels apart, it is not theirs: 2 / r times the probability stays level
- * up to that distance, and falls steeply from there. */
-static const double MOST = 1.19;
-/* 95 % half widths, of S: that of the law, beside so much blur / a, as the finest grains are lost
- * whole under a blur, and no scan tells whether there were any; of smooth walls' own surface; and
- * of what the law does not see. Where directions differ so much that their number leaves more than
- * LAW, as a slit's do, it is not asked: of sands they leave 2 % at most, of a felt 7. */
-static const double LAW = 0.045, LOST = 0.25, SMOOTH = 0.09, UNSEEN = 0.2;
+static const double B_GRAINS = 0.25;
+/* Largest plausible ratio of S to the surface of the restored walls; for sands it is 1.17 at most.
+ * A larger one, as between plane walls a few voxels apart, means that the law does not apply: there
+ * 2 / r times the probability is constant up to that distance and falls steeply beyond. */
+static const double RATIO_MOST = 1.19;
+/* Relative 95 % half widths of S. ERROR_LAW: of the law, combined with ERROR_PER_BLUR times blur /
+ * a, since a blur hides the finest grains completely, and no scan shows whether there were any.
+ * ERROR_SMOOTH: of the restored surface of smooth walls. ERROR_UNKNOWN: where the law does not
+ * apply. If directions differ so much that the standard error of their mean exceeds ERROR_LAW / 2,
+ * as for a slit, the law is not used; for sands they leave 2 % at most, for a felt 7 %. */
+static const double ERROR_LAW = 0.045, ERROR_PER_BLUR = 0.25, ERROR_SMOOTH = 0.09,
+                    ERROR_UNKNOWN = 0.2;
 
 enum { VECTORS = 256, CHUNK = 64 };
 
-/* Voxels from one point to the other, and how many such pairs there are, and differ. */
+/* The vector between the two points of a pair, in voxels, the number of such pairs and of those
+ * whose phases differ. */
 struct pairs {
   long x, y, z;
   double distance; /* m */
   uint64_t count, differ;
 };
 
-/* Directions spread over half a sphere by the golden angle, distances over the range by a sequence
- * of their own. False where a side of the scan hardly holds them. */
+/* Chooses vectors with directions spread over a hemisphere by the golden angle, and lengths spread
+ * over the range by another low-discrepancy sequence. False if the scan is shorter than twice a
+ * vector along some axis. */
 static bool choose_vectors(const size_t size[3], const double voxel[3], double from, double to,
                            struct pairs vectors[VECTORS]) {
   for (int i = 0; i < VECTORS; i++) {
@@ -74,33 +82,33 @@ static bool choose_vectors(const size_t size[3], const double voxel[3], double f
   return true;
 }
 
-/* Where bits x of `here` and x + shift of `there` differ, of n - shift. */
+/* Number of bits x of `here` that differ from bits x + shift of `there`, over n - shift bits. */
 TARGETS static uint64_t differing(const uint64_t *here, const uint64_t *there, size_t n,
                                   size_t shift) {
-  const size_t left = n - shift, skipped = shift / PHASE_WORD, bit = shift % PHASE_WORD;
+  const size_t remaining = n - shift, skipped = shift / PHASE_WORD, bit = shift % PHASE_WORD;
   const size_t words = phase_words(n);
   uint64_t sum = 0;
-  for (size_t w = 0; w * PHASE_WORD < left; w++) {
+  for (size_t w = 0; w * PHASE_WORD < remaining; w++) {
     uint64_t moved = there[w + skipped] >> bit;
     if (bit > 0 && w + skipped + 1 < words) moved |= there[w + skipped + 1] << (PHASE_WORD - bit);
     uint64_t other = moved ^ here[w];
-    if ((w + 1) * PHASE_WORD > left) other &= ((uint64_t)1 << left % PHASE_WORD) - 1;
+    if ((w + 1) * PHASE_WORD > remaining) other &= ((uint64_t)1 << remaining % PHASE_WORD) - 1;
     sum += (uint64_t)__builtin_popcountll(other);
   }
   return sum;
 }
 
-/* Adds the pairs whose first voxel is in one of `count` slices; `bits` has `held` of them and of
- * those behind. */
+/* Adds the pairs whose first voxel lies in one of the first `count` slices; `bits` holds these and
+ * the following slices, `held` in all. */
 static void count_pairs(const uint64_t *bits, const size_t size[3], size_t count, size_t held,
                         struct pairs *pairs) {
   const size_t words = phase_words(size[0]), shift = (size_t)labs(pairs->x);
   for (size_t z = 0; z < count && z + (size_t)pairs->z < held; z++)
     for (size_t y = pairs->y < 0 ? (size_t)-pairs->y : 0; y < size[1]; y++) {
-      const size_t its = (size_t)((long)y + pairs->y);
-      if (its >= size[1]) break;
+      const size_t other_y = (size_t)((long)y + pairs->y);
+      if (other_y >= size[1]) break;
       const uint64_t *a = bits + (z * size[1] + y) * words;
-      const uint64_t *b = bits + ((z + (size_t)pairs->z) * size[1] + its) * words;
+      const uint64_t *b = bits + ((z + (size_t)pairs->z) * size[1] + other_y) * words;
       pairs->differ +=
           pairs->x < 0 ? differing(b, a, size[0], shift) : differing(a, b, size[0], shift);
       pairs->count += size[0] - shift;
@@ -137,11 +145,11 @@ cleanup:
   return status;
 }
 
-/* S and B, `slope`, by least squares; a, which is by S, in turn. `error`: the standard error by the
- * scatter between directions. */
-static double follow_back(const struct pairs vectors[VECTORS], double n, double surface,
+/* Fits S (returned) and B (`slope`) by least squares, iterating since a depends on S. `error`:
+ * standard error of S by the scatter between directions. */
+static double extrapolate(const struct pairs vectors[VECTORS], double n, double surface,
                           double *slope, double *error) {
-  for (int again = 0; again < 8; again++) {
+  for (int round = 0; round < 8; round++) {
     const double a = 4.0 * n * (1.0 - n) / surface;
     double uu = 0.0, ur = 0.0, rr = 0.0, uy = 0.0, ry = 0.0, yy = 0.0;
     for (int i = 0; i < VECTORS; i++) {
@@ -157,35 +165,36 @@ static double follow_back(const struct pairs vectors[VECTORS], double n, double 
   return surface;
 }
 
-/* S, `found` (NAN where a side is too short), its `slope`, B, and `scatter`, its standard error;
- * `surface` as the walls have it. */
-static enum status find_law(const struct restored *restored, double blur, const double voxel[3],
-                            double surface, double *found, double *slope, double *scatter) {
+/* Measures the law: S (`found`; NAN if a side of the scan is too short), B (`slope`) and the
+ * standard error of S (`scatter`). `surface`: that of the walls, 1/m. */
+static enum status measure_law(const struct restored *restored, double blur, const double voxel[3],
+                               double surface, double *found, double *slope, double *scatter) {
   enum status status = STATUS_OK;
   struct pairs vectors[VECTORS];
   const double n = restored->void_ratio / (1.0 + restored->void_ratio);
   const double a = 4.0 * n * (1.0 - n) / surface;
   const double widest = fmax(voxel[0], fmax(voxel[1], voxel[2]));
-  const double from = fmax(FROM_VOXELS * widest, fmin(FROM_BLURS * blur, FROM_MOST * a));
+  const double from = fmax(RANGE_VOXELS * widest, fmin(RANGE_BLURS * blur, RANGE_MOST * a));
   *found = *slope = *scatter = NAN;
-  if (!choose_vectors(restored->scan.size, voxel, from, TO * from, vectors)) return STATUS_OK;
+  if (!choose_vectors(restored->scan.size, voxel, from, RANGE_FACTOR * from, vectors))
+    return STATUS_OK;
   TRY(count_all(restored, vectors));
-  *found = follow_back(vectors, n, surface, slope, scatter);
+  *found = extrapolate(vectors, n, surface, slope, scatter);
 cleanup:
   return status;
 }
 
-/* Whether the law is that of the walls. */
-static bool holds(double found, double scatter, double surface) {
-  return found < MOST * surface && 2.0 * scatter <= LAW * found;
+/* Whether the law applies to these walls. */
+static bool law_applies(double found, double scatter, double surface) {
+  return found < RATIO_MOST * surface && 2.0 * scatter <= ERROR_LAW * found;
 }
 
 enum status porod_grains(const struct restored *restored, double blur, const double voxel[3],
                          double surface, double *grains) {
   enum status status = STATUS_OK;
   double found, slope, scatter;
-  TRY(find_law(restored, blur, voxel, surface, &found, &slope, &scatter));
-  *grains = holds(found, scatter, surface) ? ramp(slope, TOUCHING, GRAINS) : 0.0;
+  TRY(measure_law(restored, blur, voxel, surface, &found, &slope, &scatter));
+  *grains = law_applies(found, scatter, surface) ? ramp(slope, B_TOUCHING, B_GRAINS) : 0.0;
 cleanup:
   return status;
 }
@@ -196,18 +205,18 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   double found, slope, scatter;
   const double n = restored->void_ratio / (1.0 + restored->void_ratio);
   const double a = 4.0 * n * (1.0 - n) / *surface;
-  const bool alone = scanner->known && !scanner->narrow;
-  *error = (alone && scanner->smooth_walls == 1.0 ? SMOOTH : UNSEEN) * *surface;
-  if (!alone) return STATUS_OK;
-  TRY(find_law(restored, scanner->blur, voxel, *surface, &found, &slope, &scatter));
-  if (!holds(found, scatter, *surface)) return STATUS_OK;
-  const double edges = ramp(slope, APART, TOUCHING);
-  const double smooth = scanner->smooth_walls, own = smooth * (1.0 - edges);
-  const double both = smooth * edges * fabs(found / *surface - 1.0);
-  *surface += (1.0 - own) * (found - *surface);
-  const double blurred = LOST * scanner->blur / a;
-  const double law = hypot(hypot(LAW, 2.0 * scatter / found), hypot(blurred, both));
-  *error = (law + own * (SMOOTH - law)) * *surface;
+  const bool usable = scanner->known && !scanner->narrow;
+  *error = (usable && scanner->smooth_walls == 1.0 ? ERROR_SMOOTH : ERROR_UNKNOWN) * *surface;
+  if (!usable) return STATUS_OK;
+  TRY(measure_law(restored, scanner->blur, voxel, *surface, &found, &slope, &scatter));
+  if (!law_applies(found, scatter, *surface)) return STATUS_OK;
+  const double edges = ramp(slope, B_APART, B_TOUCHING);
+  const double smooth = scanner->smooth_walls, smooth_weight = smooth * (1.0 - edges);
+  const double disagreement = smooth * edges * fabs(found / *surface - 1.0);
+  *surface += (1.0 - smooth_weight) * (found - *surface);
+  const double hidden = ERROR_PER_BLUR * scanner->blur / a;
+  const double law = hypot(hypot(ERROR_LAW, 2.0 * scatter / found), hypot(hidden, disagreement));
+  *error = (law + smooth_weight * (ERROR_SMOOTH - law)) * *surface;
 cleanup:
   return status;
 }

@@ -9,21 +9,22 @@
 #include "ct2model/scanner/gaussian.h"
 
 enum { LEVELS = 255 };
-/* In voxels: worked on at a time, at most; held in memory as levels, at most; and from where on
- * voxels are averaged as far as the blur allows. */
-static const double WORKED = 24e6, HELD = 1.5e9, FULL = 150e6;
-/* Smooth walls have no relief for cheap surface to keep, and show all that noise makes: surface
- * costs so many times as much there (docs/notes/2026-11-25-smooth-walls.md). */
-static const double SMOOTHER = 8.0;
-/* Where relief is much finer than in sand of one size it would take grains away: so many times at
- * the least (docs/notes/2026-11-26-scanner-bias.md). */
-static const double FINER = 0.25;
-/* In blurs: beyond this a slab's surroundings do not matter. */
-static const double MARGIN = 7.0;
-/* In blurs: grains so far beyond the faces of the scan are sought with the others, as they show in
- * it. With the scan reflected there instead, which no grain that a face cuts is, walls within two
- * blurs of a face are twice as far off (docs/notes/2026-11-27-faces.md). */
-static const double BEYOND = 2.0;
+/* Numbers of voxels: in a slab that is worked on at a time, at most; held in memory as levels, at
+ * most; and above which voxels are averaged as far as the blur allows. */
+static const double VOXELS_WORKED = 24e6, VOXELS_HELD = 1.5e9, VOXELS_UNAVERAGED = 150e6;
+/* Cost of surface on smooth walls, relative to the usual one: they have no relief that a low cost
+ * would keep, and show all the relief that noise makes (docs/notes/2026-11-25-smooth-walls.md). */
+static const double COST_SMOOTH = 8.0;
+/* Cost of surface, relative to the usual one, where relief is much finer than in uniform sand: the
+ * usual one would remove grains there (docs/notes/2026-11-26-scanner-bias.md). */
+static const double COST_FINE = 0.25;
+/* Overlap of the slabs, in blurs: what is farther away does not matter. */
+static const double MARGIN_BLURS = 7.0;
+/* Distance beyond the faces of the scan, in blurs, over which grains are restored together with the
+ * others, as far as the scan shows them. If the scan were reflected at its faces instead, as no
+ * grain cut by a face is, walls within two blurs of a face would be twice as far off
+ * (docs/notes/2026-11-27-faces.md). */
+static const double BEYOND_BLURS = 2.0;
 
 size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
   double voxels = 1.0, largest = 0.0;
@@ -32,7 +33,7 @@ size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
     largest = fmax(largest, voxel[d]);
   }
   size_t step = 1;
-  for (size_t s = 2; s <= 4 && voxels / pow((double)step, 3.0) > FULL; s++) {
+  for (size_t s = 2; s <= 4 && voxels / pow((double)step, 3.0) > VOXELS_UNAVERAGED; s++) {
     bool fits = blur >= 0.9 * (double)s * largest;
     for (int d = 0; d < 3; d++) fits &= size[d] % s == 0;
     if (fits) step = s;
@@ -40,20 +41,20 @@ size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
   return step;
 }
 
-/* Voxels at either end of each axis beyond the faces of a scan of that size. */
+/* Number of voxels beyond the faces of the scan at either end of each axis. */
 static void voxels_beyond(const size_t size[3], const double blur[3], size_t beyond[3]) {
   for (int d = 0; d < 3; d++) {
-    const double far = fmin(ceil(BEYOND * blur[d]), (double)size[d]);
+    const double far = fmin(ceil(BEYOND_BLURS * blur[d]), (double)size[d]);
     beyond[d] = size[d] > 1 ? (size_t)far : 0;
   }
 }
 
-/* The voxel of the slab that is seen at `at`: the scan is reflected at its faces. */
+/* Index of the voxel of the slab that position `at` shows if the scan is reflected at its faces. */
 static size_t reflect(size_t at, size_t n, const size_t beyond[2]) {
   return beyond[0] + gaussian_reflect((long)at - (long)beyond[0], n - beyond[0] - beyond[1]);
 }
 
-/* Beyond the faces, for the first guess. */
+/* Fills the voxels beyond the faces by reflection, as a first guess. */
 static void slab_reflect(struct deblur *slab) {
   const size_t nx = slab->size[0], ny = slab->size[1], nz = slab->size[2];
   const size_t first = slab->beyond[0][0], end = nx - slab->beyond[0][1];
@@ -69,7 +70,8 @@ static void slab_reflect(struct deblur *slab) {
   }
 }
 
-/* Work slices from `first` of the region on, greys 0 pore and 1 grain, amid what is beyond. */
+/* Reads slices of the region, averaged over `step` voxels, from slice `first` (of the averages) on,
+ * and scales them to 0 in pores and 1 in grains. The voxels beyond the faces are filled, too. */
 static enum status slab_read(const struct region *region, const struct scanner *scanner,
                              size_t step, size_t first, struct deblur *slab) {
   enum status status = STATUS_OK;
@@ -104,7 +106,8 @@ cleanup:
   return status;
 }
 
-/* Of `count` slices, those after the `skipped` first of the slab that the scan shows. */
+/* Stores `count` slices of the restored slab as levels, from slice `first` of the result on; the
+ * first `skipped` slices of the slab are overlap. */
 static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, size_t first,
                       struct coarse *restored) {
   const size_t nx = restored->size[0], ny = restored->size[1];
@@ -121,8 +124,8 @@ static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, s
   restored->histogram.total += count * nx * ny;
 }
 
-/* Volume (m^3) over which noise is as one voxel's, its power at low frequencies over its variance:
- * of white noise filtered by a Gaussian of that length, (2 sqrt(pi) length)^3, a voxel at least. */
+/* Correlation volume of the noise (m^3): its power at low frequencies over its variance. White
+ * noise filtered by a Gaussian of the given length has (2 sqrt(pi) length)^3; at least a voxel. */
 static double noise_volume(double length, const double voxel[3]) {
   double noise = 1.0;
   for (int d = 0; d < 3; d++) noise *= fmax(voxel[d], 2.0 * sqrt(M_PI) * length);
@@ -141,17 +144,19 @@ void restore_scanner(const struct region *region, const struct scanner *scanner,
     work->blur[d] = blur / voxel;
   }
   for (int d = 0; d < 3; d++) work->stretch[d] = region->voxel[d] * (double)step / least;
-  /* No longer than the blur: what is longer is the grains' texture. */
+  /* The correlation length is limited to the blur: anything longer is texture of the grains. */
   const double length =
       fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(blur, least));
-  const double volume_alike = noise_volume(length, region->voxel);
+  const double correlation_volume = noise_volume(length, region->voxel);
   work->correlation = length / least;
-  work->power = pow(scanner->noise / contrast, 2.0) * volume_alike / volume;
-  /* Noise finer than DEBLUR_CORRELATION_LEAST is overrated as it is. */
-  const double own = noise_volume(fmin(scanner->noise_correlation, length), region->voxel);
-  const double smoother = fmax(1.0, SMOOTHER * own / volume_alike);
+  work->power = pow(scanner->noise / contrast, 2.0) * correlation_volume / volume;
+  /* Noise finer than DEBLUR_CORRELATION_LEAST is already overestimated, so that smooth walls need
+   * less additional cost. */
+  const double actual_volume =
+      noise_volume(fmin(scanner->noise_correlation, length), region->voxel);
+  const double smoother = fmax(1.0, COST_SMOOTH * actual_volume / correlation_volume);
   work->surface = scanner->smooth_walls > 0.0  ? pow(smoother, scanner->smooth_walls)
-                  : scanner->fine_relief > 0.0 ? pow(FINER, scanner->fine_relief)
+                  : scanner->fine_relief > 0.0 ? pow(COST_FINE, scanner->fine_relief)
                                                : 1.0;
 }
 
@@ -168,14 +173,14 @@ enum status restore_run(const struct region *region, const struct scanner *scann
     restored->size[d] = region->size[d] / step;
     voxels *= (double)restored->size[d];
   }
-  if (voxels > HELD) return STATUS_OK;
+  if (voxels > VOXELS_HELD) return STATUS_OK;
   restore_scanner(region, scanner, width, step, &work);
   size_t beyond[3];
   voxels_beyond(restored->size, work.blur, beyond);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
   const size_t worked = (restored->size[0] + 2 * beyond[0]) * (restored->size[1] + 2 * beyond[1]);
-  const size_t margin = (size_t)ceil(MARGIN * fmax(work.blur[2], 1.0));
-  size_t depth = (size_t)(WORKED / (double)worked);
+  const size_t margin = (size_t)ceil(MARGIN_BLURS * fmax(work.blur[2], 1.0));
+  size_t depth = (size_t)(VOXELS_WORKED / (double)worked);
   depth = depth > 3 * margin ? depth - 2 * margin : margin;
   if (nz <= depth + margin) depth = nz;
   const size_t most = depth + 2 * margin < nz ? depth + 2 * margin : nz;

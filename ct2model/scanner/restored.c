@@ -12,18 +12,18 @@
 
 enum { BATCH = 32 };
 
-/* Levels of 255 between which the surface must lie: beyond, the void ratio asks for more or less
- * grain than there are edges. */
-static const double LEAST = 10.0, MOST = 245.0;
+/* Range of levels, of 255, in which the surface must lie: outside it, the void ratio requires more
+ * or less grain than the edges of the scan allow. */
+static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0;
 
-/* Slices that are looked at for specks at a time, and beside them: a speck is no longer. Beside the
- * first slice stands the last, as first and last do in rows and columns (specks.h): at an end of
- * their slab specks would be let be, and one on a face of the scan stands in the way of the flow
- * like any other. */
-enum { CHUNK = 64, BESIDE = 12 };
+/* Islands of few voxels ("specks") are removed from CHUNK_SLICES slices at a time, with
+ * OVERLAP_SLICES slices on either side; no speck is longer. The first slice is adjacent to the last
+ * one, as are the ends of rows and columns (specks.h): at an end of the slab specks would be kept,
+ * but one on a face of the scan obstructs the flow like any other. */
+enum { CHUNK_SLICES = 64, OVERLAP_SLICES = 12 };
 
-/* An island that is smaller than what the scanner resolves is noise: a grain that touches nothing
- * is none. In voxels of the restored scan. */
+/* Volume of the largest speck, in voxels of the restored scan: an island smaller than what the
+ * scanner resolves is noise, since a grain touches others. */
 static size_t speck_limit(const struct region *region, const struct coarse *scan,
                           const struct scanner *scanner) {
   double volume = 3.14159265358979323846 / 6.0; /* of a ball as wide as the resolution */
@@ -32,48 +32,53 @@ static size_t speck_limit(const struct region *region, const struct coarse *scan
   return (size_t)fmin(fmax(volume, 8.0), SPECK_MOST);
 }
 
-/* Levels of specks change to the other side of `threshold`, by as much, and clearly: the threshold
- * moves when what is left is matched once more, and must not bring them back. */
-static const double CLEARLY = 16.0;
+/* Moves the levels of specks to the other side of `threshold`, by the same distance and at least
+ * LEVEL_STEP: the threshold changes when the void ratio is matched once more, which must not
+ * restore the specks. */
+static const double LEVEL_STEP = 16.0;
 static enum status drop_specks(const struct region *region, const struct scanner *scanner,
                                double threshold, struct coarse *scan) {
   enum status status = STATUS_OK;
   const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2], plane = nx * ny;
   const size_t words = phase_words(nx), limit = speck_limit(region, scan, scanner);
-  const size_t most = (nz < CHUNK ? nz : CHUNK) + 2 * BESIDE, kept = nz < BESIDE ? nz : BESIDE;
+  const size_t most = (nz < CHUNK_SLICES ? nz : CHUNK_SLICES) + 2 * OVERLAP_SLICES,
+               kept = nz < OVERLAP_SLICES ? nz : OVERLAP_SLICES;
   int16_t *field = NULL;
   uint64_t *bits = NULL, *scratch = NULL;
-  uint8_t *old = NULL, *begin = NULL; /* levels before the chunk, and the first, as they were */
+  uint8_t *previous = NULL, *first = NULL; /* original levels of the slices before the chunk, and of
+                                         the first slices */
   TRY(memory_allocate(&field, most * plane, sizeof *field, "specks"));
   TRY(memory_allocate(&bits, most * ny * words, sizeof *bits, "specks"));
   TRY(memory_allocate(&scratch, 2 * most * ny * words, sizeof *scratch, "specks"));
-  TRY(memory_allocate(&old, BESIDE * plane, 1, "specks"));
-  TRY(memory_allocate(&begin, kept * plane, 1, "specks"));
-  memcpy(begin, scan->levels, kept * plane);
-  for (size_t i = 0; i < BESIDE; i++)
-    memcpy(old + i * plane, scan->levels + (nz * BESIDE + i - BESIDE) % nz * plane, plane);
-  for (size_t z = 0; z < nz; z += CHUNK) {
-    const size_t count = nz - z < CHUNK ? nz - z : CHUNK;
-    const size_t size[3] = {nx, ny, count + 2 * BESIDE};
+  TRY(memory_allocate(&previous, OVERLAP_SLICES * plane, 1, "specks"));
+  TRY(memory_allocate(&first, kept * plane, 1, "specks"));
+  memcpy(first, scan->levels, kept * plane);
+  for (size_t i = 0; i < OVERLAP_SLICES; i++)
+    memcpy(previous + i * plane,
+           scan->levels + (nz * OVERLAP_SLICES + i - OVERLAP_SLICES) % nz * plane, plane);
+  for (size_t z = 0; z < nz; z += CHUNK_SLICES) {
+    const size_t count = nz - z < CHUNK_SLICES ? nz - z : CHUNK_SLICES;
+    const size_t size[3] = {nx, ny, count + 2 * OVERLAP_SLICES};
 #pragma omp parallel for schedule(static)
     for (size_t row = 0; row < size[2] * ny; row++) {
-      const size_t layer = row / ny, at = z + layer - BESIDE;
-      const uint8_t *levels = (layer < BESIDE ? old + layer * plane
-                               : at < nz      ? scan->levels + at * plane
-                                              : begin + (at - nz) % nz * plane) +
+      const size_t layer = row / ny, at = z + layer - OVERLAP_SLICES;
+      const uint8_t *levels = (layer < OVERLAP_SLICES ? previous + layer * plane
+                               : at < nz              ? scan->levels + at * plane
+                                                      : first + (at - nz) % nz * plane) +
                               row % ny * nx;
       for (size_t x = 0; x < nx; x++)
         field[row * nx + x] = (int16_t)lrint(64.0 * ((double)levels[x] - threshold));
       phase_row(field + row * nx, nx, bits + row * words);
     }
     specks_remove(field, bits, size, limit, scratch);
-    if (count >= BESIDE) memcpy(old, scan->levels + (z + count - BESIDE) * plane, BESIDE * plane);
+    if (count >= OVERLAP_SLICES)
+      memcpy(previous, scan->levels + (z + count - OVERLAP_SLICES) * plane, OVERLAP_SLICES * plane);
 #pragma omp parallel for schedule(static)
     for (size_t i = 0; i < count * plane; i++) {
       uint8_t *level = &scan->levels[z * plane + i];
-      if ((field[BESIDE * plane + i] > 0) == ((double)*level > threshold)) continue;
-      const double off = fmax(fabs((double)*level - threshold), CLEARLY);
-      const double to = (double)*level > threshold ? threshold - off : threshold + off;
+      if ((field[OVERLAP_SLICES * plane + i] > 0) == ((double)*level > threshold)) continue;
+      const double distance = fmax(fabs((double)*level - threshold), LEVEL_STEP);
+      const double to = (double)*level > threshold ? threshold - distance : threshold + distance;
       *level = (uint8_t)lrint(fmin(fmax(to, 0.0), 255.0));
     }
   }
@@ -83,8 +88,8 @@ cleanup:
   memory_free(&field);
   memory_free(&bits);
   memory_free(&scratch);
-  memory_free(&old);
-  memory_free(&begin);
+  memory_free(&previous);
+  memory_free(&first);
   return status;
 }
 
@@ -96,7 +101,7 @@ struct region restored_region(const struct restored *restored, const struct regi
   return coarse_region(&restored->scan, region);
 }
 
-enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
+enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored) {
   enum status status = STATUS_OK;
@@ -110,7 +115,7 @@ enum status restored_take(const struct region *region, const struct scanner *sca
   const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
   restored->middle = middle / (1.0 - middle);
   restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
-  if (!(restored->threshold > LEAST && restored->threshold < MOST)) {
+  if (!(restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX)) {
     log_warning("the edges of the scan give a void ratio of %.3g, not %.3g: the surface is taken "
                 "where the threshold says, with the scanner's blur and noise",
                 restored->middle, void_ratio);
@@ -120,17 +125,17 @@ enum status restored_take(const struct region *region, const struct scanner *sca
   const struct region levels = restored_region(restored, region);
   const double porosity = void_ratio / (1.0 + void_ratio);
   double met = porosity;
-  TRY(enclosed_match(&levels, sides, LEAST, MOST, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, sides, LEVEL_MIN, LEVEL_MAX, &restored->threshold, &met));
   TRY(drop_specks(region, scanner, restored->threshold, scan));
   met = porosity;
-  TRY(enclosed_match(&levels, sides, LEAST, MOST, &restored->threshold, &met));
+  TRY(enclosed_match(&levels, sides, LEVEL_MIN, LEVEL_MAX, &restored->threshold, &met));
   restored->void_ratio = met / (1.0 - met);
 cleanup:
   return status;
 }
 
-/* Many voxels of a restored scan have the threshold's own level; which of them are grain their six
- * neighbours decide, by less than half a level. */
+/* Reads a row of levels. Many voxels have exactly the level of the threshold; the mean of their six
+ * neighbours, with a small weight, decides which of these are grain. */
 static void read_row(const struct coarse *scan, size_t y, size_t z, float *row) {
   static const float TIE = 1.0F / 3300.0F;
   const size_t nx = scan->size[0], ny = scan->size[1], plane = nx * ny;

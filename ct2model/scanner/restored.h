@@ -1,5 +1,5 @@
-/* The scan without its blur and noise as what the model is made of: levels of the share of grain,
- * and the one among them at which the surface lies. */
+/* The scan without its blur and noise, from which the model is made: levels of the share of grain,
+ * and the level at which the surface lies. */
 #ifndef TOSUI_CT2MODEL_SCANNER_RESTORED_H
 #define TOSUI_CT2MODEL_SCANNER_RESTORED_H
 
@@ -11,22 +11,22 @@
 #include "ct2model/surface/coarse.h"
 
 struct restored {
-  struct coarse scan; /* no levels: the scan is left as it is */
-  double threshold;   /* the level at which walls enclose the void ratio */
-  double middle;      /* void ratio at the level in the middle: where its own edges lie */
-  double void_ratio;  /* that they do enclose */
+  struct coarse scan; /* without levels the scan is used as it is */
+  double threshold;   /* level at which the walls enclose the void ratio */
+  double middle;      /* void ratio at the middle level, where the scan's own edges lie */
+  double void_ratio;  /* void ratio enclosed at `threshold` */
 };
 
-/* Takes `blur` (m) out. No levels come back, with a warning, where the edges of the scan do not
- * allow that void ratio or memory would not hold it. `reflect`: axes that will be mirrored. Free
- * with restored_end. */
-enum status restored_take(const struct region *region, const struct scanner *scanner, double blur,
+/* Removes `blur` (m) from the region and finds the level that encloses `void_ratio`. `restored` has
+ * no levels, and a warning is given, where the edges of the scan do not allow that void ratio or
+ * memory would not suffice. `sides`: as in enclosed.h. Free with restored_end. */
+enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored);
 void restored_end(struct restored *restored);
-/* As a region of levels. */
+/* The restored scan as a region of levels. */
 struct region restored_region(const struct restored *restored, const struct region *region);
-/* Resampled into volume[size z][size y][size x], by a filter that takes rows. */
+/* Resamples the levels into volume[size z][size y][size x], by a filter that reads rows. */
 enum status restored_resample(const struct restored *restored, enum filter filter,
                               const size_t size[3], float *volume);
 

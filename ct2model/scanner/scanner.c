@@ -12,78 +12,94 @@
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
-enum { WINDOWS_LEAST = 3 };
-/* By the grains as their surfaces show them, then as they are restored with what that gave. */
-enum { CORRECTIONS_FIRST = 1, CORRECTIONS = 3 };
-/* In deviations: further out a fringe and a wider blur are told apart better, but fewer surfaces
- * are alone. */
-static const double REACH = 2.6;
-static const double FAINT = 0.1; /* a fringe that the fit cannot tell from none */
-/* A phase shows its own grey where a twentieth of it is as deep (voxels). Where a hundredth is not,
- * each surface has another one near, and the blur is known to a quarter (1 sigma). */
-static const double DEPTH_SEEN = 4.0, DEEP = 0.05, NOWHERE = 0.01, UNSEEN = 0.25;
-static const double ENOUGH = 500.0; /* voxels, for a mean grey */
-/* Neighbours that are near look like a fringe up to so much, before it is corrected. */
-static const double CLEAR = 0.3;
-/* For the noise, of which some tens of voxels are alike where it is correlated over one. */
-static const double PAIRS = 5000.0, FEW = 2000.0;
-/* Noise of grains over that of pores from which on it counts, where chance moves it by less than
- * KNOWN; elsewhere it must differ by SURE standard errors: of noise alike over a voxel few voxels
- * tell (docs/notes/2026-11-26-hidden-fines.md). */
-static const double LESS = 0.97, KNOWN = 0.025, SURE = 2.3;
-/* Under a blur of MODEL_BLUR_ASSUMED a flat surface has 1.6 voxels in the middle half between the
- * greys of both phases, and a phase of four voxels width as many as it is: a tenth is few. */
-static const double SOFT = 0.1;
-enum { SLICES = 8 }; /* fewer are no volume to tell pores from grains in */
-/* The response of all windows, its fit, and how far the windows' own fits scatter about it. */
+enum { WINDOWS_FOR_SCATTER = 3 };
+/* Rounds of correct_fit: first with the grains as their smoothed surfaces show them, then with the
+ * grains restored under the blur that the first rounds gave. */
+enum { CORRECTIONS_FIRST = 1, CORRECTIONS_RESTORED = 3 };
+/* Range of the edge fit, in standard deviations of the blur. A longer range separates a fringe from
+ * a wider blur better, but fewer surfaces are then free of neighbours. */
+static const double REACH_IN_DEVIATIONS = 2.6;
+/* Fringe strength below which the fit alone cannot tell a fringe from none. */
+static const double FRINGE_DETECTABLE = 0.1;
+/* A phase shows its own grey where DEEP_FRACTION of its voxels lie at least DEPTH_OWN_GREY voxels
+ * from the surface. Where less than DEEP_FRACTION_NARROW does, each surface has another one near,
+ * and the relative standard error of the blur is NARROW_BLUR_ERROR. */
+static const double DEPTH_OWN_GREY = 4.0, DEEP_FRACTION = 0.05, DEEP_FRACTION_NARROW = 0.01,
+                    NARROW_BLUR_ERROR = 0.25;
+/* Voxels needed for a mean grey. */
+static const double VOXELS_FOR_MEAN = 500.0;
+/* Near neighbours of a surface look like a fringe of up to this strength in the uncorrected fit. */
+static const double FRINGE_BY_NEIGHBOURS = 0.3;
+/* Pairs of voxels and single voxels needed to measure the noise: some tens of voxels count as one
+ * where it is correlated over a voxel. */
+static const double NOISE_PAIRS = 5000.0, NOISE_VOXELS = 2000.0;
+/* Noise of the grains over that of the pores below which the grains are taken to have less noise,
+ * if the standard error of this ratio is below NOISE_ERROR_SMALL or the difference exceeds
+ * NOISE_STANDARD_ERRORS standard errors. Noise correlated over a voxel leaves few independent
+ * voxels (docs/notes/2026-11-26-hidden-fines.md). */
+static const double NOISE_RATIO_LESS = 0.97, NOISE_ERROR_SMALL = 0.025, NOISE_STANDARD_ERRORS = 2.3;
+/* Fraction of the lesser phase that must have a grey between those of both phases for the image to
+ * count as blurred. Under a blur of MODEL_BLUR_ASSUMED 1.6 voxels across a flat surface lie in the
+ * middle half between the two greys, so that a phase four voxels wide has as many such voxels as
+ * voxels of its own: a tenth of that is few. */
+static const double BLURRED_FRACTION = 0.1;
+/* Slices needed to tell pores from grains in three dimensions. */
+enum { SLICES_MINIMUM = 8 };
+
+/* Adds up the edge response of all windows and fits it. The scatter of the fits of single windows
+ * gives the standard error of the blur. False where the response cannot be fitted. */
 static bool fit_windows(const struct windows *all, double reach, struct scanner *scanner,
                         struct edge_fit *fit) {
   double sum = 0.0, square = 0.0, n = 0.0;
   scanner->response = (struct edge_response){0};
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
-    struct edge_response own = {0};
-    struct edge_fit mine;
-    edge_response_add(w->grey, w->smooth, w->distance, w->size, all->stretch, reach, NULL, &own);
+    struct edge_response window_response = {0};
+    struct edge_fit window_fit;
+    edge_response_add(w->grey, w->smooth, w->distance, w->size, all->stretch, reach, NULL,
+                      &window_response);
     for (size_t b = 0; b < EDGE_BINS; b++) {
-      scanner->response.sum[b] += own.sum[b];
-      scanner->response.count[b] += own.count[b];
+      scanner->response.sum[b] += window_response.sum[b];
+      scanner->response.count[b] += window_response.count[b];
     }
-    if (!edge_fit_find(&own, reach, NAN, &mine)) continue;
-    sum += edge_fit_blur(&mine);
-    square += edge_fit_blur(&mine) * edge_fit_blur(&mine);
+    if (!edge_fit_find(&window_response, reach, NAN, &window_fit)) continue;
+    sum += edge_fit_blur(&window_fit);
+    square += edge_fit_blur(&window_fit) * edge_fit_blur(&window_fit);
     n += 1.0;
   }
   if (!edge_fit_find(&scanner->response, reach, NAN, fit)) return false;
-  const double mean = sum / fmax(n, 1.0), own = edge_fit_blur(fit);
+  const double mean = sum / fmax(n, 1.0), blur = edge_fit_blur(fit);
   const double scatter = n > 1.0 ? sqrt(fmax(square / n - mean * mean, 0.0) / (n - 1.0)) : 0.0;
-  scanner->blur = own * all->unit;
-  /* Few windows say little of their scatter: a twentieth at least. */
-  scanner->blur_error = fmax(scatter, (n < WINDOWS_LEAST ? 0.1 : 0.05) * own) * all->unit;
+  scanner->blur = blur * all->unit;
+  /* Few windows tell their scatter poorly: it is taken as at least a twentieth of the blur, or a
+   * tenth with fewer than WINDOWS_FOR_SCATTER windows. */
+  scanner->blur_error = fmax(scatter, (n < WINDOWS_FOR_SCATTER ? 0.1 : 0.05) * blur) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   return true;
 }
 
-/* Greys further from a phase's own are minerals, in contrasts. */
-static double farthest(double noise_ratio) {
+/* Distance from the grey of a phase, in contrasts, beyond which a voxel is a mineral of its own. */
+static double mineral_distance(double noise_ratio) {
   return fmax(0.5, 4.5 / noise_ratio);
 }
 
-/* Of voxels deep in one phase, as deep as leaves enough of them. */
+/* Noise sums over voxels deep inside one phase. The required depth, in standard deviations of the
+ * fit, is lowered until there are enough pairs. `end`: the grey at which the scan is clipped on
+ * that side. */
 static struct noise_sums sum_noise(const struct windows *all, double noise_ratio,
                                    const struct edge_fit *fit, bool grain, double end) {
   struct noise_sums sums = {0};
-  for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < PAIRS; depth -= 0.5) {
+  for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < NOISE_PAIRS; depth -= 0.5) {
     sums = (struct noise_sums){.end = end};
     for (size_t i = 0; i < all->count; i++)
       noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
                 fmax(depth * fit->deviation, 1.5), grain ? -1.0 : 1.0,
-                grain ? fit->grain : fit->pore, farthest(noise_ratio), &sums);
+                grain ? fit->grain : fit->pore, mineral_distance(noise_ratio), &sums);
   }
   return sums;
 }
 
-/* Of the axes, m; NAN where there are no pairs. */
+/* Correlation length of the noise, averaged over the axes, in m; NAN if there are no pairs. */
 static double mean_length(const struct noise_sums *sums, const double voxel[3]) {
   double length = 0.0, axes = 0.0;
   for (int a = 0; a < 3; a++) {
@@ -94,80 +110,86 @@ static double mean_length(const struct noise_sums *sums, const double voxel[3]) 
   return axes > 0.0 ? length / axes : NAN;
 }
 
-/* Whether grains show less noise than pores, beyond chance: the ratio of their deviations, and
- * their lengths in voxels. */
-static bool has_less(const struct noise_sums *grain, double grain_length,
-                     const struct noise_sums *pore, double pore_length, double ratio) {
+/* Whether the grains have significantly less noise than the pores. `ratio`: standard deviation in
+ * the grains over that in the pores; lengths: correlation lengths in voxels. */
+static bool has_less_noise(const struct noise_sums *grain, double grain_length,
+                           const struct noise_sums *pore, double pore_length, double ratio) {
   const double chance =
       hypot(noise_deviation_error(grain, grain_length), noise_deviation_error(pore, pore_length));
-  return grain->apart_pairs >= PAIRS && ratio < LESS &&
-         (chance < KNOWN || 1.0 - ratio > SURE * chance);
+  return grain->apart_pairs >= NOISE_PAIRS && ratio < NOISE_RATIO_LESS &&
+         (chance < NOISE_ERROR_SMALL || 1.0 - ratio > NOISE_STANDARD_ERRORS * chance);
 }
 
-/* As it is seen in `scanner`, for scans made up that are to look alike; over what it was before the
- * scan was cut off is returned. Seen in pores; but fines that the blur hides there look like noise,
- * so that grains may have clearly less of it, texture and all. */
+/* Measures the noise as the scan shows it, after clipping, since simulated scans must resemble the
+ * scan. Returns the ratio of this noise to that before clipping. Noise is measured in the pores.
+ * But fines that the blur hides there look like noise; where the grains, texture included, have
+ * significantly less, their noise is taken. */
 static double measure_noise(struct windows *all, double noise_ratio, const struct edge_fit *fit,
                             struct scanner *scanner) {
   const double contrast = all->grain - all->pore, *voxel = all->region->voxel;
   double ends[2];
-  windows_find_ends(all, ends);
+  windows_find_clipping(all, ends);
   windows_bound_depth(all);
-  struct noise_sums sums = sum_noise(all, noise_ratio, fit, false, ends[0]);
+  struct noise_sums pore = sum_noise(all, noise_ratio, fit, false, ends[0]);
   const struct noise_sums grain = sum_noise(all, noise_ratio, fit, true, ends[1]);
-  if (sums.count < FEW) sums = grain;
-  const double length = mean_length(&sums, voxel), grain_length = mean_length(&grain, voxel);
-  const double left = noise_left(&sums);
-  const double seen = noise_deviation(&sums), other = noise_deviation(&grain);
-  const bool less = has_less(&grain, grain_length / all->unit, &sums, length / all->unit,
-                             other / noise_left(&grain) * left / seen);
-  scanner->noise = contrast * (less ? other / noise_left(&grain) * left : seen);
-  scanner->noise_correlation = less ? fmin(length, grain_length) : length;
+  if (pore.count < NOISE_VOXELS) pore = grain; /* too few voxels in pores */
+  const double pore_length = mean_length(&pore, voxel), grain_length = mean_length(&grain, voxel);
+  const double kept = noise_clipping_ratio(&pore);
+  const double pore_noise = noise_deviation(&pore), grain_noise = noise_deviation(&grain);
+  const bool less = has_less_noise(&grain, grain_length / all->unit, &pore, pore_length / all->unit,
+                                   grain_noise / noise_clipping_ratio(&grain) * kept / pore_noise);
+  scanner->noise =
+      contrast * (less ? grain_noise / noise_clipping_ratio(&grain) * kept : pore_noise);
+  scanner->noise_correlation = less ? fmin(pore_length, grain_length) : pore_length;
   scanner->contrast_to_noise = (fit->grain - fit->pore) * contrast / scanner->noise;
-  return left;
+  return kept;
 }
 
-/* Neighbours, curvature and surfaces that noise has moved bend the response. How much is seen on a
- * scan made up of `grains`, whose scanner is known: the one sought gives there what the scan gave
- * (indirect inference, Gourieroux, Monfort and Renault 1993). `fit` gets nearer to it. */
+/* Corrects `fit` for the bias of the edge response by neighbouring surfaces, curvature and surfaces
+ * displaced by noise. The bias is measured on a scan simulated from `grains`, whose scanner is
+ * known: the estimate sought is the one with which the simulated scan gives the fit `seen` on the
+ * real one (indirect inference, Gourieroux, Monfort and Renault 1993). Each of `times` rounds
+ * brings `fit` closer. */
 static enum status correct_fit(const struct windows *grains, const struct edge_fit *seen,
                                const struct fringe_request *scan, int times, struct edge_fit *fit) {
   enum status status = STATUS_OK;
-  struct windows made = {0};
-  for (int again = 0; again < times && scan->length >= 0.0; again++) {
-    struct scanner its_scanner = {0};
-    struct edge_fit its;
+  struct windows simulated = {0};
+  for (int round = 0; round < times && scan->length >= 0.0; round++) {
+    struct scanner simulated_scanner = {0};
+    struct edge_fit simulated_fit;
     const double blur = edge_fit_blur(fit), fringe = fmax(fit->fringe, 0.0);
-    TRY(windows_make_up(grains, blur, fringe, scan->noise, scan->length, &made));
-    TRY(windows_find_surfaces(&made, scan->contrast_to_noise,
+    TRY(windows_simulate(grains, blur, fringe, scan->noise, scan->length, &simulated));
+    TRY(windows_find_surfaces(&simulated, scan->contrast_to_noise,
                               edge_response_limit(scan->reach, grains->stretch)));
-    if (!fit_windows(&made, scan->reach, &its_scanner, &its) || !(its.grain - its.pore > 0.3))
+    if (!fit_windows(&simulated, scan->reach, &simulated_scanner, &simulated_fit) ||
+        !(simulated_fit.grain - simulated_fit.pore > 0.3))
       break;
-    windows_end(&made);
-    fit->deviation = edge_fit_deviation(blur * edge_fit_blur(seen) / edge_fit_blur(&its));
-    fit->fringe = fmax(fringe + seen->fringe - its.fringe, 0.0);
-    const double contrast = (seen->grain - seen->pore) / (its.grain - its.pore);
-    fit->pore = seen->pore - contrast * its.pore;
+    windows_end(&simulated);
+    fit->deviation = edge_fit_deviation(blur * edge_fit_blur(seen) / edge_fit_blur(&simulated_fit));
+    fit->fringe = fmax(fringe + seen->fringe - simulated_fit.fringe, 0.0);
+    const double contrast = (seen->grain - seen->pore) / (simulated_fit.grain - simulated_fit.pore);
+    fit->pore = seen->pore - contrast * simulated_fit.pore;
     fit->grain = fit->pore + contrast;
   }
 cleanup:
-  windows_end(&made);
+  windows_end(&simulated);
   return status;
 }
 
-static void take_fit(const struct windows *all, const struct edge_fit *fit,
-                     struct scanner *scanner) {
+static void apply_fit(const struct windows *all, const struct edge_fit *fit,
+                      struct scanner *scanner) {
   scanner->blur = edge_fit_blur(fit) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   scanner->pore = all->pore + fit->pore * (all->grain - all->pore);
   scanner->grain = all->pore + fit->grain * (all->grain - all->pore);
 }
 
-/* What `scanner` and `fit`, as seen, are of. A scan made up of grains as a blur of a voxel and more
- * shows them would be blurred twice: they are restored with a first guess of it where they are
- * `deep`. */
-static enum status find_fit(const struct windows *all, bool deep, double contrast_to_noise,
-                            double reach, struct scanner *scanner, struct edge_fit *fit) {
+/* Corrects `scanner` and `fit`, which hold the uncorrected edge fit, by indirect inference
+ * (correct_fit). Under a blur of a voxel or more, grains taken from the scan as it is would be
+ * blurred twice in the simulation; where a phase is `deep` they are therefore restored first, with
+ * a first estimate of the blur. */
+static enum status correct_scanner(const struct windows *all, bool deep, double contrast_to_noise,
+                                   double reach, struct scanner *scanner, struct edge_fit *fit) {
   enum status status = STATUS_OK;
   const struct edge_fit seen = *fit;
   const struct fringe_request scan = {.contrast_to_noise = contrast_to_noise,
@@ -176,15 +198,15 @@ static enum status find_fit(const struct windows *all, bool deep, double contras
                                       .length = scanner->noise_correlation / all->unit};
   struct windows grains = {0};
   TRY(correct_fit(all, &seen, &scan, CORRECTIONS_FIRST, fit));
-  take_fit(all, fit, scanner);
+  apply_fit(all, fit, scanner);
   const bool as_seen = !deep || scanner->blur < all->unit;
-  const struct windows *its = as_seen ? all : &grains;
+  const struct windows *used = as_seen ? all : &grains;
   if (!as_seen) TRY(grain_windows(all, scanner, &grains));
-  TRY(correct_fit(its, &seen, &scan, CORRECTIONS, fit));
-  if (fit->fringe < FAINT && scan.length >= 0.0)
-    TRY(fringe_find(its, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
+  TRY(correct_fit(used, &seen, &scan, CORRECTIONS_RESTORED, fit));
+  if (fit->fringe < FRINGE_DETECTABLE && scan.length >= 0.0)
+    TRY(fringe_find(used, &scanner->response, &scan, edge_fit_blur(fit) / edge_fit_blur(&seen),
                     fit));
-  take_fit(all, fit, scanner);
+  apply_fit(all, fit, scanner);
   scanner->contrast_to_noise *= (fit->grain - fit->pore) / (seen.grain - seen.pore);
   scanner->blur_error =
       hypot(scanner->blur_error, 0.5 * (edge_fit_blur(fit) - edge_fit_blur(&seen)) * all->unit);
@@ -205,16 +227,17 @@ static double resolution_of(const struct edge_fit *fit) {
   return 1.0 / high;
 }
 
-/* Voxels of a phase, by the sign of their distances, and those of them deeper in it than `depth`:
- * how many, and of those that are no minerals, one grain of which would move a mean by a tenth of
- * the contrast, mean and standard deviation of the greys, of the region. */
+/* Statistics of the greys of one phase, told by the sign of the distances: `count` voxels, `deep`
+ * of them deeper than `depth`, and `common` of those that are no minerals of their own (one grain
+ * of such a mineral would move the mean by a tenth of the contrast), with the mean and standard
+ * deviation of their greys in the units of the region. */
 struct phase_greys {
   double count, deep, common, mean, deviation;
 };
 static struct phase_greys greys_within(const struct windows *all, const struct survey *survey,
                                        double sign, double depth) {
-  const double contrast = all->grain - all->pore, own = sign > 0.0 ? 0.0 : 1.0;
-  const double most = farthest(survey->phases.contrast_to_noise);
+  const double contrast = all->grain - all->pore, level = sign > 0.0 ? 0.0 : 1.0;
+  const double most = mineral_distance(survey->phases.contrast_to_noise);
   double count = 0.0, deep = 0.0, n = 0.0, sum = 0.0, square = 0.0;
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
@@ -223,7 +246,7 @@ static struct phase_greys greys_within(const struct windows *all, const struct s
       count += 1.0;
       if (!(sign * (double)w->distance[v] > depth)) continue;
       deep += 1.0;
-      if (fabs((double)w->grey[v] - own) > most) continue;
+      if (fabs((double)w->grey[v] - level) > most) continue;
       n += 1.0;
       sum += (double)w->grey[v];
       square += (double)w->grey[v] * (double)w->grey[v];
@@ -234,19 +257,20 @@ static struct phase_greys greys_within(const struct windows *all, const struct s
                               contrast * sqrt(fmax(square / fmax(n, 1.0) - mean * mean, 0.0))};
 }
 
-/* Grains' distances are below 0. */
+/* Sign of the distances in the phase with the smaller volume: 1 for pores, -1 for grains. */
 static double sign_of_lesser(const struct survey *survey) {
   return survey->porosity < 0.5 ? 1.0 : -1.0;
 }
 
-/* Whether the lesser phase is deep enough in places to show its own grey. */
-static bool shows_grey(const struct windows *all, const struct survey *survey) {
-  const struct phase_greys lesser = greys_within(all, survey, sign_of_lesser(survey), DEPTH_SEEN);
-  return lesser.deep > DEEP * lesser.count;
+/* Whether the phase of smaller volume is deep enough in places to show its own grey. */
+static bool shows_own_grey(const struct windows *all, const struct survey *survey) {
+  const struct phase_greys lesser =
+      greys_within(all, survey, sign_of_lesser(survey), DEPTH_OWN_GREY);
+  return lesser.deep > DEEP_FRACTION * lesser.count;
 }
 
-/* Of the region: over the windows, or over the slices that the survey has looked at where these are
- * more; few slices of a small scan may all lie where grains are few. */
+/* Mean grey of the region, over the windows or over the slices of the survey, whichever hold more
+ * voxels: in a small scan, few slices may all lie where grains are few. */
 static double mean_grey(const struct windows *all, const struct survey *survey) {
   double sum = 0.0, n = 0.0;
   for (size_t i = 0; i < all->count; i++) {
@@ -259,64 +283,67 @@ static double mean_grey(const struct windows *all, const struct survey *survey) 
   return all->pore + (all->grain - all->pore) * sum / n;
 }
 
-/* Where each surface has another one near, but edges show a fringe all the same, the greater phase
- * is deep and the void ratio known: that phase's grey, and the other one's by the mean. */
-static void take_levels(const struct windows *all, const struct survey *survey,
-                        const struct edge_fit *fit, struct scanner *scanner) {
+/* Sets the greys of both phases where each surface has another one near: the phase of larger
+ * volume, if deep enough, by its own mean, the other one by the mean grey and the known void ratio.
+ * Used where the edges show a clear fringe all the same. */
+static void set_levels_by_mean(const struct windows *all, const struct survey *survey,
+                               const struct edge_fit *fit, struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
-  const double depth = fmin(fmax(3.0 * fit->deviation, DEPTH_SEEN), EDGE_REACH);
+  const double depth = fmin(fmax(3.0 * fit->deviation, DEPTH_OWN_GREY), EDGE_REACH);
   const struct phase_greys greater = greys_within(all, survey, -sign, depth);
   const double contrast =
       survey_contrast_by_mean(survey, mean_grey(all, survey), greater.mean, greater.mean);
-  scanner->levels = greater.common > ENOUGH && contrast > 0.0;
+  scanner->levels = greater.common > VOXELS_FOR_MEAN && contrast > 0.0;
   if (!scanner->levels) return;
   scanner->pore = sign > 0.0 ? greater.mean - contrast : greater.mean;
   scanner->grain = scanner->pore + contrast;
   scanner->contrast_to_noise = contrast / scanner->noise;
 }
 
-/* Greys of the region. A phase too narrow to show its own has that which the mean says, and the
- * blur is the less certain. False where the response showed less than half of that contrast: it is
- * not that of a surface. */
+/* Sets the greys of both phases. A phase too narrow to show its own grey gets that which follows
+ * from the mean grey, and the blur is then less certain. False where the edge response showed less
+ * than half of the resulting contrast: it is then not that of a surface. */
 static bool find_levels(const struct windows *all, const struct survey *survey,
                         const struct edge_fit *fit, struct scanner *scanner) {
-  const double sign = sign_of_lesser(survey), depth = fmax(3.0 * fit->deviation, DEPTH_SEEN);
-  const struct phase_greys lesser = greys_within(all, survey, sign, DEPTH_SEEN);
+  const double sign = sign_of_lesser(survey), depth = fmax(3.0 * fit->deviation, DEPTH_OWN_GREY);
+  const struct phase_greys lesser = greys_within(all, survey, sign, DEPTH_OWN_GREY);
   const struct phase_greys greater = greys_within(all, survey, -sign, fmin(depth, EDGE_REACH));
   double pore = scanner->pore, grain = scanner->grain;
-  const double seen = sign > 0.0 ? survey->phases.grain_peak : survey->phases.pore_peak;
-  *(sign > 0.0 ? &grain : &pore) = greater.common > ENOUGH ? greater.mean : seen;
-  const bool other = survey_levels_by_mean(survey, &pore, &grain);
+  const double peak = sign > 0.0 ? survey->phases.grain_peak : survey->phases.pore_peak;
+  *(sign > 0.0 ? &grain : &pore) = greater.common > VOXELS_FOR_MEAN ? greater.mean : peak;
+  const bool by_mean = survey_levels_by_mean(survey, &pore, &grain);
   const double contrast = grain - pore;
-  if (other && scanner->grain - scanner->pore < 0.5 * contrast) return false;
-  /* A wide blur that few surfaces tell was read where others are near, too. */
-  const bool near = scanner->blur_error >= UNSEEN * scanner->blur &&
-                    scanner->blur > narrow_scanner_widest() * all->unit;
-  scanner->narrow = near || lesser.deep < NOWHERE * lesser.count;
-  if (scanner->narrow) scanner->blur_error = fmax(scanner->blur_error, UNSEEN * scanner->blur);
-  if (!other || lesser.deep > DEEP * lesser.count) return true;
+  if (by_mean && scanner->grain - scanner->pore < 0.5 * contrast) return false;
+  /* A wide and uncertain blur was fitted to surfaces with near neighbours, too. */
+  const bool wide_and_uncertain = scanner->blur_error >= NARROW_BLUR_ERROR * scanner->blur &&
+                                  scanner->blur > narrow_scanner_widest() * all->unit;
+  scanner->narrow = wide_and_uncertain || lesser.deep < DEEP_FRACTION_NARROW * lesser.count;
+  if (scanner->narrow)
+    scanner->blur_error = fmax(scanner->blur_error, NARROW_BLUR_ERROR * scanner->blur);
+  if (!by_mean || lesser.deep > DEEP_FRACTION * lesser.count) return true;
   scanner->pore = pore;
   scanner->grain = grain;
   scanner->contrast_to_noise = contrast / scanner->noise;
   return true;
 }
 
-/* No surface stands alone, as pores are narrow: the grey of the grains where they are deep, of the
- * pores by the mean, and a blur of MODEL_BLUR_ASSUMED voxels; or the other way round. Where the
- * mean says no other greys than the peaks they are to begin with only. Nothing where hardly any
- * grey is between the two: no blur has made that image. */
+/* Assumes a blur of MODEL_BLUR_ASSUMED voxels where no surface is free of neighbours, because pores
+ * (or grains) are narrow. The grey of the wider phase is its mean where it is deep; that of the
+ * other one follows from the mean grey. Where the mean gives no levels, the peaks of the histogram
+ * serve as starting values only. Does nothing where hardly any grey lies between the two: such an
+ * image is not blurred. */
 static void assume_scanner(const struct windows *all, const struct survey *survey,
                            struct scanner *scanner) {
   const double sign = sign_of_lesser(survey);
-  if (all->region->size[2] < SLICES) return;
-  const struct phase_greys greater = greys_within(all, survey, -sign, DEPTH_SEEN);
-  const bool deep = greater.common > ENOUGH && greater.deviation > 0.0;
+  if (all->region->size[2] < SLICES_MINIMUM) return;
+  const struct phase_greys greater = greys_within(all, survey, -sign, DEPTH_OWN_GREY);
+  const bool deep = greater.common > VOXELS_FOR_MEAN && greater.deviation > 0.0;
   const double noise = deep ? greater.deviation : survey->phases.noise;
   double pore = survey->phases.pore_peak, grain = survey->phases.grain_peak;
   if (deep) *(sign > 0.0 ? &grain : &pore) = greater.mean;
   const bool by_mean = survey_levels_by_mean(survey, &pore, &grain);
-  const double less = fmin(survey->porosity, 1.0 - survey->porosity);
-  if (survey_between(survey, pore, grain) < SOFT * less) return;
+  const double lesser_fraction = fmin(survey->porosity, 1.0 - survey->porosity);
+  if (survey_between(survey, pore, grain) < BLURRED_FRACTION * lesser_fraction) return;
   const struct edge_fit fit = {.deviation = edge_fit_deviation(MODEL_BLUR_ASSUMED)};
   *scanner = (struct scanner){.assumed = by_mean,
                               .narrow = true,
@@ -349,36 +376,39 @@ enum status scanner_measure(const struct region *region, const struct survey *su
   if (!(phases->contrast_to_noise > 0.0)) return STATUS_OK;
   TRY(windows_read(region, phases, &all));
   TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
-  /* First over a middling reach, then over that of the blur found. */
+  /* First with a medium range, then with the range that suits the blur found. */
   double reach = 5.0;
   bool found = fit_windows(&all, reach, scanner, &fit);
   if (!found) found = fit_windows(&all, reach = 3.0, scanner, &fit);
-  for (int again = 0; found && again < 2; again++) {
-    const double wanted = fmin(fmax(REACH * fit.deviation, 3.5), EDGE_REACH);
-    struct scanner other = *scanner;
-    struct edge_fit its;
-    if (fabs(wanted / reach - 1.0) < 0.1 || !fit_windows(&all, wanted, &other, &its)) break;
-    *scanner = other;
-    fit = its;
+  for (int round = 0; found && round < 2; round++) {
+    const double wanted = fmin(fmax(REACH_IN_DEVIATIONS * fit.deviation, 3.5), EDGE_REACH);
+    struct scanner other_scanner = *scanner;
+    struct edge_fit other_fit;
+    if (fabs(wanted / reach - 1.0) < 0.1 || !fit_windows(&all, wanted, &other_scanner, &other_fit))
+      break;
+    *scanner = other_scanner;
+    fit = other_fit;
     reach = wanted;
   }
   if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
-  /* Peaks of noisy phases lie between their greys, and surfaces are where these say. */
-  const bool deep = shows_grey(&all, survey);
+  /* The peaks of noisy phases lie between their true greys. The fit gives better levels, and with
+   * them the surfaces are found anew. */
+  const bool deep = shows_own_grey(&all, survey);
   if (deep) {
-    windows_take_levels(&all, fit.pore, fit.grain);
+    windows_rescale(&all, fit.pore, fit.grain);
     TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
     if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
   }
   scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
-  const double left = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
+  const double noise_kept = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   const double seen_fringe = fit.fringe;
-  TRY(find_fit(&all, deep, phases->contrast_to_noise, reach, scanner, &fit));
-  scanner->noise /= left;
-  scanner->contrast_to_noise *= left;
+  TRY(correct_scanner(&all, deep, phases->contrast_to_noise, reach, scanner, &fit));
+  scanner->noise /= noise_kept;
+  scanner->contrast_to_noise *= noise_kept;
   if (!find_levels(&all, survey, &fit, scanner)) goto cleanup;
-  if (scanner->narrow && seen_fringe > CLEAR) take_levels(&all, survey, &fit, scanner);
+  if (scanner->narrow && seen_fringe > FRINGE_BY_NEIGHBOURS)
+    set_levels_by_mean(&all, survey, &fit, scanner);
   scanner->known = true;
   scanner->unit = all.unit;
   scanner->resolution = resolution_of(&fit) * all.unit;

@@ -1,4 +1,4 @@
-/* What the scanner did to the specimen, measured on windows of the scan itself. */
+/* Measures blur, fringe and noise of the scanner on windows of the scan itself. */
 #ifndef TOSUI_CT2MODEL_SCANNER_SCANNER_H
 #define TOSUI_CT2MODEL_SCANNER_SCANNER_H
 
@@ -8,7 +8,9 @@
 
 struct survey;
 
-/* `survey` says about where pore and grain lie, and what they are where both are narrow. */
+/* Fills `scanner`; `scanner->known` is false where it cannot be measured. `survey` gives a first
+ * estimate of the greys of pore and grain, and their greys by the mean where both phases are
+ * narrow. Lengths in m. */
 enum status scanner_measure(const struct region *region, const struct survey *survey,
                             struct scanner *scanner);
 

@@ -14,47 +14,56 @@
 #include "ct2model/scanner/windows.h"
 
 /* A Monte Carlo test (Barnard 1963, J. R. Stat. Soc. B 25: 294). A piece of the scan is restored
- * twice, with a lower and a higher cost of surface; so is a scan made up of the smoother of the
- * two, with the scanner's blur and noise. What the higher cost takes away is noise there, and
- * nothing else. If it is as much in the scan, the scan has no relief either that the higher cost
- * would take. The third moment is compared: edges, corners and contacts of grains are few, but lose
- * more than noise does anywhere.
+ * twice, with a lower and a higher cost of surface. The same is done with a scan simulated from the
+ * smoother result, with the scanner's blur and noise. What the higher cost removes there is noise
+ * and nothing else. If it removes as much from the scan, the scan has no relief that the higher
+ * cost would remove either. The third moment of the removed share is compared: edges, corners and
+ * contacts of grains are few, but lose more than noise does anywhere.
  *
- * Smooth walls: the usual cost against that of smooth walls. Of sands the ratio is 1.1 to 1.9, of
- * bodies with smooth walls .76 to 1.18 (docs/notes/2026-11-28-surface-cost.md). */
-static const double SMOOTH = 1.11, ROUGH = 1.18;
-/* Fine relief: a quarter of the usual cost against that. Noise may have been measured 10 to 20 %
- * low, or 10 % high where fines add to it, and what it does grows faster than it: so the noise made
- * up is the one that leaves as much unexplained as the scan does. */
-static const double LESS = 0.25;
-static const double NONE = 2.0; /* from here on the scanner is another one than was found */
-/* Octaves by which the cost of surface changes for one of the cost of the least risk
- * (least_risk.h), and for a ratio of fine relief of 2: so k of 102 generated sands is off by the
- * least (docs/notes/2026-11-28-surface-cost.md). Up to NOTHING it may be chance, from SOMETHING on
- * all of it counts. */
-static const double BY_RISK = 0.66, BY_RELIEF = 2.44, NOTHING = 0.2, SOMETHING = 0.4;
-/* Under a blur of SHARP voxels relief shows, under one of WIDE corners look like it, and so much
- * less of it counts (ibid.). */
-static const double SHARP = 2.2, WIDE = 2.8, FEWER = 0.67;
-/* Noise that is correlated over as much as the blur, or a voxel, looks like relief: from a share of
- * ALIKE on neither is told. Nor is a scan made up with noise longer than that (restore_scanner). */
-static const double SHORTER = 0.6, ALIKE = 0.9;
-/* From the finest relief, a quarter of the usual cost, to smooth walls. Under contrasts of NOISY
- * times the noise and less a cost under LEAST lets noise in; from CLEAR on there is little. */
-static const double FINEST = -2.0, SMOOTHEST = 3.0, LEAST = -1.5, NOISY = 7.0, CLEAR = 9.0;
-/* Voxels a side: walls enough, restored six times in a second. */
-enum { PIECE = 64 };
-static const double FAR = 0.5; /* voxels: shares of grain further from walls are 0 and 1 */
+ * Smooth walls: the usual cost is compared with that of smooth walls. The ratio of scan to
+ * simulation is 1.1 to 1.9 for sands and 0.76 to 1.18 for bodies with smooth walls
+ * (docs/notes/2026-11-28-surface-cost.md). */
+static const double RATIO_SMOOTH = 1.11, RATIO_ROUGH = 1.18;
+/* Fine relief: COST_FINE times the usual cost is compared with the usual one. The noise may have
+ * been measured 10 to 20 % too low, or 10 % too high where fines add to it, and the removed moment
+ * grows faster than the noise. So the simulated noise is adjusted until it leaves the same residual
+ * as the scan does. */
+static const double COST_FINE = 0.25;
+/* From this ratio on, the scanner must differ from the one that was measured. */
+static const double RATIO_IMPLAUSIBLE = 2.0;
+/* Change of the cost of surface, in octaves, per octave of the cost of least risk (least_risk.h),
+ * and for a ratio of fine relief of 2. With these values the error of k of 102 generated sands is
+ * smallest (docs/notes/2026-11-28-surface-cost.md). A change of up to OCTAVES_CHANCE may be chance;
+ * from OCTAVES_SIGNIFICANT on it is applied in full. */
+static const double OCTAVES_BY_RISK = 0.66, OCTAVES_BY_RELIEF = 2.44, OCTAVES_CHANCE = 0.2,
+                    OCTAVES_SIGNIFICANT = 0.4;
+/* With a blur of BLUR_SHARP voxels relief is visible; with one of BLUR_WIDE corners look like
+ * relief, and a reduction of the cost is itself reduced by this fraction (ibid.). */
+static const double BLUR_SHARP = 2.2, BLUR_WIDE = 2.8, REDUCTION_WIDE = 0.67;
+/* Noise with a correlation length like the blur, or a voxel, looks like relief: from LENGTH_LONG
+ * times that on neither can be told. Simulated noise is not longer than that either
+ * (restore_scanner). */
+static const double LENGTH_SHORT = 0.6, LENGTH_LONG = 0.9;
+/* Range of the octaves: from the finest relief, a quarter of the usual cost, to smooth walls. At
+ * contrasts of up to CONTRAST_NOISY times the noise, costs under OCTAVES_NOISY let noise through;
+ * from CONTRAST_CLEAR on there is little noise. */
+static const double OCTAVES_FINEST = -2.0, OCTAVES_SMOOTH = 3.0, OCTAVES_NOISY = -1.5,
+                    CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
+/* Side of the piece, in voxels: enough walls, and restored six times within a second. */
+enum { SIDE = 64 };
+/* Distance from walls, in voxels, beyond which shares of grain are 0 or 1. */
+static const double WALL_RANGE = 0.5;
 
-/* What a higher cost of surface did, summed over voxels: the third power of what it took, and the
- * square of what it leaves unexplained. */
-struct taken {
-  double cube, left;
+/* What a higher cost of surface removes, summed over voxels: the cubes of the removed shares of
+ * grain, and the squares of the residual of the scan. */
+struct removal {
+  double cube, residual;
 };
 
-/* Where `lower` is NULL only what is left, and with half the work. */
-static enum status add_taken(const struct window *piece, const double surface[2],
-                             struct deblur *deblur, float *lower, struct taken *taken) {
+/* Restores the piece with the two costs surface[] and adds up what the higher one removes. If
+ * `lower` is NULL only the residual is computed, with half the work. */
+static enum status add_removal(const struct window *piece, const double surface[2],
+                               struct deblur *deblur, float *lower, struct removal *removal) {
   enum status status = STATUS_OK;
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
   for (int higher = lower != NULL ? 0 : 1; higher < 2; higher++) {
@@ -65,24 +74,24 @@ static enum status add_taken(const struct window *piece, const double surface[2]
     if (lower != NULL && !higher) memcpy(lower, deblur->share, n * sizeof *lower);
   }
   for (size_t i = 0; lower != NULL && i < n; i++)
-    taken->cube += pow(fabs((double)lower[i] - (double)deblur->share[i]), 3.0);
-  taken->left += deblur_misfit(deblur, piece->grey);
+    removal->cube += pow(fabs((double)lower[i] - (double)deblur->share[i]), 3.0);
+  removal->residual += deblur_misfit(deblur, piece->grey);
 cleanup:
   return status;
 }
 
-/* What the higher of two costs does to the piece, and the contrast of its grains over that of all.
- * Its distances become those to the walls that are left. */
-static enum status look_at_scan(struct windows *scan, const double surface[2],
-                                struct deblur *deblur, float *lower, struct taken *seen,
+/* Measures what the higher of two costs removes from the piece, and the contrast of its grains over
+ * that of the whole scan. The distances of the piece become those to the restored walls. */
+static enum status measure_scan(struct windows *scan, const double surface[2],
+                                struct deblur *deblur, float *lower, struct removal *seen,
                                 double *contrast) {
   enum status status = STATUS_OK;
   struct window *piece = &scan->window[0];
   const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
   double grain = 0.0, shares = 0.0;
-  *seen = (struct taken){0};
-  TRY(add_taken(piece, surface, deblur, lower, seen));
-  TRY(edge_distances(deblur->share, piece->size, scan->stretch, FAR, piece->distance));
+  *seen = (struct removal){0};
+  TRY(add_removal(piece, surface, deblur, lower, seen));
+  TRY(edge_distances(deblur->share, piece->size, scan->stretch, WALL_RANGE, piece->distance));
   for (size_t i = 0; i < n; i++) {
     grain += (double)deblur->share[i] * (double)deblur->grain[i];
     shares += (double)deblur->share[i];
@@ -92,55 +101,58 @@ cleanup:
   return status;
 }
 
-/* What was seen over what is expected: what the higher cost does to a scan made up of the grains
- * that look_at_scan left, with that noise over the contrast. */
+/* Ratio of what was removed from the scan (`seen`) to what is removed from a scan simulated from
+ * the grains that measure_scan left, with the given noise (over the contrast). */
 static enum status compare(const struct windows *scan, const struct scanner *scanner, double noise,
-                           const double surface[2], const struct taken *seen, struct deblur *deblur,
-                           float *lower, struct taken *ratio) {
+                           const double surface[2], const struct removal *seen,
+                           struct deblur *deblur, float *lower, struct removal *ratio) {
   enum status status = STATUS_OK;
-  struct windows made = {0};
-  struct taken expected = {0};
+  struct windows simulated = {0};
+  struct removal expected = {0};
   const double length = fmin(scanner->noise_correlation / scan->unit, deblur->scanner.correlation);
-  /* The noise and its negative: what it does to second order stays. */
+  /* With the noise and its negative, effects to second order remain. */
   for (int sign = -1; sign <= 1; sign += 2) {
-    TRY(windows_make_up(scan, scanner->blur / scan->unit, scanner->fringe, sign * noise, length,
-                        &made));
-    TRY(add_taken(&made.window[0], surface, deblur, lower, &expected));
-    windows_end(&made);
+    TRY(windows_simulate(scan, scanner->blur / scan->unit, scanner->fringe, sign * noise, length,
+                         &simulated));
+    TRY(add_removal(&simulated.window[0], surface, deblur, lower, &expected));
+    windows_end(&simulated);
   }
-  *ratio = (struct taken){2.0 * seen->cube / expected.cube, 2.0 * seen->left / expected.left};
+  *ratio =
+      (struct removal){2.0 * seen->cube / expected.cube, 2.0 * seen->residual / expected.residual};
 cleanup:
-  windows_end(&made);
+  windows_end(&simulated);
   return status;
 }
 
-/* Octaves of the usual cost of surface that walls with relief are given. */
+/* Change of the cost of surface, in octaves of the usual cost, for walls with relief. */
 static enum status find_octaves(const struct region *region, const struct scanner *scanner,
                                 struct windows *scan, struct deblur *deblur, float *lower,
                                 double *octaves) {
   enum status status = STATUS_OK;
-  const double fine[2] = {LESS, 1.0};
-  struct taken seen, ratio;
+  const double fine[2] = {COST_FINE, 1.0};
+  struct removal seen, ratio;
   double contrast, least_risk;
   restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
-  TRY(look_at_scan(scan, fine, deblur, lower, &seen, &contrast));
+  TRY(measure_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
-  TRY(compare(scan, scanner, noise * sqrt(ratio.left), fine, &seen, deblur, lower, &ratio));
+  TRY(compare(scan, scanner, noise * sqrt(ratio.residual), fine, &seen, deblur, lower, &ratio));
   TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
                       scanner->noise_correlation / scan->unit, deblur, &least_risk));
-  const double relief = ratio.cube < NONE ? ratio.cube - 1.0 : 0.0;
-  const double wanted = BY_RISK * log2(least_risk) - BY_RELIEF * relief;
-  const double wide = ramp(scanner->blur / scan->unit, SHARP, WIDE);
-  const double counts = wanted < 0.0 ? 1.0 - FEWER * wide : 1.0;
-  const double least = LEAST + (FINEST - LEAST) * ramp(scanner->contrast_to_noise, NOISY, CLEAR);
-  *octaves = fmax(counts * wanted * ramp(fabs(wanted), NOTHING, SOMETHING), least);
+  const double relief = ratio.cube < RATIO_IMPLAUSIBLE ? ratio.cube - 1.0 : 0.0;
+  const double wanted = OCTAVES_BY_RISK * log2(least_risk) - OCTAVES_BY_RELIEF * relief;
+  const double wide = ramp(scanner->blur / scan->unit, BLUR_SHARP, BLUR_WIDE);
+  const double counts = wanted < 0.0 ? 1.0 - REDUCTION_WIDE * wide : 1.0;
+  const double least =
+      OCTAVES_NOISY + (OCTAVES_FINEST - OCTAVES_NOISY) *
+                          ramp(scanner->contrast_to_noise, CONTRAST_NOISY, CONTRAST_CLEAR);
+  *octaves = fmax(counts * wanted * ramp(fabs(wanted), OCTAVES_CHANCE, OCTAVES_SIGNIFICANT), least);
 cleanup:
   return status;
 }
 
-/* How far the walls that `deblur` has left are those of grains that touch (porod.h), and no tubes,
- * fibres or beads. */
+/* Weight from 0 to 1 that the walls restored by `deblur` are those of grains in contact (porod.h),
+ * and not of tubes, fibres or beads. */
 static enum status find_touching(const struct region *region, const struct deblur *deblur,
                                  double blur, double *touching) {
   enum status status = STATUS_OK;
@@ -156,7 +168,8 @@ static enum status find_touching(const struct region *region, const struct deblu
       faces += (piece.scan.levels[i] > 127) != (piece.scan.levels[i - 1] > 127) ? 1.0 : 0.0;
   }
   piece.void_ratio = (double)n / grain - 1.0;
-  /* A random line meets half of the surface in a unit of volume (Saltykov 1958). */
+  /* By stereology the surface per volume is twice the intersections per length of random lines
+   * (Saltykov 1958). */
   const double surface = 2.0 * faces / ((double)n * region->voxel[0]);
   TRY(porod_grains(&piece, blur, region->voxel, surface, touching));
 cleanup:
@@ -168,36 +181,36 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   enum status status = STATUS_OK;
   const struct grey_phases phases = {.pore_peak = scanner->pore, .grain_peak = scanner->grain};
   struct deblur deblur = {0};
-  struct scanner its = *scanner;
+  struct scanner smooth_scanner = *scanner;
   struct deblur_scanner work;
   struct windows scan = {0};
-  struct taken seen, ratio;
+  struct removal seen, ratio;
   float *lower = NULL;
   double contrast, touching, octaves = 0.0;
   scanner->smooth_walls = scanner->fine_relief = 0.0;
   if (!scanner->known || !isfinite(scanner->noise_correlation)) return STATUS_OK;
-  its.smooth_walls = 1.0;
-  restore_scanner(region, &its, scanner->blur, 1, &work);
+  smooth_scanner.smooth_walls = 1.0;
+  restore_scanner(region, &smooth_scanner, scanner->blur, 1, &work);
   if (!(work.surface > 1.0)) return STATUS_OK; /* noise too fine to be told from the voxels */
-  TRY(windows_read_middle(region, &phases, PIECE, &scan));
+  TRY(windows_read_middle(region, &phases, SIDE, &scan));
   const size_t *size = scan.window[0].size, n = size[0] * size[1] * size[2];
   TRY(memory_allocate(&lower, n, sizeof *lower, "a piece of the scan"));
   TRY(deblur_start(n, &work, &deblur));
-  deblur.rounds = DEBLUR_ROUNDS_COMPARED;
+  deblur.iterations = DEBLUR_ITERATIONS_COMPARED;
   const double smooth[2] = {1.0, work.surface};
-  TRY(look_at_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
+  TRY(measure_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   TRY(find_touching(region, &deblur, scanner->blur, &touching));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
-  const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -ROUGH, -SMOOTH);
+  const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -RATIO_ROUGH, -RATIO_SMOOTH);
   const double length = scanner->noise_correlation / fmax(scanner->blur, scanner->unit);
-  const double told = ramp(-length, -ALIKE, -SHORTER);
-  if (smooth_share < 1.0 && told > 0.0)
+  const double distinguishable = ramp(-length, -LENGTH_LONG, -LENGTH_SHORT);
+  if (smooth_share < 1.0 && distinguishable > 0.0)
     TRY(find_octaves(region, scanner, &scan, &deblur, lower, &octaves));
-  octaves *= told;
-  octaves += smooth_share * (SMOOTHEST - octaves);
-  scanner->smooth_walls = fmax(octaves / SMOOTHEST, 0.0);
-  scanner->fine_relief = fmax(octaves / FINEST, 0.0);
+  octaves *= distinguishable;
+  octaves += smooth_share * (OCTAVES_SMOOTH - octaves);
+  scanner->smooth_walls = fmax(octaves / OCTAVES_SMOOTH, 0.0);
+  scanner->fine_relief = fmax(octaves / OCTAVES_FINEST, 0.0);
 cleanup:
   memory_free(&lower);
   deblur_end(&deblur);

@@ -10,8 +10,11 @@
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/gaussian.h"
 
+/* Largest size of a window, in voxels along x and y and in slices. */
 enum { SIDE = 96, DEPTH = 40 };
-static const double CUT = 1e-3; /* of the voxels; fewer at the last grey are a few minerals */
+/* Fraction of the voxels at the outermost grey above which the scan is clipped there; fewer belong
+ * to a few mineral grains. */
+static const double CLIPPED_FRACTION = 1e-3;
 
 size_t window_voxels(const struct window *window) {
   return window->size[0] * window->size[1] * window->size[2];
@@ -65,7 +68,7 @@ static void windows_start(const struct region *region, const struct grey_phases 
   for (int d = 0; d < 3; d++) all->stretch[d] = region->voxel[d] / all->unit;
 }
 
-/* One more, whose place and size are set. */
+/* Reads one more window, whose position and size are set. */
 static enum status windows_add(struct windows *all) {
   enum status status = STATUS_OK;
   struct window *window = &all->window[all->count++];
@@ -91,7 +94,7 @@ enum status windows_read(const struct region *region, const struct grey_phases *
                          struct windows *all) {
   enum status status = STATUS_OK;
   windows_start(region, phases, all);
-  /* No more than would see all of the region twice. */
+  /* At most so many windows that their volume is twice that of the region. */
   double times = 1.0;
   for (int d = 0; d < 3; d++)
     times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? SIDE : DEPTH));
@@ -99,11 +102,11 @@ enum status windows_read(const struct region *region, const struct grey_phases *
   for (size_t i = 0; i < wanted; i++) {
     struct window *window = &all->window[all->count];
     const size_t last = wanted - 1, spread = i * (WINDOWS - 1) / (last > 0 ? last : 1);
-    const size_t part[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
+    const size_t place[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
     for (int d = 0; d < 3; d++) {
       const size_t most = d < 2 ? SIDE : DEPTH, whole = region->size[d];
       window->size[d] = whole < most ? whole : most;
-      window->first[d] = wanted > 1 ? (whole - window->size[d]) * part[d] / (WINDOWS - 1) : 0;
+      window->first[d] = wanted > 1 ? (whole - window->size[d]) * place[d] / (WINDOWS - 1) : 0;
       if (window->first[d] + window->size[d] > whole) window->first[d] = whole - window->size[d];
     }
     TRY(windows_add(all));
@@ -112,7 +115,7 @@ cleanup:
   return status;
 }
 
-void windows_take_levels(struct windows *all, double pore, double grain) {
+void windows_rescale(struct windows *all, double pore, double grain) {
   const double contrast = all->grain - all->pore;
   for (size_t i = 0; i < all->count; i++) {
     struct window *w = &all->window[i];
@@ -123,13 +126,15 @@ void windows_take_levels(struct windows *all, double pore, double grain) {
   all->pore += contrast * pore;
 }
 
-/* Smoothing that leaves noise of a tenth of the contrast, so that surfaces are found where they are
- * and not where noise is; noise correlated over 0.7 voxels is taken for granted. A voxel at least:
- * a distance from the voxel's own grey would know of its noise, and edges look sharper. */
+/* Standard deviation of the smoothing, in voxels, that reduces the noise to a tenth of the
+ * contrast, so that surfaces are found where they are and not where the noise puts them; the noise
+ * is assumed to be correlated over 0.7 voxels. At least one voxel: distances from unsmoothed greys
+ * would depend on the voxel's own noise, and edges would look sharper. */
 static double choose_smoothing(double noise_ratio) {
-  static const double TRIED[] = {1.0, 1.4, 2.0};
-  for (size_t i = 0; i + 1 < sizeof TRIED / sizeof *TRIED; i++)
-    if (pow(0.49 / (0.49 + TRIED[i] * TRIED[i]), 0.75) / noise_ratio < 0.1) return TRIED[i];
+  static const double SMOOTHING[] = {1.0, 1.4, 2.0};
+  for (size_t i = 0; i + 1 < sizeof SMOOTHING / sizeof *SMOOTHING; i++)
+    if (pow(0.49 / (0.49 + SMOOTHING[i] * SMOOTHING[i]), 0.75) / noise_ratio < 0.1)
+      return SMOOTHING[i];
   return 2.0;
 }
 
@@ -141,7 +146,7 @@ enum status windows_find_surfaces(struct windows *all, double contrast_to_noise,
   for (size_t i = 0; i < all->count; i++) {
     struct window *w = &all->window[i];
     gaussian_filter(w->grey, w->size, sigma, w->work, w->smooth);
-    if (w->size[2] < 2 || w->size[0] < 8 || w->size[1] < 8) { /* no volume to find surfaces in */
+    if (w->size[2] < 2 || w->size[0] < 8 || w->size[1] < 8) { /* too small to find surfaces in */
       for (size_t v = 0; v < window_voxels(w); v++) w->distance[v] = 0.0f;
       continue;
     }
@@ -151,8 +156,8 @@ cleanup:
   return status;
 }
 
-/* Beyond a window's sides there may be a surface: no voxel is known to lie deeper than the side is
- * far, within a quarter of the window. */
+/* There may be a surface just outside a window: within a quarter of the window from a side, depths
+ * are limited to the distance to that side. */
 static void bound_depth(const struct window *w, const double stretch[3]) {
   for (size_t i = 0; i < w->size[0] * w->size[1] * w->size[2]; i++) {
     const size_t at[3] = {i % w->size[0], i / w->size[0] % w->size[1], i / w->size[0] / w->size[1]};
@@ -169,11 +174,11 @@ void windows_bound_depth(struct windows *all) {
   for (size_t i = 0; i < all->count; i++) bound_depth(&all->window[i], all->stretch);
 }
 
-/* The darkest grey and the next, and how many voxels have them. */
-struct last_grey {
+/* The smallest grey and the next one, and the number of voxels of each. */
+struct end_grey {
   double grey, next, count, next_count;
 };
-static void last_grey_add(struct last_grey *last, double grey) {
+static void end_grey_add(struct end_grey *last, double grey) {
   if (grey < last->grey) {
     last->next = last->grey, last->next_count = last->count;
     last->grey = grey, last->count = 0.0;
@@ -184,22 +189,23 @@ static void last_grey_add(struct last_grey *last, double grey) {
   last->next_count += grey == last->next;
 }
 
-void windows_find_ends(const struct windows *all, double ends[2]) {
+void windows_find_clipping(const struct windows *all, double ends[2]) {
   for (int side = 0; side < 2; side++) {
     const double sign = side == 0 ? 1.0 : -1.0;
-    struct last_grey last = {INFINITY, INFINITY, 0.0, 0.0};
+    struct end_grey last = {INFINITY, INFINITY, 0.0, 0.0};
     double n = 0.0;
     for (size_t i = 0; i < all->count; i++) {
       const struct window *w = &all->window[i];
-      for (size_t v = 0; v < window_voxels(w); v++) last_grey_add(&last, sign * (double)w->grey[v]);
+      for (size_t v = 0; v < window_voxels(w); v++) end_grey_add(&last, sign * (double)w->grey[v]);
       n += (double)window_voxels(w);
     }
-    const bool cut = last.count > CUT * n && last.count > last.next_count;
+    const bool cut = last.count > CLIPPED_FRACTION * n && last.count > last.next_count;
     ends[side] = sign * (cut ? last.grey : -INFINITY);
   }
 }
 
-/* Nearly normal, of variance 1: four uniform numbers (Steele, Lea and Flood 2014, SplitMix64). */
+/* Nearly normal deviate of variance 1: the sum of four uniform numbers (Steele, Lea and Flood 2014,
+ * SplitMix64). */
 static float deviate(uint64_t n) {
   double sum = -2.0;
   for (uint64_t k = 1; k <= 4; k++) {
@@ -227,23 +233,23 @@ size_t windows_step(const struct windows *scan) {
   return scan->count > WINDOWS / 2 ? 2 : 1;
 }
 
-enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
-                            double length, struct windows *made) {
+enum status windows_simulate(const struct windows *scan, double blur, double fringe, double noise,
+                             double length, struct windows *simulated) {
   enum status status = STATUS_OK;
   double sigma[3], weight[3];
-  *made = *scan;
-  made->count = 0;
-  made->pore = 0.0;
-  made->grain = 1.0;
+  *simulated = *scan;
+  simulated->count = 0;
+  simulated->pore = 0.0;
+  simulated->grain = 1.0;
   for (int d = 0; d < 3; d++) {
     sigma[d] = blur / scan->stretch[d];
     weight[d] = fringe * sigma[d] * sigma[d];
   }
   for (size_t i = 0; i < scan->count; i += windows_step(scan)) {
     const float *distance = scan->window[i].distance;
-    struct window *w = &made->window[made->count];
+    struct window *w = &simulated->window[simulated->count];
     *w = scan->window[i];
-    made->count++;
+    simulated->count++;
     TRY(window_start(w));
     for (size_t v = 0; v < window_voxels(w); v++)
       w->smooth[v] = fminf(fmaxf(0.5F - distance[v], 0.0F), 1.0F);

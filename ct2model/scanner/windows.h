@@ -1,5 +1,5 @@
-/* Windows of a scan, in which its scanner is measured; and the same windows of a scan that is made
- * up, whose scanner is known. */
+/* Windows of a scan in which the properties of its scanner are measured; and the same windows of a
+ * simulated scan, whose scanner is known. */
 #ifndef TOSUI_CT2MODEL_SCANNER_WINDOWS_H
 #define TOSUI_CT2MODEL_SCANNER_WINDOWS_H
 
@@ -7,9 +7,12 @@
 
 struct grey_phases;
 
+/* Largest number of windows. */
 enum { WINDOWS = 6 };
 
-/* One window of the scan, greys 0 in the pore and 1 in the grain. */
+/* One window of the scan: its first voxel in the region and its size. Arrays [z][y][x]: grey, 0 in
+ * pores and 1 in grains; smoothed grey; signed distance to the surface, in shortest voxel edges,
+ * positive in pores; work space. */
 struct window {
   size_t first[3], size[3];
   float *grey, *smooth, *distance, *work;
@@ -17,36 +20,42 @@ struct window {
 
 struct windows {
   const struct region *region;
-  double stretch[3], unit, pore, grain;
+  double stretch[3];  /* voxel edges over the shortest one */
+  double unit;        /* m: the shortest voxel edge */
+  double pore, grain; /* greys of the region that are 0 and 1 in the windows */
   size_t count;
   struct window window[WINDOWS];
 };
 
 size_t window_voxels(const struct window *window);
-/* From corner to corner of the region. Free with windows_end, on failure too. */
+/* Reads up to WINDOWS windows, spread from corner to corner of the region. Free with windows_end,
+ * on failure too. */
 enum status windows_read(const struct region *region, const struct grey_phases *phases,
                          struct windows *windows);
 void windows_end(struct windows *windows);
-/* One window in the middle, of up to `side` voxels a side; likewise. */
+/* Reads one window in the middle of the region, of up to `side` voxels a side. Free with
+ * windows_end, on failure too. */
 enum status windows_read_middle(const struct region *region, const struct grey_phases *phases,
                                 size_t side, struct windows *windows);
-/* The greys that are `pore` and `grain` become 0 and 1. */
-void windows_take_levels(struct windows *windows, double pore, double grain);
-/* The greys smoothed as their noise asks for, and the distances to where they are 1/2, at most
- * `limit`. */
+/* Rescales the greys so that `pore` and `grain`, greys of the windows, become 0 and 1. */
+void windows_rescale(struct windows *windows, double pore, double grain);
+/* Smooths the greys as far as their noise requires, and finds the distances to the surface where
+ * they are 1/2, limited to `limit` (shortest voxel edges). */
 enum status windows_find_surfaces(struct windows *windows, double contrast_to_noise, double limit);
-/* The darkest and the brightest grey, where the scan is cut off there: noise beyond is seen as that
- * grey, and more voxels have it than the one next to it. Elsewhere infinite. */
-void windows_find_ends(const struct windows *windows, double ends[2]);
-/* No voxel is known to lie deeper than the window's side is far. */
+/* The darkest and the brightest grey if the scan is clipped there, that is if more voxels have it
+ * than the next grey; otherwise -infinity and
+ * infinity. */
+void windows_find_clipping(const struct windows *windows, double ends[2]);
+/* Limits depths to the distance to the side of the window, as there may be a surface beyond. */
 void windows_bound_depth(struct windows *windows);
-/* What is made up is every so many of the windows, three at most. */
+/* Simulations use every windows_step()th window, three at most. */
 size_t windows_step(const struct windows *scan);
-/* Those windows with the grains of `scan`, as its distances show them (a voxel's share
- * of grain is 1/2 less its distance, within 0 and 1), under a scanner of that blur, noise and
- * length of the noise's correlation (voxels, of the contrast, voxels). The same noise at every
- * call, its negative where `noise` is below 0. Free with windows_end, on failure too. */
-enum status windows_make_up(const struct windows *scan, double blur, double fringe, double noise,
-                            double length, struct windows *made);
+/* Simulates these windows: the grains of `scan`, as its distances show them (the share of grain in
+ * a voxel is 1/2 minus its distance, limited to 0 and 1), imaged by a scanner with the given blur
+ * (voxels), fringe, noise (standard deviation over the contrast) and correlation length of the
+ * noise (voxels). The noise is the same at every call, and its negative if `noise` is negative.
+ * Free with windows_end, on failure too. */
+enum status windows_simulate(const struct windows *scan, double blur, double fringe, double noise,
+                             double length, struct windows *made);
 
 #endif

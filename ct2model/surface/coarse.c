@@ -8,10 +8,12 @@
 #include "common/variants.h"
 #include "ct2model/scan/survey.h"
 
-enum { LEVELS = 256, MOST = 4 };
-static const double BYTES = 160e6;
+enum { LEVELS = 256, STEP_MOST = 4 };
+/* Largest memory for the levels, in bytes. */
+static const double BYTES_MOST = 160e6;
 
-/* How far the greys reach that matter; of a segmented image, all. */
+/* Chooses the range of greys of the levels: both phases and half the contrast beyond them; for a
+ * segmented image all greys of the survey. */
 static void choose_range(const struct region *region, const struct survey *survey,
                          struct coarse *coarse) {
   const struct grey_phases *phases = &survey->phases;
@@ -31,15 +33,15 @@ static void choose_range(const struct region *region, const struct survey *surve
   coarse->unit = (high - low) / (LEVELS - 1);
 }
 
-/* Four steps to the model's voxel at least. */
+/* The largest step of which a voxel of the model spans at least four. */
 static size_t choose_step(const size_t in[3], const size_t out[3]) {
   double least = INFINITY, voxels = 1.0;
   for (int d = 0; d < 3; d++) {
     least = fmin(least, (double)in[d] / (double)out[d]);
     voxels *= (double)in[d];
   }
-  for (size_t step = MOST; step > 1; step /= 2) {
-    bool fits = least >= 4.0 * (double)step && voxels / pow((double)step, 3.0) <= BYTES;
+  for (size_t step = STEP_MOST; step > 1; step /= 2) {
+    bool fits = least >= 4.0 * (double)step && voxels / pow((double)step, 3.0) <= BYTES_MOST;
     for (int d = 0; d < 3; d++) fits &= in[d] % step == 0;
     if (fits) return step;
   }
@@ -111,7 +113,7 @@ TARGETS static void to_levels(const float *restrict sums, size_t n, float scale,
 void coarse_store(struct coarse *coarse, size_t z, const float *sums) {
   const size_t plane = coarse_sums(coarse);
   uint8_t *levels = coarse->levels + z * plane;
-  uint32_t counts[LEVELS * 4] = {0}; /* as pixels_count has them */
+  uint32_t counts[LEVELS * 4] = {0}; /* layout of pixels_count */
   to_levels(sums, plane, (float)(1.0 / (pow((double)coarse->step, 3.0) * coarse->unit)),
             (float)(0.5 - coarse->low / coarse->unit), levels);
   pixels_count(counts, levels, plane, PIXEL_U8);

@@ -57,8 +57,9 @@ static size_t slice_of(const struct grey_window *window, long z) {
   return (size_t)(((z % n) + n) % n);
 }
 
-/* Greys as distances from the threshold, away from zero, so that the sign is that of the grey
- * against the threshold: the whole part is taken off first, without rounding. */
+/* Scales greys to distances from the threshold, rounded away from zero so that the sign is that of
+ * the grey relative to the threshold. The integer part of the threshold is subtracted first,
+ * without rounding error. */
 TARGETS static void row_distances(float *restrict grey, size_t n, float whole, float part,
                                   float scale, int16_t *restrict out) {
   for (size_t i = 0; i < n; i++) {
@@ -84,17 +85,17 @@ static enum status read_slices(struct grey_window *window, size_t n) {
     int16_t *target = window->field + (window->depth + i) * nx * ny;
     uint64_t *bits = window->bits + (window->depth + i) * ny * window->words;
     struct pixel_rows rows;
-    enum status one =
+    enum status slice_status =
         region_read_rows(region, slice_of(window, window->first + (long)(window->depth + i)),
                          window->buffer + thread * window->buffer_size, &rows);
-    for (size_t y = 0; y < ny && one == STATUS_OK; y++) {
+    for (size_t y = 0; y < ny && slice_status == STATUS_OK; y++) {
       pixel_rows_read(&rows, y, nx, row);
       row_distances(row, nx, whole, part, scale, target + y * nx);
       phase_row(target + y * nx, nx, bits + y * window->words);
     }
-    if (one != STATUS_OK) {
+    if (slice_status != STATUS_OK) {
 #pragma omp critical
-      status = one;
+      status = slice_status;
     }
   }
   window->depth += n;
@@ -118,7 +119,7 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
   }
   long missing = end - window->first - (long)window->depth;
   if (missing <= 0) return STATUS_OK;
-  /* Islands that reach into the new slices. */
+  /* Old slices next to the new ones, for islands that continue into these. */
   const size_t from = window->depth > SPECK_REACH ? window->depth - SPECK_REACH : 0;
   enum status status = read_slices(window, (size_t)missing);
   if (status != STATUS_OK || window->speck_limit < 2) return status;
@@ -128,8 +129,8 @@ enum status grey_window_move(struct grey_window *window, long first, long end) {
   return STATUS_OK;
 }
 
-/* Rows y, y + 1, y - 1 of layer `deep` of the window and row y of the layers above and below:
- * periodic in x and y, repeated at the window's ends. */
+/* Indices of rows y, y + 1, y - 1 of layer `deep` of the window and of row y of the next and the
+ * previous layer: periodic in y, repeated at the ends of the window. */
 enum { HERE, Y_NEXT, Y_LAST, Z_NEXT, Z_LAST, NEAR };
 static void near_rows(const struct grey_window *window, size_t y, size_t deep, size_t rows[NEAR]) {
   const size_t ny = window->region->size[1], layer = deep * ny;
@@ -140,7 +141,7 @@ static void near_rows(const struct grey_window *window, size_t y, size_t deep, s
   rows[Z_LAST] = deep > 0 ? rows[HERE] - ny : rows[HERE];
 }
 
-/* The grey at a voxel, or at the nearest that is held and in the region. */
+/* The grey at a voxel, or at the nearest one that is held and lies in the region. */
 static double grey_at(const struct grey_window *window, long x, long y, long z) {
   const size_t *n = window->region->size;
   const long low = window->first > 0 ? window->first : 0;
@@ -152,9 +153,9 @@ static double grey_at(const struct grey_window *window, long x, long y, long z) 
   return window->field[((size_t)(z - window->first) * n[1] + (size_t)y) * n[0] + (size_t)x];
 }
 
-/* What the change of phase from a voxel to the next along an axis counts. The normal is the sum at
- * both of central differences, averaged across by 1, 2, 1 (Sobel): noise that tilts normals would
- * take some per cent of the area. */
+/* Weight of the change of phase from a voxel to the next one along an axis. The normal is the sum,
+ * over both voxels, of central differences averaged across with weights 1, 2, 1 (Sobel): normals
+ * tilted by noise would reduce the area by some per cent. */
 static uint64_t weight_of(const struct grey_window *window, const long at[3], int axis) {
   double gradient[3] = {0};
   for (int n = 0; n < 54; n++) {
@@ -169,7 +170,7 @@ static uint64_t weight_of(const struct grey_window *window, const long at[3], in
   return crossing_weight(gradient, axis);
 }
 
-/* Of the voxels of word w of a row whose bit of `changes` is set. */
+/* Sum of the weights of the voxels of word w of a row whose bit of `changes` is set. */
 static uint64_t weights_of(const struct grey_window *window, uint64_t changes, size_t w, size_t y,
                            size_t z, int axis) {
   uint64_t sum = 0;
@@ -194,7 +195,7 @@ void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z
     const uint64_t *z_next = window->bits + rows[Z_NEXT] * words;
     for (size_t w = 0; w < words; w++) {
       const uint64_t next = at[w] >> 1 | (w + 1 < words ? at[w + 1] << 63 : 0);
-      const size_t pairs = nx - 1 - w * PHASE_WORD; /* from this word on */
+      const size_t pairs = nx - 1 - w * PHASE_WORD; /* pairs from this word on */
       const uint64_t both = pairs < PHASE_WORD ? ((uint64_t)1 << pairs) - 1 : ~(uint64_t)0;
       cx += weights_of(window, (at[w] ^ next) & both, w, y, z, 0);
       if (y + 1 < ny) cy += weights_of(window, at[w] ^ y_next[w], w, y, z, 1);
@@ -206,8 +207,9 @@ void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z
   crossings[2] += cz;
 }
 
-/* Grain shares of n voxels: 0 or 1 where no neighbour is of the other phase, else that of a voxel
- * cut by the plane that its grey gradient says. at[-1] and at[n] are there. */
+/* Grain volume fractions of n voxels: 0 or 1 if no neighbour is of the other phase, otherwise that
+ * of a voxel cut by the plane that follows from its grey and gradient. at[-1] and at[n] must be
+ * valid. */
 TARGETS static void cut_shares(const int16_t *restrict at, const int16_t *restrict y_next,
                                const int16_t *restrict y_last, const int16_t *restrict z_next,
                                const int16_t *restrict z_last, size_t n, float *restrict shares) {
@@ -230,8 +232,8 @@ TARGETS static void whole_shares(uint64_t grain, uint32_t n, float *restrict sha
   }
 }
 
-/* Grain shares of one row, of which few groups of voxels are cut. The row stands at row[1 .. nx],
- * with what follows it periodically at both ends; `near` are the other rows. */
+/* Grain fractions of one row, of which few groups of voxels are cut. The row is stored at row[1 ..
+ * nx], with its periodic continuation at both ends; `near` are the other rows. */
 enum { GROUP = 16 };
 static void row_fractions(const int16_t *row, const int16_t *const near[NEAR],
                           const uint64_t *grain, const uint64_t *cut, size_t nx, float *shares) {
@@ -248,7 +250,7 @@ static void row_fractions(const int16_t *row, const int16_t *const near[NEAR],
   }
 }
 
-/* What a thread needs for a row. */
+/* Work space of a thread for a row. */
 struct row_scratch {
   float *shares;
   int16_t *padded;
@@ -266,7 +268,7 @@ static void make_fractions(const struct grey_window *window, size_t y, size_t de
     near[i] = window->field + rows[i] * nx;
     bits[i] = window->bits + rows[i] * words;
   }
-  /* Voxels with a neighbour of the other phase. */
+  /* Bits of the voxels that have a neighbour of the other phase. */
   phase_next(bits[HERE], nx, scratch->cut);
   phase_last(bits[HERE], nx, scratch->beside);
   for (size_t w = 0; w < words; w++) {

@@ -8,7 +8,7 @@ size_t phase_words(size_t n) {
   return (n + PHASE_WORD - 1) / PHASE_WORD;
 }
 
-/* 8 bytes of 0 or 1 to 8 bits. */
+/* Packs 8 bytes of 0 or 1 into 8 bits. */
 static uint64_t gather_bits(const uint8_t *bytes) {
   uint64_t eight;
   memcpy(&eight, bytes, 8);
@@ -41,6 +41,6 @@ void phase_last(const uint64_t *bits, size_t n, uint64_t *last) {
   const size_t words = phase_words(n);
   const uint64_t end = bits[words - 1] >> (n - 1) % PHASE_WORD & 1;
   for (size_t w = 0; w < words; w++) last[w] = bits[w] << 1 | (w > 0 ? bits[w - 1] >> 63 : end);
-  /* Nothing stands behind the end. */
+  /* Bits after the end of the row are 0. */
   if (n % PHASE_WORD != 0) last[words - 1] &= ((uint64_t)1 << n % PHASE_WORD) - 1;
 }

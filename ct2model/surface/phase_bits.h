@@ -1,4 +1,4 @@
-/* The phase of a row's voxels as bits: 1 grain, 0 pore and whatever lies behind the row's end. */
+/* The phases of a row of voxels as bits: 1 grain, 0 pore; 0 also after the end of the row. */
 #ifndef TOSUI_CT2MODEL_SURFACE_PHASE_BITS_H
 #define TOSUI_CT2MODEL_SURFACE_PHASE_BITS_H
 
@@ -7,9 +7,9 @@
 
 enum { PHASE_WORD = 64 };
 
-/* Words a row of n voxels takes. */
+/* Number of words for a row of n voxels. */
 size_t phase_words(size_t n);
-/* Of n values, grain where they are positive. */
+/* Bits of n values, which are grain where they are positive. */
 void phase_row(const int16_t *values, size_t n, uint64_t *bits);
 /* Bits of the neighbours at x + 1 (`next`) and x - 1 (`last`), periodic. */
 void phase_next(const uint64_t *bits, size_t n, uint64_t *next);

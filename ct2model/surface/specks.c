@@ -9,17 +9,18 @@
 
 enum { WORD = PHASE_WORD, SIDE = 4, TABLE = 256 };
 
-/* One phase of the slab as bits. A cube of SIDE^3 voxels is no speck, nor is what hangs together
- * with one: `large` grows from such cubes over what the phase holds, as far as two passes take it.
- * Few voxels remain, and of those each is followed until it is clear what it belongs to. */
+/* One phase of the slab as bits. A cube of SIDE^3 voxels is larger than a speck, and so is all that
+ * is connected to one: `large` grows from such cubes through the phase, as far as two passes carry
+ * it. Few voxels remain, and from each of these its island is followed until it is known to be a
+ * speck or not. */
 struct phase {
   int16_t *field;
-  uint64_t *grain;              /* the slab's bits, to be changed */
+  uint64_t *grain;              /* the bits of the slab, which are changed */
   size_t size[3], words, limit; /* words a row */
   uint64_t *bits, *large;
 };
 
-/* Bit i: bits i to i + SIDE - 1 are set. */
+/* Bit i is set if bits i to i + SIDE - 1 of the row are. */
 TARGETS static void erode_row(const uint64_t *restrict bits, size_t words, uint64_t *restrict out) {
   for (size_t w = 0; w < words; w++) {
     const uint64_t at = bits[w], next = w + 1 < words ? bits[w + 1] : 0;
@@ -37,8 +38,8 @@ static uint64_t *row_of(uint64_t *bits, const struct phase *phase, size_t y, siz
   return bits + (z * phase->size[1] + y) * phase->words;
 }
 
-/* A row is kept where the SIDE rows from it on, a stride apart, are of the phase; none where they
- * would leave the model. */
+/* Intersects a row with the SIDE - 1 rows after it, a stride apart; clears it where these would
+ * leave the slab. */
 static void erode_across(uint64_t *row, size_t stride, size_t words, bool inside) {
   if (inside)
     and_rows(row, row + stride, row + 2 * stride, row + 3 * stride, words);
@@ -62,7 +63,7 @@ static void find_cubes(const struct phase *phase) {
       erode_across(row_of(phase->large, phase, y, z), ny * words, words, z + SIDE <= nz);
 }
 
-/* All of `mask` that hangs together with `seed`, both ways. */
+/* The bits of `mask` that are connected to `seed` within the word, in both directions. */
 static uint64_t fill_word(uint64_t seed, uint64_t mask) {
   uint64_t up = mask, down = mask;
   for (unsigned step = 1; step < WORD; step *= 2) {
@@ -102,16 +103,16 @@ static void grow_large(const struct phase *phase) {
   }
 }
 
-static bool has(const uint64_t *bits, const struct phase *phase, size_t x, size_t y, size_t z) {
+static bool has_bit(const uint64_t *bits, const struct phase *phase, size_t x, size_t y, size_t z) {
   return bits[(z * phase->size[1] + y) * phase->words + x / WORD] >> x % WORD & 1;
 }
 
 struct island {
   size_t n, voxel[SPECK_MOST];
-  size_t seen[TABLE]; /* voxel + 1 by its hash */
+  size_t seen[TABLE]; /* hash table of voxel + 1; 0: empty */
 };
 
-static bool is_new(struct island *island, size_t voxel) {
+static bool insert_voxel(struct island *island, size_t voxel) {
   size_t slot = voxel * 0x9e3779b97f4a7c15u >> 56;
   while (island->seen[slot] != 0 && island->seen[slot] != voxel + 1) slot = (slot + 1) % TABLE;
   const bool found = island->seen[slot] == 0;
@@ -119,13 +120,13 @@ static bool is_new(struct island *island, size_t voxel) {
   return found;
 }
 
-/* Collects the island of voxel `start`; false where it is no speck, or has a voxel before `start`,
- * from which it will be met. */
+/* Collects the island of voxel `start`; false if it is no speck, or contains a voxel before
+ * `start`, from which it is found as well. */
 static bool collect_island(const struct phase *phase, size_t start, struct island *island) {
   const size_t *n = phase->size;
   island->n = 0;
   memset(island->seen, 0, sizeof island->seen);
-  (void)is_new(island, start);
+  (void)insert_voxel(island, start);
   island->voxel[island->n++] = start;
   for (size_t i = 0; i < island->n; i++) {
     const size_t x = island->voxel[i] % n[0], y = island->voxel[i] / n[0] % n[1],
@@ -139,9 +140,9 @@ static bool collect_island(const struct phase *phase, size_t start, struct islan
                                {x, y, z + 1}};
     for (int k = 0; k < 6; k++) {
       const size_t *p = next[k], voxel = (p[2] * n[1] + p[1]) * n[0] + p[0];
-      if (!has(phase->bits, phase, p[0], p[1], p[2])) continue;
-      if (voxel < start || has(phase->large, phase, p[0], p[1], p[2])) return false;
-      if (!is_new(island, voxel)) continue;
+      if (!has_bit(phase->bits, phase, p[0], p[1], p[2])) continue;
+      if (voxel < start || has_bit(phase->large, phase, p[0], p[1], p[2])) return false;
+      if (!insert_voxel(island, voxel)) continue;
       if (island->n + 1 >= phase->limit) return false;
       island->voxel[island->n++] = voxel;
     }
@@ -155,7 +156,7 @@ static size_t flip_islands(const struct phase *phase, size_t y, size_t z, struct
   const size_t row = (z * phase->size[1] + y) * phase->size[0];
   size_t changed = 0;
   for (size_t w = 0; w < phase->words; w++) {
-    /* Whoever has a neighbour to the left, in this word, is met from there. */
+    /* A voxel whose left neighbour, in this word, is of the island is reached from there. */
     for (uint64_t open = bits[w] & ~large[w] & ~(bits[w] << 1); open != 0; open &= open - 1) {
       if (!collect_island(phase, row + w * WORD + (size_t)__builtin_ctzll(open), island)) continue;
       for (size_t i = 0; i < island->n; i++) {
@@ -171,7 +172,7 @@ static size_t flip_islands(const struct phase *phase, size_t y, size_t z, struct
   return changed;
 }
 
-/* The bits of one phase, copied: they stay as they are while islands change. */
+/* Copies the bits of one phase, which stay unchanged while islands are removed. */
 static void copy_phase(const struct phase *phase, bool grain) {
   const size_t nx = phase->size[0], words = phase->words, rows = phase->size[1] * phase->size[2];
   const uint64_t all = ~(uint64_t)0, end = nx % WORD != 0 ? ((uint64_t)1 << nx % WORD) - 1 : all;

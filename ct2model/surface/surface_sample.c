@@ -5,22 +5,24 @@
 
 #include "common/memory.h"
 
-enum { SLICES = 16 }; /* islands as large as any that is taken for noise fit in */
-static const double VOXELS = 12e6;
+/* Slices of a window: it contains the largest islands that count as noise. */
+enum { SLICES = 16 };
+/* Voxels of all windows together, at most. */
+static const double VOXELS_MOST = 12e6;
 
 enum status surface_sample_start(const struct region *region, struct surface_sample *sample) {
   const size_t *n = region->size;
-  const bool whole = (double)n[0] * (double)n[1] * (double)n[2] <= VOXELS;
+  const bool whole = (double)n[0] * (double)n[1] * (double)n[2] <= VOXELS_MOST;
   size_t free_places[3];
   *sample = (struct surface_sample){.region = region};
   sample->size[2] = n[2] < SLICES || whole ? n[2] : SLICES;
   sample->count = n[2] / sample->size[2];
   if (sample->count > SAMPLE_WINDOWS) sample->count = SAMPLE_WINDOWS;
-  double side = floor(sqrt(VOXELS / (double)(sample->count * sample->size[2])));
+  double side = floor(sqrt(VOXELS_MOST / (double)(sample->count * sample->size[2])));
   for (int d = 0; d < 2; d++) sample->size[d] = (double)n[d] < side || whole ? n[d] : (size_t)side;
   for (int d = 0; d < 3; d++) free_places[d] = n[d] - sample->size[d];
   for (size_t i = 0; i < sample->count; i++) {
-    /* In x and y the eight places of z in another order each. */
+    /* The eight positions along x and along y are in another order than those along z. */
     const size_t part[3] = {3 * i % SAMPLE_WINDOWS, 5 * i % SAMPLE_WINDOWS, i};
     for (int d = 0; d < 3; d++) {
       size_t parts = d < 2 ? SAMPLE_WINDOWS - 1 : sample->count - 1;
@@ -56,7 +58,7 @@ enum status surface_sample_measure(const struct surface_sample *sample,
   double surfaces[SAMPLE_WINDOWS] = {0};
   struct wall_request part = *request;
   struct region window = *sample->region;
-  part.mirror = true; /* beyond a window nothing is known: its end slices are repeated */
+  part.mirror = true; /* nothing is known beyond a window: its end slices are repeated */
   double sum = 0.0, squares = 0.0, volume = 1.0, n = (double)sample->count;
   for (int d = 0; d < 3; d++) {
     const double share = (double)sample->size[d] / (double)sample->region->size[d];
@@ -67,15 +69,15 @@ enum status surface_sample_measure(const struct surface_sample *sample,
 #pragma omp parallel for schedule(dynamic)
   for (size_t i = 0; i < sample->count; i++) {
     struct wall_result walls = {0};
-    struct region mine = window;
-    mine.held_type = PIXEL_F32;
-    mine.held = sample->greys + i * mine.size[0] * mine.size[1] * mine.size[2];
-    enum status one = wall_measure(&mine, &part, &walls);
+    struct region sampled = window;
+    sampled.held_type = PIXEL_F32;
+    sampled.held = sample->greys + i * sampled.size[0] * sampled.size[1] * sampled.size[2];
+    enum status window_status = wall_measure(&sampled, &part, &walls);
     surfaces[i] = walls.surface_area / volume;
     wall_result_end(&walls);
-    if (one != STATUS_OK) {
+    if (window_status != STATUS_OK) {
 #pragma omp critical
-      status = one;
+      status = window_status;
     }
   }
   for (size_t i = 0; i < sample->count; i++) {

@@ -7,25 +7,25 @@
 #include "ct2model/surface/phase_bits.h"
 
 enum { BLOCK = SURFELS_BLOCK, POINTS = SURFELS_POINTS, BITS = BLOCK * BLOCK * BLOCK };
-/* The search is one function for each instruction set. */
+/* All of the search is inlined into one function, which is compiled for each instruction set. */
 #define INLINE __attribute__((always_inline)) static inline
 
-/* The search for the discs nearest to some points beside each other, all at a time. */
+/* Search for the discs nearest to a tile of adjacent points, all at a time. */
 struct search {
   const struct surfels *surfels;
   double point[3][POINTS];
-  double low[3], high[3];  /* the box around the points, in cells from the first one */
-  float beside[3][POINTS]; /* the points from its low corner, in cells */
+  double low[3], high[3];    /* bounding box of the points, in cells from the first one */
+  float relative[3][POINTS]; /* the points relative to its low corner, in cells */
   float stretch[3];
-  float square[POINTS]; /* of the distances so far */
-  float bound[POINTS];  /* squares of distances from which on boxes are passed over */
+  float square[POINTS]; /* squared distances so far */
+  float bound[POINTS];  /* squared distances from which on boxes are skipped */
   double best;          /* the largest distance so far */
-  size_t near;          /* the block of the middle point's nearest disc so far */
-  size_t done;          /* a block that has been looked at */
+  size_t near;          /* block of the disc nearest to the middle point so far */
+  size_t done;          /* a block that has been searched already */
 };
 
-/* A normal is rounded to three times 1/127, so that the height over a disc may come out by 0.68 %
- * too small: no disc of a box so far away is nearer than the best. */
+/* Normals are rounded to 1/127 in each component, so that the height over a disc may be up to 0.68
+ * % too small. No disc in a box beyond the bound is nearer than the best one. */
 INLINE void find_bounds(struct search *search) {
   float most = 0.0f;
 #pragma omp simd reduction(max : most)
@@ -37,8 +37,8 @@ INLINE void find_bounds(struct search *search) {
   search->best = (double)most;
 }
 
-/* Squared distances of the points, from the first cell's first corner, to the nearest of n discs,
- * where they are less than `square`. */
+/* Squared distances of the points, which are relative to the first corner of the first cell, to the
+ * nearest of n discs, if less than `square`. */
 INLINE void nearest_discs(const uint32_t *restrict places, const uint32_t *restrict normals, int n,
                           float at[3][POINTS], const float stretch[3],
                           float square[restrict POINTS]) {
@@ -59,15 +59,15 @@ INLINE void nearest_discs(const uint32_t *restrict places, const uint32_t *restr
       const float x = at[0][p] - disc[0][i], y = at[1][p] - disc[1][i], z = at[2][p] - disc[2][i];
       const float height = (x * disc[3][i] + y * disc[4][i] + z * disc[5][i]) * (1.0f / 127.0f);
       const float aside = x * x + y * y + z * z - height * height;
-      const float over = sqrtf(aside > 0.0f ? aside : 0.0f) - radius;
-      const float beyond = over > 0.0f ? over : 0.0f;
-      const float its = height * height + beyond * beyond;
-      square[p] = its < square[p] ? its : square[p];
+      const float outside = sqrtf(aside > 0.0f ? aside : 0.0f) - radius;
+      const float excess = outside > 0.0f ? outside : 0.0f;
+      const float candidate = height * height + excess * excess;
+      square[p] = candidate < square[p] ? candidate : square[p];
     }
   }
 }
 
-INLINE void look_at(struct search *search, size_t block, const size_t at[3]) {
+INLINE void search_block(struct search *search, size_t block, const size_t at[3]) {
   const struct surfels *surfels = search->surfels;
   const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
   const float middle = search->square[SURFELS_MIDDLE];
@@ -91,10 +91,10 @@ INLINE bool is_near(const struct search *search, size_t block, const size_t at[3
     const double corner = (double)(at[d] * BLOCK) - 1.0 - search->low[d];
     const float low = (float)(corner + (double)box->low[d] * (1.0 / SURFELS_PARTS));
     const float high = (float)(corner + (double)box->high[d] * (1.0 / SURFELS_PARTS));
-    const float *restrict beside = search->beside[d];
+    const float *restrict relative = search->relative[d];
 #pragma omp simd
     for (int p = 0; p < POINTS; p++) {
-      const float below = low - beside[p], above = beside[p] - high;
+      const float below = low - relative[p], above = relative[p] - high;
       const float out = below > above ? below : above;
       const float length = (out > 0.0f ? out : 0.0f) * search->stretch[d];
       gap[p] += length * length;
@@ -106,12 +106,13 @@ INLINE bool is_near(const struct search *search, size_t block, const size_t at[3
   return near != 0;
 }
 
-/* No disc reaches farther from its block; a little more than its radius for rounding. */
+/* Distance from a block beyond which its discs cannot be nearer; slightly more than a radius, for
+ * rounding. */
 INLINE double bound_of(const struct search *search) {
   return search->best + SURFELS_RADIUS + 1e-3;
 }
 
-/* From the box around the points, in cells, to a block along one axis. */
+/* Distance along one axis from the bounding box of the points, in cells, to a block. */
 INLINE double block_gap(const struct search *search, int axis, long block) {
   const double start = (double)(block * BLOCK);
   const double below = start - search->high[axis], above = search->low[axis] - start - BLOCK;
@@ -119,8 +120,8 @@ INLINE double block_gap(const struct search *search, int axis, long block) {
   return gap > 0.0 ? gap * search->surfels->stretch[axis] : 0.0;
 }
 
-/* The blocks of a row from `low` to `high` in which a disc may be nearer. */
-INLINE void look_along(struct search *search, long y, long z, long low, long high) {
+/* Searches the blocks of a row from `low` to `high` in which a disc may be nearer. */
+INLINE void search_row(struct search *search, long y, long z, long low, long high) {
   const struct surfels *surfels = search->surfels;
   const size_t row = (size_t)z * surfels->blocks[1] + (size_t)y;
   for (long w = low / PHASE_WORD; w <= high / PHASE_WORD; w++) {
@@ -131,12 +132,12 @@ INLINE void look_along(struct search *search, long y, long z, long low, long hig
     for (; open != 0; open &= open - 1) {
       const size_t x = (size_t)(w * PHASE_WORD + __builtin_ctzll(open));
       const size_t block = row * surfels->blocks[0] + x, at[3] = {x, (size_t)y, (size_t)z};
-      if (block != search->done && is_near(search, block, at)) look_at(search, block, at);
+      if (block != search->done && is_near(search, block, at)) search_block(search, block, at);
     }
   }
 }
 
-/* First and last block along one axis that lie within `reach` cells of the points. */
+/* First and last block along an axis that lie within `reach` cells of the points. */
 INLINE void block_range(const struct search *search, int axis, double reach, long range[2]) {
   const long last = (long)search->surfels->blocks[axis] - 1;
   range[0] = (long)floor((search->low[axis] - reach) * (1.0 / BLOCK));
@@ -145,8 +146,9 @@ INLINE void block_range(const struct search *search, int axis, double reach, lon
   if (range[1] > last) range[1] = last;
 }
 
-/* Step k of 0, 1, ... from `home` through first .. last, near ones first; false behind the end. */
-INLINE bool step_out(long home, const long range[2], long k, long *at) {
+/* Step k of 0, 1, ... through first .. last, in order of the distance from `home`; false after the
+ * last. */
+INLINE bool step_outwards(long home, const long range[2], long k, long *at) {
   home = home < range[0] ? range[0] : home > range[1] ? range[1] : home;
   const long down = home - range[0], up = range[1] - home, both = down < up ? down : up;
   if (k > down + up) return false;
@@ -170,27 +172,27 @@ INLINE void search_blocks(struct search *search) {
     }
 #pragma omp simd
     for (int p = 0; p < POINTS; p++)
-      search->beside[d][p] = (float)(search->point[d][p] / stretch[d] - 0.5 - search->low[d]);
+      search->relative[d][p] = (float)(search->point[d][p] / stretch[d] - 0.5 - search->low[d]);
     home[d] = (long)floor(0.5 * (search->low[d] + search->high[d]) * (1.0 / BLOCK));
   }
   const double unit = 1.0 / stretch[0];
   block_range(search, 2, bound_of(search) / stretch[2], zs);
   block_range(search, 1, bound_of(search) / stretch[1], ys);
   if (zs[0] > zs[1] || ys[0] > ys[1]) return;
-  for (long k = 0; step_out(home[2], zs, k, &z); k++) {
+  for (long k = 0; step_outwards(home[2], zs, k, &z); k++) {
     const double gz = block_gap(search, 2, z);
     if (gz > bound_of(search)) continue;
-    for (long j = 0; step_out(home[1], ys, j, &y); j++) {
+    for (long j = 0; step_outwards(home[1], ys, j, &y); j++) {
       const double gy = block_gap(search, 1, y);
       const double bound = bound_of(search), left = bound * bound - gz * gz - gy * gy;
       if (left < 0.0) continue;
       block_range(search, 0, sqrt(left) * unit, xs);
-      if (xs[0] <= xs[1]) look_along(search, y, z, xs[0], xs[1]);
+      if (xs[0] <= xs[1]) search_row(search, y, z, xs[0], xs[1]);
     }
   }
 }
 
-/* The points' images one period further on, in x and y: those near enough. */
+/* Searches the images of the points one period further along x and y, if they are near enough. */
 INLINE void search_images(struct search *search, const struct surfel_points *points) {
   const struct surfels *surfels = search->surfels;
   double period[2], low[2], high[2], from[2], to[2]; /* cells lie between 1/2 and size + 1/2 */
@@ -227,12 +229,14 @@ TARGETS void surfels_distances(const struct surfels *surfels, struct surfel_poin
       search.stretch[d] = (float)surfels->stretch[d];
       for (int p = 0; p < POINTS; p++) search.point[d][p] = points->at[d][p];
     }
-    /* No less than the square, so that what is not nearer is seen not to be. */
+    /* At least the exact square, so that the comparison below leaves distances that are not
+     * improved unchanged. */
     for (int p = 0; p < POINTS; p++)
       search.square[p] = (float)(distance[p] * distance[p]) * (1.0f + 2e-7f);
     find_bounds(&search);
     if (*near != SURFELS_NOWHERE)
-      look_at(&search, *near, (size_t[3]){*near % n[0], *near / n[0] % n[1], *near / n[0] / n[1]});
+      search_block(&search, *near,
+                   (size_t[3]){*near % n[0], *near / n[0] % n[1], *near / n[0] / n[1]});
     search_blocks(&search);
     search.done = SURFELS_NOWHERE;
     search_images(&search, points);

@@ -12,16 +12,16 @@
 
 enum { BLOCK = SURFELS_BLOCK };
 
-/* Cells that the surface crosses, many at a time. */
+/* A batch of cells that the surface crosses. */
 enum { CELLS = 64, BITS = BLOCK * BLOCK * BLOCK };
 struct cells {
   size_t n;
-  uint32_t item;              /* where the first goes in the list; the others follow */
-  uint32_t corners[4][CELLS]; /* at y, y + 1 and z, z + 1: two greys of 16 bits, x and x + 1 */
-  uint32_t first[CELLS];      /* place of the cell in its block, as a disc's */
+  uint32_t item;              /* index of the first one in the list; the others follow */
+  uint32_t corners[4][CELLS]; /* at y, y + 1 and z, z + 1: the two 16-bit greys at x and x + 1 */
+  uint32_t first[CELLS];      /* place of the cell in its block, encoded like that of a disc */
 };
 
-/* Where an edge from grey a to grey b crosses zero; 0 where it does not. */
+/* Position at which an edge from grey a to grey b crosses zero; 0 if it does not. */
 #define CROSSED(a, b) (((a) > 0.0f) != ((b) > 0.0f) ? 1.0f : 0.0f)
 #define CROSSING(a, b) (((a) > 0.0f) != ((b) > 0.0f) ? (a) / ((a) - (b)) : 0.0f)
 #define BILINEAR(u, v, a, b, c, d)                                                                 \
@@ -51,7 +51,7 @@ TARGETS static void make_surfels(const struct cells *cells, const float stretch[
         n * (CROSSING(a, c) + CROSSING(b, d) + CROSSING(e, g) + CROSSING(f, h) + x1 + x3 + z2 + z3);
     const float z =
         n * (CROSSING(a, e) + CROSSING(b, f) + CROSSING(c, g) + CROSSING(d, h) + x2 + x3 + y2 + y3);
-    /* The gradient there: along an axis, bilinear between its four edges. */
+    /* The gradient there: each component is bilinear between the four edges along its axis. */
     const float dx = sx * BILINEAR(y, z, b - a, d - c, f - e, h - g);
     const float dy = sy * BILINEAR(x, z, c - a, d - b, g - e, h - f);
     const float dz = sz * BILINEAR(x, y, e - a, f - b, g - c, h - d);
@@ -76,14 +76,14 @@ static void flush_cells(struct cells *cells, struct surfels *surfels) {
   cells->n = 0;
 }
 
-/* What a thread needs for a row of blocks. */
+/* Work space of a thread for a row of blocks. */
 struct scratch {
-  uint64_t *any, *all, *next; /* of a row of bits */
-  uint64_t *crossed;          /* of the BLOCK * BLOCK rows of cells */
+  uint64_t *any, *all, *next; /* rows of bits */
+  uint64_t *crossed;          /* bits of the BLOCK * BLOCK rows of cells */
   struct cells cells;
 };
 
-/* The cells whose eight corners disagree, for all x of the row y, z. */
+/* Bits of the cells whose eight corners are not of one phase, for all x of the row y, z. */
 static void row_crossings(const uint64_t *bits, const size_t size[3], size_t y, size_t z,
                           struct scratch *scratch, uint64_t *crossed) {
   const size_t nx = size[0], ny = size[1], words = phase_words(nx), next = y + 1 < ny ? y + 1 : 0;
@@ -99,7 +99,7 @@ static void row_crossings(const uint64_t *bits, const size_t size[3], size_t y, 
   for (size_t w = 0; w < words; w++) crossed[w] &= ~(scratch->all[w] & scratch->next[w]);
 }
 
-/* Bit BLOCK * r + x of blocks[b], 0 before: bit BLOCK * b + x of rows[r][word]. */
+/* Sets bit BLOCK * r + x of blocks[b], initially 0, to bit BLOCK * b + x of rows[r][word]. */
 TARGETS static void gather_blocks(const uint64_t *rows, size_t words, size_t word,
                                   uint64_t blocks[PHASE_WORD / BLOCK]) {
   for (unsigned r = 0; r < BLOCK * BLOCK; r++) {
@@ -109,7 +109,7 @@ TARGETS static void gather_blocks(const uint64_t *rows, size_t words, size_t wor
   }
 }
 
-/* The crossed cells of one row of blocks, and how many they are. */
+/* Finds the crossed cells of one row of blocks, and their number in each block. */
 static void find_row(const uint64_t *bits, struct surfels *surfels, uint64_t *crossed, size_t row,
                      struct scratch *scratch) {
   const size_t *size = surfels->size, *blocks = surfels->blocks, words = phase_words(size[0]);
@@ -139,7 +139,8 @@ static uint32_t two_greys(const int16_t *at) {
   return pair;
 }
 
-/* Where a cell of a block is: in the field, and as a disc's place. */
+/* Position of a cell of a block: in the block, as an offset in the field, and encoded as the place
+ * of a disc. */
 struct cell_place {
   size_t x, y, z, offset;
   uint32_t first;
@@ -163,7 +164,7 @@ static void fill_block(const int16_t *field, struct surfels *surfels, uint64_t c
       cells->corners[3][i] = two_greys(next + plane);
     } else {
       const size_t x = at[0] * BLOCK + place->x, y = at[1] * BLOCK + place->y;
-      const size_t right = x + 1 < nx ? 1 : 0; /* else the row's first */
+      const size_t right = x + 1 < nx ? 1 : 0; /* else the neighbour is the first of the row */
       if (y + 1 == size[1]) next = here - y * nx;
       for (unsigned c = 0; c < 4; c++) {
         const int16_t *row = (c % 2 == 0 ? here : next) + c / 2 * plane;
@@ -176,10 +177,10 @@ static void fill_block(const int16_t *field, struct surfels *surfels, uint64_t c
   }
 }
 
-/* Around n discs of a block, in which a disc reaches as far along an axis as it is turned away from
- * it. */
-TARGETS static void enclose(const uint32_t *restrict places, const uint32_t *restrict normals,
-                            size_t n, const double stretch[3], struct surfel_box *box) {
+/* The bounding box of the n discs of a block. Along an axis a disc extends by its radius times the
+ * sine of the angle between its normal and that axis. */
+TARGETS static void find_box(const uint32_t *restrict places, const uint32_t *restrict normals,
+                             size_t n, const double stretch[3], struct surfel_box *box) {
   for (int d = 0; d < 3; d++) {
     const float radius = (float)(SURFELS_RADIUS / stretch[d]);
     float low = BLOCK + 1.0f, high = -1.0f;
@@ -221,8 +222,8 @@ static void fill_row(const int16_t *field, struct surfels *surfels, const uint64
   for (size_t block = row * blocks[0]; block < (row + 1) * blocks[0]; block++) {
     const uint32_t first = surfels->first[block], end = surfels->first[block + 1];
     if (end > first)
-      enclose(surfels->items + first, surfels->items + surfels->count + first, end - first,
-              surfels->stretch, &surfels->boxes[block]);
+      find_box(surfels->items + first, surfels->items + surfels->count + first, end - first,
+               surfels->stretch, &surfels->boxes[block]);
   }
 }
 
@@ -249,7 +250,7 @@ enum status surfels_build(const int16_t *field, const uint64_t *bits, const size
                           const double stretch[3], struct surfels *surfels) {
   enum status status = STATUS_OK;
   struct scratch *scratch = NULL;
-  uint64_t *crossed = NULL; /* the cells of each block that hold a disc, a bit each */
+  uint64_t *crossed = NULL; /* bits of the cells of each block that contain a disc */
   const size_t threads = (size_t)omp_get_max_threads();
   memset(surfels, 0, sizeof *surfels);
   memcpy(surfels->size, size, sizeof surfels->size);

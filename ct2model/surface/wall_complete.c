@@ -6,7 +6,7 @@
 
 #include "common/memory.h"
 
-/* Upwind solution of |grad d| = 1 from the least neighbours along three axes. */
+/* Upwind solution of |grad d| = 1 from the smaller neighbour along each of three axes. */
 static double eikonal(double value[3], const double spacing[3]) {
   int order[3] = {0, 1, 2};
   for (int i = 0; i < 2; i++) {
@@ -32,27 +32,28 @@ static double eikonal(double value[3], const double spacing[3]) {
   return result;
 }
 
-static double least(const float *distance, size_t a, size_t b) {
+static double smaller_distance(const float *distance, size_t a, size_t b) {
   const double one = fabs((double)distance[a]), other = fabs((double)distance[b]);
   return one < other ? one : other;
 }
 
-/* What a voxel has from its neighbours; true where that is less. */
-static bool improve(float *distance, const size_t size[3], const double spacing[3], size_t x,
-                    size_t y, size_t z) {
+/* Updates a voxel from its neighbours; true if its distance decreases. */
+static bool update_voxel(float *distance, const size_t size[3], const double spacing[3], size_t x,
+                         size_t y, size_t z) {
   const size_t nx = size[0], ny = size[1], nz = size[2], row = (z * ny + y) * nx;
-  double value[3] = {
-      least(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
-      least(distance, (z * ny + (y + 1) % ny) * nx + x, (z * ny + (y + ny - 1) % ny) * nx + x),
-      least(distance, ((z + 1) % nz * ny + y) * nx + x, ((z + nz - 1) % nz * ny + y) * nx + x)};
+  double value[3] = {smaller_distance(distance, row + (x + 1) % nx, row + (x + nx - 1) % nx),
+                     smaller_distance(distance, (z * ny + (y + 1) % ny) * nx + x,
+                                      (z * ny + (y + ny - 1) % ny) * nx + x),
+                     smaller_distance(distance, ((z + 1) % nz * ny + y) * nx + x,
+                                      ((z + nz - 1) % nz * ny + y) * nx + x)};
   const float better = (float)eikonal(value, spacing);
   if (!(better < distance[row + x] * 0.999999f)) return false;
   distance[row + x] = better;
   return true;
 }
 
-/* One pass over the open voxels in the direction of the three bits of `corner`; `open` is a bit
- * set, a few words a row. True if something changed. */
+/* One pass over the open voxels in the direction given by the three bits of `corner`; `open` is a
+ * bit set with whole words for each row. True if a distance changed. */
 enum { WORD = 64 };
 static size_t words_of(size_t nx) {
   return (nx + WORD - 1) / WORD;
@@ -71,7 +72,7 @@ static bool sweep(float *distance, const uint64_t *open, const size_t size[3],
           const int bit =
               (corner & 1) != 0 ? WORD - 1 - __builtin_clzll(left) : __builtin_ctzll(left);
           left &= ~((uint64_t)1 << bit);
-          changed |= improve(distance, size, spacing, w * WORD + (size_t)bit, y, z);
+          changed |= update_voxel(distance, size, spacing, w * WORD + (size_t)bit, y, z);
         }
       }
     }
@@ -92,7 +93,7 @@ static enum status fill_open(float *distance, const size_t size[3], const double
       open[row * words + x / WORD] |= (uint64_t)is_open << x % WORD;
       count += is_open;
     }
-  if (count == sites) { /* no surface at all: farther than anything */
+  if (count == sites) { /* no surface at all: larger than any distance */
     double diagonal = 0.0;
     for (int d = 0; d < 3; d++) diagonal += pow((double)size[d] * spacing[d], 2.0);
     for (size_t i = 0; i < sites; i++) distance[i] = (float)sqrt(diagonal);
@@ -105,7 +106,7 @@ static enum status fill_open(float *distance, const size_t size[3], const double
       changed |= sweep(distance, open, size, spacing, corner);
   }
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < sites; i++) { /* pockets no sweep has reached */
+  for (size_t i = 0; i < sites; i++) { /* voxels that no sweep has reached */
     if (!isfinite(distance[i])) distance[i] = (float)((double)size[0] * spacing[0]);
   }
 cleanup:
@@ -118,7 +119,7 @@ enum status wall_complete(float *distance, const unsigned char *solid, const siz
   enum status status = STATUS_OK;
   const float floor_distance = (float)(0.01 * fmin(spacing[0], fmin(spacing[1], spacing[2])));
   size_t sites = size[0] * size[1] * size[2], count = 0;
-  /* Signs first: far voxels take that of the model, near ones are compared with it. */
+  /* Signs: finite distances are compared with the model; the others get its sign below. */
 #pragma omp parallel for schedule(static) reduction(+ : count)
   for (size_t i = 0; i < sites; i++) {
     if (!isfinite(distance[i])) continue;

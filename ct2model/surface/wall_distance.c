@@ -12,12 +12,12 @@
 #include "ct2model/surface/surfels.h"
 
 enum {
-  BAND_LAYERS = 4, /* model voxels from the surface with exact distances */
-  MARGIN = 6,      /* slices around new ones in which islands are looked for */
+  BAND_LAYERS = 4, /* width of the band with exact distances, in model voxels */
+  MARGIN = 6,      /* slices on either side of new ones that are searched for islands */
   AREA_BATCH = 8,
-  STEP_LEAST = 8 /* new slices at a time, at least */
+  STEP_LEAST = 8 /* fewest new slices at a time */
 };
-/* Held at a time; a third of it beside a scan in memory. */
+/* Voxels held at a time; a third of it if the scan itself is in memory. */
 static const double WINDOW_VOXELS = 24e6;
 
 /* The surface between slices first and first + surfels.size[2] - 1. */
@@ -29,17 +29,17 @@ struct piece {
 struct walk {
   const struct region *region;
   const struct wall_request *request;
-  double factor[3], stretch[3], unit; /* unit: m a stretched voxel */
+  double factor[3], stretch[3], unit; /* unit: m per stretched voxel */
   double band;                        /* stretched voxels */
   struct grey_window window;
   struct resampler area;
-  struct piece *pieces; /* those within the band of the next layer, by z */
+  struct piece *pieces; /* pieces of surface within the band of the next layer, by z */
   size_t piece_count;
   size_t signed_layers, measured_layers;
   uint64_t crossings[3];
 };
 
-/* The upper mirror plane: the middle of the last layer, in slices. */
+/* Position of the upper mirror plane, the middle of the last layer, in slices. */
 static double mirror_plane(const struct walk *walk) {
   return ((double)walk->request->size[2] - 0.5) * walk->factor[2];
 }
@@ -48,7 +48,7 @@ static double layer_centre(const struct walk *walk, size_t layer) {
   return ((double)layer + 0.5) * walk->factor[2];
 }
 
-/* Where the last point's nearest disc is: in a block of a piece. */
+/* The piece, and its block, that holds the disc nearest to the previous point. */
 struct nearest {
   size_t piece, block;
 };
@@ -60,7 +60,8 @@ static double largest(const struct surfel_points *points) {
   return most;
 }
 
-/* The points lie in one layer, here and below. */
+/* Reduces the distances of the points by those to piece i. Here and below all points lie in one
+ * layer. */
 static void piece_distances(const struct walk *walk, struct surfel_points *points, size_t i,
                             size_t *block) {
   const struct piece *piece = &walk->pieces[i];
@@ -112,8 +113,7 @@ static void centre_of(const struct walk *walk, size_t row, size_t x, double poin
   for (int d = 0; d < 3; d++) point[d] = ((double)at[d] + 0.5) * walk->factor[d];
 }
 
-/* Phases of the voxel centres of one layer, while its slices are in the window: -1 grain, 1 pore.
- */
+/* Phases of the voxel centres of one layer, whose slices are in the window: -1 grain, 1 pore. */
 static void sign_layer(const struct walk *walk, size_t layer, float *distance) {
   const size_t *size = walk->request->size;
 #pragma omp parallel for schedule(static)
@@ -150,7 +150,8 @@ static void measure_layer(const struct walk *walk, size_t layer, float *distance
   }
 }
 
-/* Surface between slices `from` and `to`; none beyond the mirror plane, where the image is it. */
+/* Adds the surface between slices `from` and `to`, up to the mirror plane, beyond which its image
+ * takes over. */
 static enum status add_piece(struct walk *walk, long from, long to) {
   enum status status = STATUS_OK;
   if (walk->request->mirror) {
@@ -185,7 +186,7 @@ static void drop_pieces(struct walk *walk) {
   walk->piece_count = kept;
 }
 
-/* Everything that the slices up to `end` allow; those up to `done` are behind. */
+/* Processes all that the slices up to `end` allow; those up to `done` have been processed. */
 static enum status advance(struct walk *walk, long done, long end, struct wall_result *result) {
   enum status status = STATUS_OK;
   const size_t layers = walk->request->size[2];
@@ -230,7 +231,7 @@ static enum status walk_start(const struct region *region, const struct wall_req
   double room = WINDOW_VOXELS / ((double)region->size[0] * (double)region->size[1]);
   if (region->held != NULL) room /= 3.0;
   room = fmin(fmax(room, STEP_LEAST + 2 * MARGIN + 1), (double)(n + 2 * halo));
-  /* Islands far smaller than a model voxel are noise to the model and would spoil the distances
+  /* Islands far smaller than a model voxel are noise for the model and would falsify the distances
    * around them. */
   TRY(grey_window_start(region, request->threshold, request->contrast, request->mirror,
                         (size_t)fmin(SPECK_MOST, reduction / 8.0), request->mirror ? -1 : -halo,
@@ -271,10 +272,10 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   }
   if (request->distances) progress_end(&progress);
   result->specks = walk.window.specks;
-  /* Sums of shares that round. */
+  /* Sums of shares have rounding errors. */
   for (size_t i = 0; request->distances && i < sites; i++)
     result->grain_fraction[i] = fminf(fmaxf(result->grain_fraction[i], 0.0f), 1.0f);
-  /* Of n voxels in a row n - 1 have a next. */
+  /* A row of n voxels has n - 1 pairs of neighbours. */
   for (int d = 0; d < 3; d++) {
     double n = (double)region->size[d], face = voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
     if (n > 1.0)

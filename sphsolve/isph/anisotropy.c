@@ -35,11 +35,11 @@ static const double *tensor_of(const struct region *soil) {
   return soil->anisotropic ? soil->anisotropy : unit;
 }
 
-/* Soils that touch at a plane of normal n share the gradient along it and the flux across: with <>
- * the mean over them,
+/* Effective drag tensor of layered soils. Soils that meet at a plane of normal n have the gradient
+ * along it and the flux across it in common. With <> the mean weighted by the fractions,
  *   K = <K> - <K n n.K / n.K.n> + <K n / n.K.n> <n.K / n.K.n> / <1 / n.K.n>
- * (Backus 1962, in general form; for numbers Wiener's two means). Towards corners it fades to the
- * geometric mean of the numbers times the mean of the tensors over them. */
+ * (Backus 1962 in general form; for scalars these are Wiener's two means). Towards corners it goes
+ * over to the geometric mean of the scalar mobilities times the mean of the relative tensors. */
 void isph_layers_close(const struct isph_layers *layers, struct soil_point *soil) {
   const double *n = soil->normal;
   const bool meets = n[0] != 0 || n[1] != 0 || n[2] != 0;
@@ -72,7 +72,7 @@ void isph_layers_close(const struct isph_layers *layers, struct soil_point *soil
   for (int m = 0; m < 6; m++) soil->tensor[m] *= whole;
 }
 
-/* The soil a place is in by the sharp edges, by its first region; 1 + that, 0 for water. */
+/* 1 + the first region of the soil that contains x, taking edges as sharp; 0 in water. */
 static int32_t bed_at(const struct isph *s, const double x[3]) {
   for (size_t k = s->scene->region_count; k-- > 0;) {
     const struct region *region = &s->scene->regions[k];
@@ -95,7 +95,8 @@ void isph_anisotropy_at(struct isph *s, size_t i, const struct soil_point *soil)
   if (s->dimensions == 2 && a > 0) own->drag[1] = own->drag[4] = 0, own->drag[3] = 1;
 }
 
-/* (1 + resistance tensor)^-1 over that of the number: (c + a d)^-1 (c + a) */
+/* Mobility tensor over the scalar mobility, (c + a d)^-1 (c + a): d is the relative drag tensor, a
+ * the scalar drag and c the inertial part of the resistance. */
 static void relative_mobility(double c, double a, const double d[6], double relative[6]) {
   double sum[6] = {0};
   for (int k = 0; k < 6; k++) sum[k] = c * unit[k] + a * d[k];
@@ -103,7 +104,8 @@ static void relative_mobility(double c, double a, const double d[6], double rela
   for (int k = 0; k < 6; k++) relative[k] *= c + a;
 }
 
-/* K of each soil over its number, and the S of neighbours spread evenly. */
+/* Relative mobility tensor K of each soil, and the S that gives it for neighbours spread evenly
+ * over all directions. */
 static void find_beds(struct isph *s, double dt) {
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *soil = &s->scene->regions[k];
@@ -119,7 +121,7 @@ static void find_beds(struct isph *s, double dt) {
   }
 }
 
-/* S of particle i: none where K is a number. */
+/* S of particle i; 0 where its mobility is a scalar. */
 static void find_shape(struct isph *s, const struct isph_chunk *chunk, size_t i) {
   static const double none[6] = {0};
   const struct isph_anisotropy *own = &s->anisotropy[i];
@@ -156,7 +158,7 @@ void isph_anisotropy_begin(struct isph *s, double dt) {
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->shape)});
 }
 
-/* n.S.n, of single precision */
+/* n.S.n for an S in single precision. */
 static double along(const float shape[6], const double n[3]) {
   double wide[6] = {0};
   for (int k = 0; k < 6; k++) wide[k] = (double)shape[k];
@@ -187,7 +189,8 @@ void isph_anisotropy_pairs(struct isph *s) {
   }
 }
 
-/* n.K.n of a soil's tensor over its number, by the normals at both ends of a way; 0 without. */
+/* n.K.n of a soil's relative mobility, averaged over the interface normals n at both ends of a
+ * pair; 0 if neither end has a normal. */
 static double across_interface(const struct isph *s, size_t i, size_t j, const double tensor[6]) {
   const double *a = s->anisotropy[i].normal, *b = s->anisotropy[j].normal;
   const double first = symmetric_along(tensor, a), second = symmetric_along(tensor, b);

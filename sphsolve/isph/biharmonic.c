@@ -7,7 +7,7 @@
 
 #define BIHARMONIC_VISCOSITY 0.7125 /* nu_4 / (r0^2 nu_c) */
 
-/* L u = - sum 2 V slope (u_i - u_j) of particle i, over its pairs with water. */
+/* Adds L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. */
 ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
                    size_t i, double (*u)[3], double sum[3]) {
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {

@@ -1,4 +1,5 @@
-/* What bounds the water of method isph: walls and the tank, windows and the columns behind them. */
+/* Boundaries of the water in method isph: walls, the tank around the domain, and open sides
+ * (windows). */
 #ifndef TOSUI_SPHSOLVE_ISPH_BOUNDARIES_H
 #define TOSUI_SPHSOLVE_ISPH_BOUNDARIES_H
 
@@ -7,10 +8,11 @@
 
 #include "sphsolve/scene/scene.h"
 
-/* A box of wall, or the tank around the domain (inverted). */
+/* A box of wall, or the tank: the outside of the domain's box. */
 struct isph_wall_box {
   double low[3], high[3];
-  double mirror_low[3], mirror_high[3]; /* the same, but without end where a polygon goes on */
+  /* as low and high, but infinite where a polygon continues in another box */
+  double mirror_low[3], mirror_high[3];
   double velocity[3];
   const struct region *region; /* NULL: the tank */
   bool slip, tank;
@@ -22,29 +24,30 @@ enum boundary_kind { BOUNDARY_WALL, BOUNDARY_OPEN_HEAD, BOUNDARY_OPEN_FLUX };
 struct isph_open_side {
   int axis;               /* of its normal */
   double inward;          /* +1: on the low side, -1: on the high side */
-  double edge;            /* where on the axis */
-  double low[3], high[3]; /* rectangle on the side; equal along `axis` */
+  double edge;            /* its coordinate on the axis, m */
+  double low[3], high[3]; /* corners of the rectangle on the side; equal along `axis` */
   enum boundary_kind kind;
   const struct region *region;
-  double head, flux;  /* now */
-  double velocity[3]; /* of its boundary particles, where the flux is given */
+  double head, flux;  /* at the end of the present step */
+  double velocity[3]; /* velocity of its boundary particles if the flux is given */
   int cells[3];       /* columns across the rectangle */
-  double pitch[3];    /* their widths; along `axis` the spacing of free water */
-  double porosity;    /* of the soil there, by its sharp edge */
-  size_t first;       /* of its columns; those above the head are there, but dry */
+  double pitch[3];    /* widths of the columns; along `axis` the spacing of free water */
+  double porosity;    /* of the soil there, taking its edge as sharp; 1: none */
+  size_t first;       /* index of its first column; those above the head are included, but dry */
 };
 
-/* A file of boundary particles behind one cell of a window, that moves with the water. */
+/* A row of boundary particles behind one cell of a window, normal to it, which moves with the
+ * water. */
 struct isph_column {
   size_t side, first; /* first of its boundary particles */
-  double pitch;       /* of its particles, along the axis */
-  double volume;      /* of each */
-  bool dry;           /* above the head: air, and no particles */
-  double at[3];       /* its axis on the side */
-  double speed;       /* of the water there, inward: of the pores */
+  double pitch;       /* spacing of its particles along the axis, m */
+  double volume;      /* bulk volume of each particle */
+  bool dry;           /* above the head: there is air instead of particles */
+  double at[3];       /* where its axis meets the side, m */
+  double speed;       /* inward pore velocity of the water there, m/s */
 };
 
-/* Of a periodic or a closed side: x' = turn x + shift. */
+/* Image of a point x across periodic or reflecting sides: x' = turn x + shift. */
 struct isph_image {
   double turn[3], shift[3]; /* turn: -1 along the normals of the sides that reflect, else 1 */
   bool reflected;
@@ -53,6 +56,8 @@ struct isph_image {
 #define BEHIND_STEPS 16
 #define BEHIND (8 * BEHIND_STEPS)
 
-#define WALL_NEAREST 0.25 /* of a spacing: bounds the viscous pull of a particle that touches */
+/* in spacings: least distance of a particle from a wall in the mirror ratio, which bounds the
+ * friction */
+#define WALL_NEAREST 0.25
 
 #endif

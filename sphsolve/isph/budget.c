@@ -1,33 +1,34 @@
-/* The equation, per mass m of water of a particle, u = v_D/eps its velocity, I = C_r/(eps G) the
- * inertia that soil adds (drag_linear.h; I = eps = 1 in free water):
- *   m I dv_D/dt = m [ f - grad P/rho_w + viscous + drag ]
- * It keeps the momentum sum m I v_D and, times u, the kinetic energy sum m I v_D^2/(2 eps). A step
- * takes v^n to v^{n+1} with every force as it was applied,
+/* Balance of momentum and energy. For a particle with the mass m of water, pore velocity u =
+ * v_D/eps and inertia I = C_r/(eps G), which includes that added by soil (drag_linear.h; I = eps =
+ * 1 in free water), the equation of motion is
+ *   m I dv_D/dt = m [ f - grad P/rho_w + viscous + drag ].
+ * It conserves the momentum sum m I v_D and, multiplied by u, the kinetic energy sum m I v_D^2/(2
+ * eps). A step takes v^n to v^{n+1} with every force as it was applied,
  *   m I (v^{n+1} - v^n) = dt sum F,
  *   T^{n+1} - T^n = dt sum F.u^{n+1} - sum (m I/(2 eps)) |v^{n+1} - v^n|^2,
- * of which the last is what the time step dissipates (it never adds). These are identities: energy
- * closes to rounding as long as no effect is forgotten. The implicit drag is, at v^{n+1},
+ * where the last term is the dissipation by the time step (it never adds energy). These are
+ * identities: the energy balance closes to rounding as long as no effect is forgotten. The implicit
+ * drag is, at v^{n+1},
  *   -a v^{n+1} - b (2 |v^n| v^{n+1} - |v^n| v^n)                               (drag_linear.h)
- * and grad P that of isph/step.c's correct. Then come what is no force: the guards at walls,
- * shifting (its change of velocity, and the weight it lifts), straightening at open sides, the
- * bound of isph/energy.c; and particles that move on into other soil at the same v_D (soil_entry),
- * come and go.
+ * and grad P is that of correct() in isph/step.c. To these are added the changes that are not
+ * forces: the guards at walls, shifting (its change of velocity, and the weight it lifts),
+ * straightening at open sides, the bound of isph/energy.c, particles that move into other soil at
+ * the same v_D (soil_entry), and particles that enter or leave.
  *
- * Pressure is the one force that acts both on the water and back on something else, and there the
- * two sides are summed by themselves. Momentum: walls, from the pressure of the particles before
- * them carried on to the wall,
+ * Pressure acts both on the water and, as a reaction, on walls, open sides and soil; the two sides
+ * are summed independently. Momentum of walls: from the pressure of the particles before them,
+ * extrapolated to the wall,
  *   F = sum_i sum_w eps_i V_i V_w slope (P_i + P_w) r_iw,   P_w = P_i - rho f.r_iw
- * with f along closed axes (round periodic ones it makes no pressure)
- * (with the pairs of a planar wall and a P linear in space it is exactly the integral of P over the
- * face, for sum V slope r r = 1: a pair n spacings long crosses it n times, at P's mean on the
- * face); open sides the same with their own pressure; soil sum V P grad eps. The water gets -grad
- * P by differences that know no wall, summed particle by particle. What the two differ by, action
- * without reaction, is a term of its own (projection); so is what viscous pairs do not give each
- * other (m_i V_j is not m_j V_i between particles of different porosity). Energy: the pressure's
- * work on the water is counted particle by particle, that of walls that move, open sides and the
- * relaxation (P div v as it was asked for) by itself; the rest is work where an exact projection
- * would do none. What then is not accounted for, in momentum and energy, is what no effect has
- * counted: rounding. */
+ * with f along closed axes (along periodic ones it makes no pressure). For a planar wall and a P
+ * linear in space this is exactly the integral of P over the face if sum V slope r r = 1: a pair n
+ * spacings long crosses the face n times, at P's mean on the face. Open sides: the same with their
+ * own pressure. Soil: sum V P grad eps. The water gets -grad P from pressure differences that
+ * involve no wall, summed particle by particle. The difference between action and reaction is a
+ * term of its own (projection), which also takes up what viscous pairs do not exchange exactly (m_i
+ * V_j differs from m_j V_i between particles of different porosity). Energy: the pressure's work on
+ * the water is summed particle by particle; that of moving walls, open sides and the relaxation (P
+ * div v as prescribed) separately. The rest is work that an exact projection would not do. What
+ * then remains unaccounted for in momentum and energy is what no effect has counted: rounding. */
 #include "sphsolve/isph/budget.h"
 
 #include <math.h>
@@ -57,7 +58,7 @@ static void add_force(struct budget_sums *sums, enum budget_term term, double sc
   sums->work[term] += scale * dot(force, u);
 }
 
-/* Momentum m I v and energy m I v^2/(2 eps), with `sign`. */
+/* Adds `sign` times the momentum m I v and the energy m I v^2/(2 eps). */
 static void add_stored(double mass, double inertia, double porosity, const double v[3], double sign,
                        double momentum[3], double *energy) {
   for (int a = 0; a < 3; a++) momentum[a] += sign * mass * inertia * v[a];
@@ -94,7 +95,7 @@ void isph_budget_begin(struct isph *s) {
   sum_stored(s, s->budget.momentum[0], &s->budget.energy[0]);
 }
 
-/* Sides that reflect on particle i; `scale` as below. */
+/* Pressure of reflecting sides on particle i; `scale` as in budget_sides. */
 static void budget_reflected(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                              const double f[3], double scale, struct budget_sums *sums) {
   static const double still[3] = {0};
@@ -111,7 +112,8 @@ static void budget_reflected(const struct isph *s, const struct isph_chunk *chun
   }
 }
 
-/* Walls and open sides on particle i; and the work of those that move. `scale`: m dt / rho. */
+/* Pressure of walls and open sides on particle i, and the work of moving ones. `scale`: m dt / rho.
+ */
 static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                          double scale, const double u[3], struct budget_sums *sums) {
   const double *x = s->position[i];
@@ -134,7 +136,7 @@ static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, s
   }
 }
 
-/* sum V P grad eps, at a face of soil. `scale`: m dt / (eps rho), V dt. */
+/* V P grad eps of particle i at an edge of soil. `scale`: m dt / (eps rho), that is V dt. */
 static void budget_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                         double scale, struct budget_sums *sums) {
   const double *x = s->position[i], still[3] = {0}, *soil = still;
@@ -183,8 +185,9 @@ static void budget_drag(const struct isph *s, size_t i, double scale, const doub
   add_force(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
 }
 
-/* Drag across an edge is that of the links (isph/link.h), not that of the particle's own place;
- * what the two differ by is part of what the links' pressure does. */
+/* Corrects the drag across an edge of soil, which is that of the links (isph/link.h) and not that
+ * at the particle's own place. The difference between the two is counted as work of the projection.
+ */
 static void budget_links(const struct isph *s, size_t i, double m, double dt,
                          const double before[3], const double u[3], struct budget_sums *sums) {
   const struct isph_linked *linked = &s->linked[i];
@@ -209,7 +212,8 @@ static void budget_links(const struct isph *s, size_t i, double m, double dt,
   add_force(sums, BUDGET_PROJECTION, -m * dt, moved, u);
 }
 
-/* The pairs' viscous force goes to what makes the larger part of nu + max(nu_T, nu_c). */
+/* Splits the viscous force of the pairs between laminar viscosity and whichever is the larger of
+ * nu_T and nu_c. */
 static void budget_viscosity(const struct isph *s, size_t i, double scale, const double u[3],
                              struct budget_sums *sums) {
   const struct isph_applied *applied = &s->applied[i];
@@ -225,8 +229,9 @@ static void budget_viscosity(const struct isph *s, size_t i, double scale, const
   if (s->calm != NULL) add_force(sums, BUDGET_ARTIFICIAL_VISCOSITY, scale, s->biharmonic[i], u);
 }
 
-/* Effects that bring a force, or a pressure outside the surface, whose part of the corrector's
- * gradient (surface_close) is then not the projection's. */
+/* Effects that add a force, or a pressure outside the surface. The latter's part of the corrector's
+ * gradient (surface_close) is taken out of `pressed`, since it does not belong to the projection.
+ */
 static void budget_own(const struct isph *s, size_t i, double scale, const double u[3],
                        double pressed[3], struct budget_sums *sums) {
   for (size_t k = 0; k < s->on.own_count; k++) {

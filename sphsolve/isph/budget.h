@@ -1,40 +1,43 @@
-/* The budget of momentum and energy that a run keeps (conservation.h): what each effect of a step
- * gives the water, summed in that step. */
+/* Budget of momentum and energy (conservation.h): the contribution of each effect to the momentum
+ * and energy of the water, summed in the step in which it acts. */
 #ifndef TOSUI_SPHSOLVE_ISPH_BUDGET_H
 #define TOSUI_SPHSOLVE_ISPH_BUDGET_H
 
 #include "sphsolve/isph/state.h"
 
-/* Which terms the scene has, and what there is at the start; from a fresh state. */
+/* Sets the terms that the scene has, and the momentum and energy at the start; needs a fresh state.
+ */
 void isph_budget_begin(struct isph *s);
-/* The drag of soil on particle i, m/s^2: linear in v, and Forchheimer's, linearised about the
- * velocity `before`; for one that does not change, with v = before, the drag itself. */
+/* Drag of soil on particle i, m/s^2: the linear part at v, and Forchheimer's part linearised about
+ * the velocity `before`. With before = v it is the exact drag of a steady velocity. */
 void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const double before[3],
                       double linear[3], double forchheimer[3]);
-/* After the correction, before particles move: all forces of the step. */
+/* Adds the forces of the step; after the correction, before the particles move. */
 void isph_budget_forces(struct isph *s, double relaxation_time, double dt);
-/* Velocity of particle i, in a chunk of its own, changed from `from` by an effect that is no force
- * of the equation. */
+/* Books the change of particle i's velocity from `from` by an effect that is not a force of the
+ * equation of motion. `sums` are those of the particle's chunk. */
 void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,
                         size_t i, const double from[3]);
-/* Particle i went `displacement` further by an effect than its velocity carries it. */
+/* Books the work of the driving force on a `displacement` of particle i beyond what its velocity
+ * gives. */
 void isph_budget_displacement(const struct isph *s, struct budget_sums *sums, enum budget_term term,
                               size_t i, const double displacement[3]);
-/* Sums the chunks and, in soil, what there is before the particles' soil is found anew. */
+/* Adds up the chunks' budgets and, with soil, stores momentum and energy before porosity and
+ * inertia are updated. */
 void isph_budget_moved(struct isph *s);
-/* A particle, still with the soil it had, leaves. */
+/* A particle that leaves, with the inertia and porosity at its last place. */
 struct isph_removed {
   double position[3], velocity[3], mass, volume, inertia, porosity;
   uint64_t id;
   bool pumped; /* by a well */
 };
 void isph_budget_removed(struct isph *s, enum budget_term term, const struct isph_removed *gone);
-/* A particle comes in. */
+/* Books a particle that enters. */
 void isph_budget_entered(struct isph *s, const double position[3], const double velocity[3],
                          double mass);
-/* From a fresh state: the end of the step. */
+/* At the end of the step, from a fresh state: books the change by entry into other soil. */
 void isph_budget_settled(struct isph *s);
-/* What there is now, as the budget's end. */
+/* Stores the present momentum and energy as those at the end of the budget. */
 void isph_budget_end(struct isph *s);
 
 #endif

@@ -10,8 +10,8 @@ bool isph_has_calm(const struct isph *s) {
   return isph_is_free_water(s) && s->on.artificial_viscosity && s->on.viscous;
 }
 
-/* to = the largest of `from` in each own particle's neighbourhood. */
-static void most_around(struct isph *s, double *from, double *to) {
+/* Sets `to` to the largest value of `from` in each own particle's neighbourhood. */
+static void neighbourhood_maximum(struct isph *s, double *from, double *to) {
   isph_send(s, 1, &(struct ghost_field){from, sizeof *from});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -33,7 +33,7 @@ void isph_calm_thickness(struct isph *s) {
   for (int hop = 0; hop <= 2 * THICKNESS_HOPS; hop++) { /* an odd number: ends in s->thick */
     for (size_t i = s->local.begin; i < s->local.end && hop == THICKNESS_HOPS; i++)
       from[i] = 1 - from[i];
-    most_around(s, from, to);
+    neighbourhood_maximum(s, from, to);
     double *found = to;
     to = from, from = found;
   }
@@ -42,7 +42,7 @@ void isph_calm_thickness(struct isph *s) {
     const double lacks = s->kernel_top - s->kernel_sum[i] - LOOSE_FROM;
     loose[i] = s->surface[i] * fmax(0, fmin(1, lacks / (LOOSE_FULL - LOOSE_FROM)));
   }
-  most_around(s, loose, loosest);
+  neighbourhood_maximum(s, loose, loosest);
   for (size_t i = s->local.begin; i < s->local.end; i++) s->thick[i] *= 1 - loosest[i];
 }
 

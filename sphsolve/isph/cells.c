@@ -13,7 +13,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 
-#define CANDIDATES 8192 /* of a particle, with room for a second search */
+#define CANDIDATES 8192 /* most candidates for the neighbours of a particle */
 
 static int clamp_index(double value, int count) {
   if (!(value > 0)) return 0;
@@ -39,7 +39,8 @@ static enum status shape_cells(const struct isph *s, double margin, struct isph_
     cells->size[a] = length / cells->count[a];
     total *= cells->count[a];
   }
-  /* Ranks have layers across the longest axis, which are the smallest. */
+  /* Ranks divide the domain into layers across its longest axis, since these have the fewest cells.
+   */
   int longest = 2;
   for (int a = 1; a >= 0; a--)
     if (cells->count[a] > cells->count[longest]) longest = a;
@@ -54,7 +55,7 @@ static enum status shape_cells(const struct isph *s, double margin, struct isph_
   return memory_allocate(&cells->start, (size_t)total + 1, sizeof *cells->start, "cells");
 }
 
-/* Counting sort by cell, stable: fills `order` with the old index of each new place. */
+/* Stable counting sort by cell: fills `order` with the old index of each new place. */
 static void sort_by_cell(const struct isph_cells *cells, size_t n, const uint32_t *cell,
                          uint32_t *order) {
   size_t total = (size_t)cells->count[0] * (size_t)cells->count[1] * (size_t)cells->count[2];
@@ -91,8 +92,8 @@ cleanup:
   return status;
 }
 
-/* Boundary particles keep the order of their first places, so that a resumed run sums in the same
- * order; only the index of the cells is found anew when walls move. */
+/* Boundary particles keep their initial order, so that a resumed run adds up in the same order;
+ * only the index of the cells is rebuilt when walls move. */
 enum status isph_sort_walls(struct isph *s) {
   enum status status = STATUS_OK;
   uint32_t *cell = NULL;
@@ -108,8 +109,8 @@ cleanup:
   return status;
 }
 
-/* Entries (index | image) of all points of `cells` closer to xi than `reach`. Returns more than
- * CANDIDATES when they do not fit. */
+/* Collects the entries (index | image) of all points of `cells` closer to xi than `reach`. Returns
+ * more than CANDIDATES if they do not fit. */
 static size_t collect(const struct isph *s, const struct isph_cells *cells, const uint32_t *order,
                       double (*x)[3], const double xi[3], double reach, uint32_t *candidates) {
   size_t found = 0;
@@ -172,7 +173,8 @@ static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on
     TRY(memory_resize(&chunk->matrix, n, sizeof *chunk->matrix, "pressure matrix"));
     if (on->links || on->anisotropy)
       TRY(memory_resize(&chunk->mobility, n, sizeof *chunk->mobility, "neighbour lists"));
-    if (on->links) TRY(memory_resize(&chunk->way, n, sizeof *chunk->way, "neighbour lists"));
+    if (on->links)
+      TRY(memory_resize(&chunk->path_porosity, n, sizeof *chunk->path_porosity, "neighbour lists"));
     if (on->links && on->anisotropy)
       TRY(memory_resize(&chunk->plain, n, sizeof *chunk->plain, "neighbour lists"));
     chunk->pair_capacity = n;
@@ -187,7 +189,8 @@ cleanup:
   return status;
 }
 
-/* Of the neighbourhood of a particle; wall_moment: of walls and reflected water. */
+/* Sums over the neighbourhood of a particle; wall_moment is that of walls and of reflected water.
+ */
 struct neighbourhood {
   double kernel_sum, gradient_sum[3], moment[6], wall_moment[6];
 };
@@ -202,7 +205,7 @@ static inline void add_sums(double volume, double w, double slope, const double 
   moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
 }
 
-/* Which images particles within `reach` of x may be. */
+/* Which kinds of images can lie within `reach` of x. */
 static enum isph_images images_near(const struct isph *s, const double x[3], double reach) {
   enum isph_images images = IMAGES_NONE;
   for (int a = 0; a < 3; a++) {
@@ -213,7 +216,7 @@ static enum isph_images images_near(const struct isph *s, const double x[3], dou
   return images;
 }
 
-/* The pairs of particle i, of the candidates. */
+/* Finds the pairs of particle i among the candidates and adds up its neighbourhood. */
 ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                     size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
   const double *xi = s->position[i], hi = s->support[i];
@@ -236,7 +239,7 @@ ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_c
   chunk->pair_count = count;
 }
 
-/* Whether the wall particle of an entry has moved out through a side that reflects. */
+/* Whether the wall particle of an entry has moved out of the domain through a reflecting side. */
 static bool is_beyond(const struct isph *s, uint32_t entry) {
   const double *x = s->boundary_position[entry & PAIR_MASK];
   for (int a = 0; a < 3; a++)
@@ -244,7 +247,7 @@ static bool is_beyond(const struct isph *s, uint32_t entry) {
   return false;
 }
 
-/* As find_pairs of its pairs with walls. */
+/* As find_pairs, for pairs with boundary particles. */
 ROW void find_walls(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                     size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
   const double *xi = s->position[i], hi = s->support[i];
@@ -309,8 +312,8 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
       s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - water,
                                      sums.gradient_sum, sums.moment, sums.wall_moment);
     memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
-    /* From the water alone, so that it is exact for linear fields next to a wall too; none where
-     * the neighbours are too few for it. */
+    /* The correction is from the water alone, so that it is exact for linear fields next to a wall
+     * too. It is the identity if there are too few neighbours. */
     double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
     isph_moment_inverse(dimensions, sums.moment, inverse);
     for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];

@@ -8,7 +8,7 @@
 
 enum { ARRAYS = 11 };
 
-/* The arrays of a state: per own particle, per boundary particle, per region. */
+/* The arrays of a state that are copied: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
   const size_t own = s->local.end - s->local.begin;
   size_t n = 0;
@@ -32,7 +32,7 @@ static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t by
   return n;
 }
 
-enum status isph_keep(const struct isph *s, struct isph_copy *copy) {
+enum status isph_copy_state(const struct isph *s, struct isph_copy *copy) {
   enum status status = STATUS_OK;
   void *array[ARRAYS];
   size_t bytes[ARRAYS], total = 0, used = 0, n = copied_arrays(s, array, bytes);
@@ -54,7 +54,7 @@ cleanup:
   return status;
 }
 
-enum status isph_go_back(struct isph *s, const struct isph_copy *copy) {
+enum status isph_restore_state(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
   void *array[ARRAYS];
   size_t bytes[ARRAYS], used = 0;

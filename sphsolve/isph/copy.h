@@ -1,4 +1,5 @@
-/* A state to go back to, fresh: what a checkpoint holds, in memory; the watchdog stays. */
+/* A copy in memory of what a checkpoint holds, to which a run can return; the watchdog's state is
+ * not part of it. Restoring it leaves a fresh state. */
 #ifndef TOSUI_SPHSOLVE_ISPH_COPY_H
 #define TOSUI_SPHSOLVE_ISPH_COPY_H
 
@@ -13,8 +14,10 @@ struct isph_copy {
   int64_t step;
   uint64_t next_id;
 };
-enum status isph_keep(const struct isph *s, struct isph_copy *copy);
-enum status isph_go_back(struct isph *s, const struct isph_copy *copy);
+/* Copies the state; `copy` starts as {0} and may be reused. Free with isph_copy_free. */
+enum status isph_copy_state(const struct isph *s, struct isph_copy *copy);
+/* Collective: returns to the copied state, which is then fresh. */
+enum status isph_restore_state(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);
 #define ISPH_COPY_BYTES 72.0 /* per particle */
 

@@ -1,4 +1,5 @@
-/* Water that fills its room has no surface, and its pressure is known but for a constant. */
+/* Enclosed bodies of water, which fill the room they are in: they have no surface, and their
+ * pressure is determined only up to a constant. */
 #include <math.h>
 
 #include "common/memory.h"
@@ -7,21 +8,22 @@
 #include "sphsolve/isph/well.h"
 
 /* Particles that are neighbours, directly or through others, form a body of water. A body none of
- * whose particles is on the surface by more than ENCLOSED fills its room: incompressible as it is,
- * it has no free volume, and the sources of its rows have to add up to 0, or the pressure equation
- * has no solution. So its particles count as not on the surface (a particle that disorder puts on
- * it by a thousandth would take up the volume of all others, at a thousand times the pressure: 46
- * MPa in a tank short of four of its 600 particles), the mean of its source is taken out, and its
- * lowest pressure is set to that of half a particle under a level surface. */
+ * whose particles is on the surface by more than ENCLOSED fills its room. As it is incompressible
+ * and has no free volume, the sources of its rows have to add up to 0, or the pressure equation has
+ * no solution. So its particles count as not on the surface (a particle that disorder puts on it by
+ * a thousandth would take up the volume of all others, at a thousand times the pressure: 46 MPa in
+ * a tank short of four of its 600 particles), the mean of its source is subtracted, and its lowest
+ * pressure is set to that of half a particle under a level surface. */
 #define ENCLOSED 0.5
 
-/* The first of a set of particles, with the path to it made shorter. */
+/* The first particle (root) of the set that i belongs to; shortens the path to it (union-find). */
 static uint32_t first_of(uint32_t *above, uint32_t i) {
   while (above[i] != i) i = above[i] = above[above[i]];
   return i;
 }
 
-/* Sets of particles that this rank knows to be connected: each one's first is `above` it. */
+/* Joins pairs into sets of connected particles, as far as this rank knows them; following `above`
+ * leads to a set's root. */
 static void join_pairs(const struct isph *s, uint32_t *above) {
   for (size_t i = 0; i < s->count; i++) above[i] = (uint32_t)i;
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -29,7 +31,7 @@ static void join_pairs(const struct isph *s, uint32_t *above) {
     for (size_t i = chunk->begin; i < chunk->end; i++)
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
-        if (j > i && j < s->local.end) continue; /* the other way round */
+        if (j > i && j < s->local.end) continue; /* found from j as well */
         uint32_t a = first_of(above, (uint32_t)i), b = first_of(above, j);
         if (a < b) above[b] = a;
         if (b < a) above[a] = b;
@@ -37,7 +39,7 @@ static void join_pairs(const struct isph *s, uint32_t *above) {
   }
 }
 
-/* Whether particle i, of a chunk, has a window of given head beside it, or is in a well. */
+/* Whether particle i of the chunk has a window of given head as a neighbour, or is in a well. */
 static bool at_head(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
   if (s->on.wells && isph_in_well(s, s->position[i])) return true;
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++)
@@ -45,9 +47,9 @@ static bool at_head(const struct isph *s, const struct isph_chunk *chunk, size_t
   return false;
 }
 
-/* Number of each particle's body, that of its first particle among those of all ranks, and how far
- * the one that is most on the surface is. Without walls inside the tank all are one body: what
- * parts from the rest has a surface. */
+/* Sets body[i]: the number of the particle's body, which is that of its first particle among those
+ * of all ranks, and the largest surface weight in the body. Without walls inside the tank all
+ * particles are one body: any part that separates has a surface. */
 static void find_bodies(struct isph *s) {
   uint32_t *above = s->scratch;
   const bool parted = s->wall_box_count > 1;
@@ -129,8 +131,8 @@ void isph_enclosed_source(struct isph *s, double *source) {
   }
 }
 
-/* The pressure half a particle under a level surface, or as far as particle i stands under the lid.
- */
+/* Pressure half a particle under a level surface, or at the depth of particle i under a reflecting
+ * side, if that is less. */
 static double top_pressure(const struct isph *s, size_t i) {
   double depth = 0;
   for (int a = 0; a < 3; a++) {

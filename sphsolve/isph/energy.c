@@ -9,41 +9,44 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/vector.h"
 
-/* In a closed tank under a steady force the water's energy, kinetic and potential,
+/* In a closed tank under a steady force the energy of the water, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
- * may only fall. Three errors of the method raise it; they show near rest, where nothing else
- * dissipates energy any more.
+ * cannot increase. Three errors of the method raise it; they show near rest, where nothing else
+ * dissipates energy.
  *
  * Relaxation of the density (effects/relaxation.h) lets compressed water expand, which lifts the
  * water above it. The work in a step,
  *   R = sum P V (phi - 1) eps B/tau dt,
- * is held to what friction dissipates and contraction elsewhere gives back in the same step, with
- * the pressures of the step before:
+ * is limited to what friction dissipates and contraction elsewhere gives back in the same step,
+ * with the pressures of the step before:
  *   relaxation_factor <= (friction + contraction) / expansion,
- * unless the water as a whole is denser by more than DENSITY_EXCESS: then its volume matters more.
- * Friction is counted there by the kinetic energy that v* has lost, at most m u^2/2 of a particle.
- * Water that seeps has hardly any, and drag takes in a step
+ * unless the water as a whole is too dense by more than DENSITY_EXCESS: then its volume matters
+ * more. Friction is measured by the kinetic energy that v* has lost, which is at most m u^2/2 for a
+ * particle. Seeping water has hardly any kinetic energy, and drag takes in a step
  *   m dt (a + b |v|) v.u,
- * in fine soil some hundred times as much. That lets what crowds in soil spread: the part of it
- * that drag would hold (effects/relaxation.h) is held to what drag takes, and to that alone,
+ * which is some hundred times as much in fine soil. This allows crowded particles in soil to
+ * spread: the part of their expansion that drag would hold back (effects/relaxation.h) is limited
+ * to what drag takes, and to that alone,
  *   crowd_factor <= drag / expansion of that part.
- * The rest has no share in it: what seeps away would pay for free water that stirs.
+ * The rest may not use that energy: otherwise seepage would pay for free water that stirs.
  *
- * Shifting lifts free water near a surface while it lies on soil (effects/shifting.h); that is held
- * to friction and to what shifting lowers elsewhere,
+ * Shifting lifts free water near a surface while it lies on soil (effects/shifting.h); this is
+ * limited to friction and to what shifting lowers elsewhere,
  *   lift_factor <= (friction + sum of -m f.dx < 0) / sum of -m f.dx > 0,
- * with friction as above. Else three rows of water, ragged, stir themselves for ever.
+ * with friction as above. Otherwise three rows of uneven water stir themselves for ever.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
  * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is
- * taken back by a uniform strain: all particles move along the force towards the lowest one, so far
- * that E^{n+1} = E^n. Velocities are not scaled for it: waves hold less than 1e-5 of the energy and
- * would pay for all of it (a wave of 3 cm/s on a metre of water died within two periods). Only what
- * a new porosity adds to u = v/eps is taken from the velocities. C_r/eps Dv/Dt keeps v of water
- * that crosses the face of soil: its m u^2/2 grows by (m v^2/2) D(1/eps^2), for which no pressure
- * works. As much as the step's move has added is taken, however much it is. */
+ * compensated by a uniform strain: all particles move along the force towards the lowest one, by so
+ * much that E^{n+1} = E^n. Velocities are not scaled for this purpose: waves hold less than 1e-5 of
+ * the energy and would pay for all of it (a wave of 3 cm/s on a metre of water died within two
+ * periods). Only what a new porosity adds to u = v/eps is taken from the velocities. The inertial
+ * term C_r/eps Dv/Dt conserves v of water that crosses the face of soil: its m u^2/2 grows by (m
+ * v^2/2) D(1/eps^2), for which no pressure does work. As much as the step's move has added is
+ * taken, however much it is. */
 
-#define DENSITY_EXCESS 0.0025 /* from this on the bound is eased, at twice this there is none */
+/* relative excess of density above which the bound is eased; at twice this there is none */
+#define DENSITY_EXCESS 0.0025
 
 static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
   double total;
@@ -80,7 +83,7 @@ double isph_potential_energy(const struct isph *s) {
   return total;
 }
 
-/* What drag takes from particle i in a step at its present velocity, J or J/m. */
+/* Energy that drag takes from particle i in a step at its present velocity, J or J/m. */
 static double taken_by_drag(const struct isph *s, size_t i, double dt) {
   const double *v = s->velocity[i];
   double linear[3], forchheimer[3];
@@ -154,8 +157,9 @@ void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*s
     for (int a = 0; a < 3; a++) steps[i][a] += less * fmax(0, lift[i]) / square * f[a];
 }
 
-#define STRAIN_MOST 1e-3 /* in a step */
-#define TRIM_MOST 0.01   /* of the kinetic energy, in a step, where a new porosity adds less */
+#define STRAIN_MAX 1e-3 /* largest strain in a step */
+/* most of the kinetic energy that is taken in a step, unless a new porosity has added more */
+#define TRIM_MAX 0.01
 
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };
@@ -179,7 +183,7 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
   const double weight = total[WEIGHT] + total[MASS] * force * lowest;
   double excess = isph_kinetic_energy(s) + total[WORK] - available;
   if (!(excess > 0 && weight > 0)) return;
-  double strain = fmin(excess / weight, STRAIN_MOST) / force;
+  double strain = fmin(excess / weight, STRAIN_MAX) / force;
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
@@ -194,7 +198,7 @@ void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], d
 void isph_energy_limit_velocity(struct isph *s, double most, double moved) {
   double kinetic = isph_kinetic_energy(s), excess = kinetic + isph_potential_energy(s) - most;
   if (!(excess > 0 && kinetic > 0)) return;
-  double scale = sqrt(1 - fmin(excess, fmax(TRIM_MOST * kinetic, kinetic - moved)) / kinetic);
+  double scale = sqrt(1 - fmin(excess, fmax(TRIM_MAX * kinetic, kinetic - moved)) / kinetic);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];

@@ -6,20 +6,22 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/vector.h"
 
-#define FRONT_FROM 0.9   /* of o */
-#define FRONT_WEIGHT 0.1 /* at o = 1 */
-#define SIDED_FROM 0.6   /* of o: neighbours across begin to stand on one side; */
-#define SIDED_FULL 0.7   /* they do */
-#define VOID_SHUT 0.2    /* of |sum V grad W| left by the wall ahead: it is there, */
-#define VOID_OPEN 0.4    /* it does not count */
+#define FRONT_FROM 0.9   /* o from which on a particle is part of a front */
+#define FRONT_WEIGHT 0.1 /* surface weight at o = 1 */
+#define ONE_SIDED_FROM 0.6 /* o from which on the neighbours count as one-sided in part, */
+#define ONE_SIDED_FULL 0.7 /* and entirely */
+/* share of |sum V grad W| that the wall ahead leaves: below this, the wall counts (closed void); */
+#define VOID_SHUT 0.2
+#define VOID_OPEN 0.4 /* above this it does not */
 
-/* Of a neighbourhood: sum V grad W and, g with all walls, sum |V grad W.g|, both without walls
- * beyond a void, and the second moment of those. */
+/* Sums over a neighbourhood, without walls beyond a void: `open` is sum V grad W, `across` is sum
+ * |V grad W.g| with g the gradient sum including all walls. `beyond` is the second moment of the
+ * walls that are left out. */
 struct sides {
   double open[3], across, beyond[6];
 };
 
-/* How far a goes from `from` to `full`, 0 .. 1. */
+/* Linear ramp: 0 up to `from`, 1 from `full` on. */
 static double share(double a, double from, double full) {
   return fmax(0, fmin(1, (a - from) / (full - from)));
 }
@@ -72,5 +74,5 @@ double isph_front_find(struct isph *s, const struct isph_chunk *chunk, size_t i,
   s->surface[i] = fmax(s->surface[i], left * w);
   for (int a = 0; a < 3; a++) g[a] += left * (open[a] - g[a]);
   for (int k = 0; k < 6; k++) moment[k] -= left * beyond[k];
-  return left * share(o, SIDED_FROM, SIDED_FULL);
+  return left * share(o, ONE_SIDED_FROM, ONE_SIDED_FULL);
 }

@@ -33,10 +33,10 @@ static bool solve_small(int n, double m[4][4], double b[4]) {
   return true;
 }
 
-/* The images, by their codes, that a gauge sees of a particle: the particle, and where a side that
- * reflects is nearer than a support its reflections. With them the gradient across the side is
- * that of water at rest, as it is along a wall (Dv/Dt = 0 across it); a fit to the water before it
- * alone goes on beyond the last particles as they happen to stand. */
+/* Codes of the images of a particle that a gauge uses: the particle itself and, where a reflecting
+ * side is nearer than a support, its reflections. With them the gradient normal to the side is that
+ * of water at rest, as it is along a wall (Dv/Dt = 0 normal to it); a fit to the real particles
+ * alone would extrapolate beyond the last ones in whatever arrangement they have. */
 static int images_at(const struct isph *s, const double point[3], size_t code[8]) {
   static const size_t along[3] = {1, 3, 9};
   int n = 1;
@@ -51,8 +51,8 @@ static int images_at(const struct isph *s, const double point[3], size_t code[8]
   return n;
 }
 
-/* Separation of x from an image of particle i, round a periodic axis the nearest, in units of its
- * support; r < 1 counts. */
+/* Separation of the point from an image of particle i, the nearest one along periodic axes, in
+ * units of its support. Particles with r < 1 count. */
 static double scaled_separation(const struct isph *s, size_t i, const struct isph_image *image,
                                 const double point[3], double r[3]) {
   double square = 0;
@@ -70,13 +70,14 @@ static double scaled_separation(const struct isph *s, size_t i, const struct isp
   return sqrt(square);
 }
 
-/* Variance of a fitted value over that of the values fitted from which on the fit goes beyond the
- * water: 4 to 12 on a face of it, 11 to 35 in a corner in three dimensions (lattices of all kernels
- * and supports of 2.4 to 3 spacings), 56 to 5000 over the row of particles of a tip. */
+/* Largest variance of a fitted value over that of the values fitted, above which the fit is an
+ * extrapolation beyond the water: 4 to 12 at a face of the water, 11 to 35 in a corner in three
+ * dimensions (lattices of all kernels and supports of 2.4 to 3 spacings), 56 to 5000 over the row
+ * of particles of a tip. */
 #define FIT_BEYOND 40
 
-/* By moving least squares, exact for what is linear; 0 where there is no water, or only to one side
- * and thinner than it is far. */
+/* Pressure and velocity by moving least squares, exact for linear fields; 0 where there is no
+ * water, or only to one side and thinner than it is far away. */
 static void fit(const struct isph *s, const double point[3], double value[4]) {
   enum { VALUES = 4, RIGHT = 16, WEIGHT = RIGHT + 4 * VALUES, FILLED, COUNT };
   _Static_assert(COUNT <= SUMS, "a gauge's sums");
@@ -97,7 +98,7 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
       const double *v = s->velocity[i], *x = s->position[i];
       double basis[4] = {1}, values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
       for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]];
-      for (int a = 0; a < 3; a++) { /* of the reflection: isph/reflection.h */
+      for (int a = 0; a < 3; a++) { /* values of the reflected particle: isph/reflection.h */
         if (!(image->turn[a] < 0)) continue;
         values[0] += s->density * s->force[a] * (image->shift[a] - 2 * x[a]);
         values[a + 1] = -v[a];
@@ -117,7 +118,8 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   if (total[FILLED] < 0.1) return;
   for (int p = 0; p < 4; p++)
     for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
-  if (!solve_small(n, m, share)) memcpy(share, (double[4]){1}, sizeof share); /* the mean */
+  /* singular: takes the mean */
+  if (!solve_small(n, m, share)) memcpy(share, (double[4]){1}, sizeof share);
   for (int f = 0; f < VALUES && share[0] < FIT_BEYOND; f++)
     for (int p = 0; p < n; p++) value[f] += share[p] * total[RIGHT + 4 * f + p] / total[WEIGHT];
 }
@@ -127,11 +129,12 @@ bool isph_has_head(const struct isph *s) {
   return g[0] != 0 || g[1] != 0 || g[2] != 0;
 }
 
-/* Thinner water than this is spray, and no level. */
+/* Kernel sum below which water counts as spray and has no level. */
 #define LEVEL_KERNEL_SUM 0.6
-#define LEVEL_REACH 0.75 /* a gauge between two columns sees both */
+#define LEVEL_REACH 0.75 /* in particle sizes; a gauge between two columns of particles uses both  \
+                          */
 
-/* Whether the point so high over the gauge lies at the underside of a wall, or in one. */
+/* Whether the point at that height over the gauge lies at the underside of a wall, or in one. */
 static bool is_covered(const struct isph *s, const double point[3], const double up[3],
                        double height) {
   double at = 0, x[3];
@@ -148,8 +151,8 @@ static bool is_covered(const struct isph *s, const double point[3], const double
 }
 
 /* Height of the highest water above or below the gauge, against gravity: half a particle above the
- * outermost within LEVEL_REACH of its size of the line through it. NAN where there is none, and
- * where the water ends at the underside of a wall. */
+ * outermost particle whose distance from the vertical through the gauge is within LEVEL_REACH of
+ * its size. NAN if there is none, or if the water ends at the underside of a wall. */
 static double level_at(const struct isph *s, const double point[3], const double up[3]) {
   double most = -INFINITY;
 #pragma omp parallel for schedule(static) reduction(max : most)

@@ -1,6 +1,7 @@
-/* The images at which a particle sees its neighbours: none far from periodic sides and sides that
- * reflect, else those. A loop over pairs is a ROW function of the kind; ISPH_ROW has it compiled
- * for each, so that only the particles that have images pay for them. */
+/* Periodic and reflected images of neighbours. A particle far from periodic and reflecting sides
+ * needs none. A loop over pairs is written as a ROW function with the kind of images as its first
+ * argument; ISPH_ROW has it compiled for each kind, so that only the particles that have images pay
+ * for them. */
 #ifndef TOSUI_SPHSOLVE_ISPH_IMAGES_H
 #define TOSUI_SPHSOLVE_ISPH_IMAGES_H
 
@@ -13,7 +14,7 @@ enum isph_images { IMAGES_NONE, IMAGES_PERIODIC, IMAGES_REFLECTED /* and periodi
 
 #define ROW static inline __attribute__((always_inline))
 
-/* row(images, ...) of particle i of s. */
+/* Calls row(images, ...) for particle i of s, with the kind of images that it has. */
 #define ISPH_ROW(s, i, row, ...)                                                                   \
   do {                                                                                             \
     if ((s)->images[i] == IMAGES_NONE)                                                             \
@@ -36,16 +37,18 @@ ROW void isph_separation_at(enum isph_images images, const struct isph *s, const
     r[a] = xi[a] - at;
   }
 }
+/* The same for any kind of image. */
 ROW void isph_separation(const struct isph *s, const double xi[3], double (*x)[3], uint32_t entry,
                          double r[3]) {
   isph_separation_at(IMAGES_REFLECTED, s, xi, x, entry, r);
 }
 
+/* Whether the neighbour of a pair entry is a reflected image. */
 ROW bool isph_is_reflected(enum isph_images images, const struct isph *s, uint32_t entry) {
   return images == IMAGES_REFLECTED && s->image[entry >> PAIR_BITS].reflected;
 }
 
-/* A vector of the neighbour as its image has it. */
+/* A vector of the neighbour, turned as in its image. */
 ROW void isph_turn(enum isph_images images, const struct isph *s, uint32_t entry,
                    const double of[3], double image[3]) {
   const double *turn = s->image[entry >> PAIR_BITS].turn;

@@ -3,24 +3,26 @@
 #include <math.h>
 #include <string.h>
 
-/* Fractions of soil are smooth: at an interface both soils have one. Across it the same water flows
- * through both and resistances add, along it both feel the same gradient and flows add:
+/* Soil fractions are smoothed, so that near an interface both soils are present. Across it the same
+ * water flows through both and resistances add; along it both have the same gradient and flows add:
  *   across   a = sum w a,     b = sum w b
  *   along    1/a = sum w / a, 1/sqrt(b) = sum w / sqrt(b)    (exact for a alone and for b alone)
  * (Wiener 1912). The normal is the principal direction of
- *   T = grad M grad M + HESSIAN_WEIGHT h^2 H H,   M = sum w ln a / sum w,  H its second
- * derivatives, rank one at a plane interface and in a thin layer, where grad M is 0 in the middle
- * but H is not. At a corner T has two directions, q = (l1 - l2)/(l1 + l2) of its eigenvalues fades
- * to 0, and both means go to the geometric one: that of a checkerboard (Keller 1964). */
+ *   T = grad M grad M + HESSIAN_WEIGHT h^2 H H,   M = sum w ln a / sum w,
+ * with H the second derivatives of M. T has rank one at a plane interface, and in a thin layer, in
+ * whose middle grad M is 0 but H is not. At a corner T has two principal directions; q = (l1 -
+ * l2)/(l1 + l2) of its eigenvalues goes to 0, and both means go to the geometric one, which is that
+ * of a checkerboard (Keller 1964). */
 
-/* Small, so that H speaks only where grad M is silent: boxes that make stairs of an oblique
- * interface roughen H more than grad M (stairs of a spacing at 45 degrees: flux -13 % with 1, -4 %
- * with 0.1). */
+/* Small, so that H matters only where grad M vanishes: a staircase of boxes along an oblique
+ * interface makes H rougher than grad M (stairs of one spacing at 45 degrees: flux -13 % with 1, -4
+ * % with 0.1). */
 #define HESSIAN_WEIGHT 0.02
-/* Of the finer soil's mobility: no soils are touched whose mobilities differ by less than 9. */
-#define TRACE 4.0
-/* Neighbours' weight along an edge is at least this fraction of that without an edge. */
-#define WEIGHT_LEAST 0.25
+/* Bound on the change of the mean mobility along an interface, in units of the finer soil's
+ * mobility. Soils whose mobilities differ by less than a factor 9 are not affected. */
+#define MEAN_CHANGE_MAX 4.0
+/* Lower bound of the relative weight of neighbours along an edge, over that without an edge. */
+#define WEIGHT_MIN 0.25
 
 void isph_fraction_add(struct isph_fraction *to, double scale, const struct isph_fraction *share) {
   to->value += scale * share->value;
@@ -37,18 +39,19 @@ static bool differ(const struct isph_mobilities *m) {
   return m->most > m->least * (1 + 1e-9);
 }
 
-/* The mean mobility along an interface. Fractions are smoothed, and where one soil lets through far
- * more than the other a trace of it would decide: water in the fine soil would move along by what
- * its steep pressure, across the flow, leaves by disorder times the mobility of the coarse one, of
- * which the pressure equation, whose pairs see the fine soil, knows nothing (ratio 1e4: ten times
- * what seeps). So the coarse soil adds no more than TRACE times the fine one's own where less than
- * half is coarse, and the fine soil takes no more than that where more is: as much is taken on one
- * side of the interface as is given on the other, and layers carry as much as before. */
+/* Mean mobility along an interface. As fractions are smoothed, a trace of a soil that is far more
+ * permeable than the other would dominate the mean. Water in the fine soil would then move along
+ * the interface by the disorder in the steep pressure gradient normal to it, times the mobility of
+ * the coarse soil, of which the pressure equation, whose pairs see the fine soil, knows nothing
+ * (ratio 1e4: ten times the seepage velocity). So where less than half is coarse, the coarse soil
+ * adds at most MEAN_CHANGE_MAX times the fine one's mobility; and where more than half is coarse,
+ * the fine soil reduces the mean by at most that. As much is taken on one side of the interface as
+ * is given on the other, and layers carry as much as before. */
 static double mean_along(const struct isph_mobilities *m, double w) {
   const double mean = m->sum / w, low = m->least, high = m->most;
-  if (!isfinite(mean) || high <= low * (1 + 2 * TRACE)) return mean;
-  if (2 * mean < low + high) return fmin(mean, low * (1 + TRACE));
-  return fmax(mean, high - low * TRACE);
+  if (!isfinite(mean) || high <= low * (1 + 2 * MEAN_CHANGE_MAX)) return mean;
+  if (2 * mean < low + high) return fmin(mean, low * (1 + MEAN_CHANGE_MAX));
+  return fmax(mean, high - low * MEAN_CHANGE_MAX);
 }
 
 void isph_soil_mix_add(struct isph_soil_mix *m, const struct isph_fraction *w, double a, double b) {
@@ -62,7 +65,7 @@ void isph_soil_mix_add(struct isph_soil_mix *m, const struct isph_fraction *w, d
 
 static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
 
-/* T of M = level / share. */
+/* The tensor T of M = level / sum. */
 static void find_tensor(const struct isph_soil_mix *m, double h, double tensor[6]) {
   const struct isph_fraction *l = &m->level, *s = &m->sum;
   const double mean = l->value / s->value;
@@ -81,7 +84,7 @@ static void find_tensor(const struct isph_soil_mix *m, double h, double tensor[6
     }
 }
 
-/* The principal direction of a symmetric tensor without negative eigenvalues, by powers; its
+/* Principal direction of a positive semi-definite tensor, by power iteration. Returns its
  * eigenvalue less the sum of the others, over the sum of all. */
 static double principal(const double t[6], double n[3]) {
   const double trace = t[0] + t[3] + t[5];
@@ -104,7 +107,7 @@ static double principal(const double t[6], double n[3]) {
   return fmax(0, 2 * value / trace - 1);
 }
 
-/* Both means towards their geometric one, q from 1 to 0. */
+/* Moves both means towards their geometric mean, as q goes from 1 to 0. */
 static void turn(double q, double *across, double *along) {
   if (!(*along > 0) || !(*across > 0)) return;
   const double factor = pow(*across / *along, 0.5 * (1 - q));
@@ -134,8 +137,8 @@ static double along(const double moment[6], const double n[3]) {
   return sum;
 }
 
-/* Its unit normal: that of the interface where it has one, else along the edge's; false where there
- * is none. */
+/* Unit normal of an edge: that of the interface if there is one, or else the direction in which ln
+ * k changes. Returns false if there is none. */
 static bool edge_normal(const struct isph_edge *edge, const double interface[3], double normal[3]) {
   const double mean = edge->weight > 0 ? edge->level / edge->weight : 0;
   double g[3];
@@ -147,16 +150,16 @@ static bool edge_normal(const struct isph_edge *edge, const double interface[3],
   return size > 0;
 }
 
-/* Across an edge of mobility, along n = grad ln k, the gradient is what the flux between particles
- * makes of it, sum V_j (k_ij/k_i) slope (q_i - q_j) r with the k_ij of the pressure's matrix: the
- * flux is then the same on both sides, which k_i times the plain gradient is not. Along it, too, a
- * neighbour counts by k_ij, but the gradient is exact for what is linear. */
+/* Across an edge of mobility, along n = grad ln k, the gradient is taken from the flux between
+ * particles, sum V_j (k_ij/k_i) slope (q_i - q_j) r, with the k_ij of the pressure matrix: the flux
+ * is then the same on both sides, which k_i times the plain gradient is not. Along the edge a
+ * neighbour is weighted by k_ij as well, but so that the gradient is exact for linear fields. */
 void isph_edge_find(const struct isph_edge *edge, const double interface[3],
                     struct isph_edge_frame *frame) {
   frame->share = 0;
   if (!edge_normal(edge, interface, frame->normal)) return;
   const double share = along(edge->weighted, frame->normal) / along(edge->even, frame->normal);
-  frame->share = fmax(WEIGHT_LEAST, share);
+  frame->share = fmax(WEIGHT_MIN, share);
 }
 
 void isph_edge_turn(const struct isph_edge_frame *frame, const double flux[3], double gradient[3]) {

@@ -1,6 +1,6 @@
-/* Kernels of a pair for method isph as functions of the support he, fast enough for the pair loop:
- * W and -W'(r)/r, the quantity all operators here are made of (grad W = -slope r_ij). The forms are
- * those of common/kernel.h, which tests compare with. */
+/* Kernels for the pairs of method isph as functions of the support radius he, fast enough for the
+ * pair loop: W and the slope -W'(r)/r, of which all operators are made (grad W = -slope r_ij). The
+ * forms are those of common/kernel.h, which the tests compare with. */
 #ifndef TOSUI_SPHSOLVE_ISPH_KERNEL_H
 #define TOSUI_SPHSOLVE_ISPH_KERNEL_H
 

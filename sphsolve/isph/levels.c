@@ -44,8 +44,8 @@ cleanup:
   return status;
 }
 
-/* Cells along a length that can be halved often; even along a periodic axis, where the layers of
- * cells are worked on in two colours. */
+/* Number of cells along a length, such that it can be halved often. Even along a periodic axis,
+ * because layers of cells are processed in two colours. */
 static int cells_for(double length, double wanted, bool periodic) {
   int n = (int)fmax(1, periodic ? floor(length / wanted) : ceil(length / wanted)), step = 1;
   while (3 * step <= n) step *= 2;
@@ -86,7 +86,8 @@ enum status levels_shape(struct levels *levels, const double extent[3], const bo
   return status;
 }
 
-/* Corners of the cell whose lowest node is (i, j, k), as nodes; 4 in a plane, 8 in space. */
+/* Nodes at the corners of the cell whose lowest node is (i, j, k), and their places; 4 in 2-D, 8 in
+ * 3-D. */
 static int corners_of(const bool used[3], const struct level *level, int i, int j, int k,
                       size_t node[8], int corner[8][3]) {
   int n = 0, top = used[1] ? 1 : 0;
@@ -101,8 +102,8 @@ static int corners_of(const bool used[3], const struct level *level, int i, int 
   return n;
 }
 
-/* Stiffness of multilinear elements with the cells' k, plus the ties. Cells in layers of one parity
- * share no node, so that the sums come in one order whatever the threads. */
+/* Stiffness matrix of multilinear elements with the cells' k, plus the ties. Cells in layers of the
+ * same parity share no node, so that the order of summation does not depend on the threads. */
 static void assemble_level(const bool used[3], struct level *level) {
   double local[8][8];
   size_t node[8];
@@ -154,7 +155,7 @@ static void assemble_level(const bool used[3], struct level *level) {
   }
 }
 
-/* Mean coefficient and lumped ties of a coarser level. */
+/* Mean coefficient of the cells of a coarser level. */
 static void coarsen(const struct level *fine, struct level *coarse) {
   int step[3];
   double share = 1;
@@ -174,7 +175,8 @@ static void coarsen(const struct level *fine, struct level *coarse) {
       }
 }
 
-/* The nodes of the coarse level on both sides of node `at` along axis a, or twice the one there. */
+/* The coarse nodes on both sides of fine node `at` along axis a, or twice the one that coincides
+ * with it. */
 static inline void between(const struct level *fine, const struct level *coarse, int a, int at,
                            int first[3], int second[3]) {
   const bool halved = fine->cells[a] > coarse->cells[a]; /* and never less: levels_shape */
@@ -182,7 +184,7 @@ static inline void between(const struct level *fine, const struct level *coarse,
   if (halved && at % 2) second[a] = coarse->upper[a][first[a]];
 }
 
-/* Transfers between levels along all axes: coarse = P^T fine, or fine += P coarse. */
+/* Restriction (down) coarse = P^T fine, or prolongation fine += P coarse. */
 static void transfer(const struct level *fine, const struct level *coarse, const double *from,
                      double *to, bool down) {
   int first[3], second[3];
@@ -209,18 +211,19 @@ static void transfer(const struct level *fine, const struct level *coarse, const
   }
 }
 
-/* Loops over the nodes are compiled for grids in a plane too, where the rows of the stencil on both
- * sides of it are 0; and run without a team of threads on small grids, whose start takes longer. */
-#define NODES static inline __attribute__((always_inline))
-#define NODES_ALONE 4096
+/* Loops over nodes are compiled separately for grids in a plane, where the stencil's rows on both
+ * sides of it are 0. Small grids are processed by one thread, since starting a team of threads
+ * takes longer. */
+#define NODE_FUNCTION static inline __attribute__((always_inline))
+#define NODES_SERIAL_MAX 4096
 
 static bool is_plane(const struct level *level) {
   return level->nodes[1] == 1;
 }
 
-/* sum of the stencil of a node without its middle, times x. */
-NODES double off_middle(const struct level *level, const double *x, int i, int j, int k,
-                        size_t node, bool plane) {
+/* Sum of the stencil of a node, without its diagonal, times x. */
+NODE_FUNCTION double off_middle(const struct level *level, const double *x, int i, int j, int k,
+                                size_t node, bool plane) {
   const float *stencil = &level->stencil[27 * node];
   int at[3][3] = {{level->lower[0][i], i, level->upper[0][i]},
                   {level->lower[1][j], j, level->upper[1][j]},
@@ -235,7 +238,7 @@ NODES double off_middle(const struct level *level, const double *x, int i, int j
   return sum - (double)stencil[13] * x[node];
 }
 
-NODES void smooth_nodes(struct level *level, bool backward, int k, bool plane) {
+NODE_FUNCTION void smooth_nodes(struct level *level, bool backward, int k, bool plane) {
   for (int jj = 0; jj < level->nodes[1]; jj++)
     for (int ii = 0; ii < level->nodes[0]; ii++) {
       int i = backward ? level->nodes[0] - 1 - ii : ii;
@@ -253,12 +256,13 @@ static void smooth_layer(struct level *level, bool backward, int k) {
     smooth_nodes(level, backward, k, false);
 }
 
-/* Gauss-Seidel by layers of two colours; backward is the exact reverse of forward. */
+/* Gauss-Seidel sweep by layers of two colours; the backward sweep is the exact reverse of the
+ * forward one. */
 static void smooth(struct level *level, bool backward) {
   const int layers = level->nodes[2];
   for (int colour = 0; colour < 2; colour++) {
     const int parity = backward ? 1 - colour : colour;
-    if (level->node_count <= NODES_ALONE) {
+    if (level->node_count <= NODES_SERIAL_MAX) {
       for (int k = parity; k < layers; k += 2) smooth_layer(level, backward, k);
       continue;
     }
@@ -267,7 +271,7 @@ static void smooth(struct level *level, bool backward) {
   }
 }
 
-NODES void residual_of_nodes(struct level *level, int k, bool plane) {
+NODE_FUNCTION void residual_of_nodes(struct level *level, int k, bool plane) {
   for (int j = 0; j < level->nodes[1]; j++)
     for (int i = 0; i < level->nodes[0]; i++) {
       size_t node = level_node(level, i, j, k);
@@ -285,7 +289,7 @@ static void residual_of_layer(struct level *level, int k) {
 
 static void find_residual(struct level *level) {
   const int layers = level->nodes[2];
-  if (level->node_count <= NODES_ALONE) {
+  if (level->node_count <= NODES_SERIAL_MAX) {
     for (int k = 0; k < layers; k++) residual_of_layer(level, k);
     return;
   }

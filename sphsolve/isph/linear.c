@@ -2,10 +2,11 @@
 
 #include <math.h>
 
-/* Of M along a surface: at a level one's outermost row .8; less where a few particles fly. */
-#define ALONG_LEAST 0.5
+/* Lower bound of m, the mean of M along a surface: it is .8 in the outermost row of a level
+ * surface, and less in spray. */
+#define ALONG_MIN 0.5
 
-static void find(const struct isph *s, size_t i, const double moment[6], float k[6]) {
+static void find_correction(const struct isph *s, size_t i, const double moment[6], float k[6]) {
   static const int upper[6] = {0, 1, 2, 4, 5, 8}; /* of a full tensor */
   const double w = s->surface[i], *n = s->gradient_sum[i];
   const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
@@ -14,7 +15,7 @@ static void find(const struct isph *s, size_t i, const double moment[6], float k
   if (square > 0) {
     const double trace = moment[0] + moment[3] + moment[5];
     const double along = (trace - symmetric_along(moment, n) / square) / (s->dimensions - 1);
-    more = 1 / fmax(along, ALONG_LEAST) - 1;
+    more = 1 / fmax(along, ALONG_MIN) - 1;
   }
   for (int a = 0, at = 0; a < 3; a++)
     for (int b = a; b < 3; b++, at++) {
@@ -29,6 +30,6 @@ void isph_linear_find(struct isph *s) {
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     double moment[6];
     for (int n = 0; n < 6; n++) moment[n] = (double)s->linear[i][n];
-    find(s, i, moment, s->linear[i]);
+    find_correction(s, i, moment, s->linear[i]);
   }
 }

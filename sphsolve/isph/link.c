@@ -9,16 +9,17 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/symmetric.h"
 
-/* |v| of all particles here less their soil's: isph_links_begin. */
+/* Speeds of all particles on this rank relative to their soil: isph_links_begin. */
 #define SPEEDS(s) ((s)->work[0])
 
 bool isph_links_wanted(const struct scene *scene, bool has_surface) {
   return !has_surface && !scene->isph.porosity_paper;
 }
 
-/* Distance from x to the sides of a prism of soil, and whether x is inside; sides on closed sides
- * of the domain do not count. Its boxes make stairs: what counts begins a spacing before. */
-static double from_prism(const struct isph *s, size_t k, const double x[3], bool *inside) {
+/* Distance from x to the sides of a prism of soil, and whether x is inside; faces on closed sides
+ * of the domain do not count. The prism is represented by boxes that form stairs, so the distance
+ * is reduced by one spacing. */
+static double distance_to_prism(const struct isph *s, size_t k, const double x[3], bool *inside) {
   const struct region *region = &s->scene->regions[k];
   const struct polygon *p = region->polygon;
   const double near = 1e-6 * s->spacing;
@@ -66,13 +67,14 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
     if (region->type != REGION_POROUS || (region->is_part && region->first != k)) continue;
-    if (region->is_part && region->polygon == NULL) { /* within a surface: not known so soon */
+    /* part of a body given by its surface: only the extent is checked */
+    if (region->is_part && region->polygon == NULL) {
       if (!isph_soil_is_far(s, region->extent, k, s->support_max, x)) clear = 0;
       continue;
     }
     if (region->is_part) {
       bool within;
-      const double gap = from_prism(s, k, x, &within);
+      const double gap = distance_to_prism(s, k, x, &within);
       clear = within ? gap : fmin(clear, gap);
       if (within) ground = (int32_t)k + 1;
       continue;
@@ -84,7 +86,7 @@ int32_t isph_ground(const struct isph *s, const double x[3]) {
       inside = fmin(inside, fmin(x[a] - box.low[a], box.high[a] - x[a]));
       square += gap * gap;
     }
-    /* A later soil takes the place of an earlier one. */
+    /* A later soil replaces an earlier one. */
     clear = inside > 0 ? inside : fmin(clear, sqrt(square));
     if (inside > 0) ground = (int32_t)k + 1;
   }
@@ -126,7 +128,8 @@ static void add_part(struct isph_parts *parts, const struct region *soil, double
   parts->at[parts->count++].share = share;
 }
 
-/* The part from .. to of the way x + t step that lies in the box, t from 0 to 1. */
+/* Clips the path x + t step, from <= t <= to, to the part that lies in the box; returns whether any
+ * is left. */
 static bool clip(const struct isph_box *box, const double x[3], const double step[3], double *from,
                  double *to) {
   for (int a = 0; a < 3; a++) {
@@ -144,10 +147,10 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
   return *from < *to;
 }
 
-/* Adds what lies from .. to on the way from x, of the regions before `end`: the last one first, and
- * the earlier ones, or water, on what it leaves. `parts` may be NULL. */
-static void walk(const struct isph *s, size_t end, const double x[3], const double step[3],
-                 double from, double to, struct isph_material *way, struct isph_parts *parts) {
+/* Adds the materials on the path x + t step, from <= t <= to, of the regions before `end`. The last
+ * region takes precedence: earlier ones, or water, get what it leaves. `parts` may be NULL. */
+static void add_path(const struct isph *s, size_t end, const double x[3], const double step[3],
+                     double from, double to, struct isph_material *way, struct isph_parts *parts) {
   const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
   const double reach = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
   for (size_t k = end; k-- > 0 && from < to;) {
@@ -159,7 +162,7 @@ static void walk(const struct isph *s, size_t end, const double x[3], const doub
     if (!clip(&box, x, step, &enters, &leaves)) continue;
     add(&s->grounds[k + 1].of, leaves - enters, way);
     if (parts != NULL) add_part(parts, region, leaves - enters);
-    if (from < enters) walk(s, k, x, step, from, enters, way, parts);
+    if (from < enters) add_path(s, k, x, step, from, enters, way, parts);
     from = leaves;
   }
   if (!(from < to)) return;
@@ -167,7 +170,7 @@ static void walk(const struct isph *s, size_t end, const double x[3], const doub
   if (parts != NULL) add_part(parts, NULL, to - from);
 }
 
-/* Away from edges all pairs of a particle lie in one soil. */
+/* Away from edges all pairs of a particle lie in the same soil. */
 static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt) {
   const struct isph_material *of = &s->grounds[s->ground[i]].of;
   const double own = of->b > 0 ? SPEEDS(s)[i] : 0;
@@ -175,7 +178,7 @@ static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i
     const double speed = of->b > 0 ? 0.5 * (own + SPEEDS(s)[chunk->pair[p] & PAIR_MASK]) : 0;
     const double resistance = of->inertia / dt + of->a + 2 * of->b * speed;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));
-    chunk->way[p] = (float)of->porosity;
+    chunk->path_porosity[p] = (float)of->porosity;
   }
 }
 
@@ -191,8 +194,8 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
     if (ground == GROUND_MIXED)
-      walk(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
-           tensors ? &parts : NULL);
+      add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
+               tensors ? &parts : NULL);
     else
       way = s->grounds[ground].of;
     if (tensors && ground != GROUND_MIXED)
@@ -208,7 +211,7 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
       chunk->plain[p] = chunk->mobility[p], chunk->mobility[p] = (float)turned.mobility;
       resistance += turned.drag - way.a, way.a = turned.drag;
     }
-    chunk->way[p] = (float)way.porosity;
+    chunk->path_porosity[p] = (float)way.porosity;
     if (s->ground[i] != GROUND_MIXED) continue;
     const double weight = s->volume[j] * (double)chunk->slope[p];
     const double carried = weight * (way.a + way.b * speed) / resistance;
@@ -230,8 +233,8 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links) {
   memset(links, 0, sizeof *links);
-  if (s->on.anisotropy)
-    link_pairs(IMAGES_PERIODIC, s, chunk, i, dt, true, links); /* no side of soil reflects */
+  if (s->on.anisotropy) /* sides of the domain do not reflect in scenes with soil */
+    link_pairs(IMAGES_PERIODIC, s, chunk, i, dt, true, links);
   else if (s->ground[i] != GROUND_MIXED)
     link_within(s, chunk, i, dt);
   else
@@ -257,7 +260,8 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
   const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
   for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];
   if (s->on.interfaces &&
-      !s->on.anisotropy) /* as the budget takes it: over the drag across an interface */
+      /* in the form in which the budget takes it: relative to the drag across an interface */
+      !s->on.anisotropy)
     isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
                         linked->change);
 }

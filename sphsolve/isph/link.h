@@ -1,24 +1,25 @@
-/* Links: what resists the flow on the way from one particle to another, through soils with sharp
+/* Links: resistance to flow on the straight path between two particles, through soils with sharp
  * faces.
  *
- * A pair of particles far apart from an edge of soil has one mobility, or viscosity. At an edge
- * porosity and drag of a particle are smoothed, as its volume must be (isph/soil.c), and any mean
- * of the two particles' own leaves a resistance too much or too little at each edge, that of some
- * tenths of a particle. On the straight way from x_i to x_j, of which a part w_k lies in soil k,
- * resistances add:
+ * A pair of particles far from the edges of soil has a single mobility, or viscosity. At an edge
+ * the porosity and drag of a particle are smoothed, as its volume must be (isph/soil.c), and any
+ * mean of the two particles' own values gives a resistance that is too large or too small at each
+ * edge, by that of some tenths of a particle. Instead, on the straight path from x_i to x_j, of
+ * which a part w_k lies in soil k, resistances add:
  *   1/k_ij = rho (I_ij/dt + a_ij + 2 b_ij |v|),   I_ij = sum w_k I_k,  a_ij, b_ij alike,
  *   nu_ij = (nu + nu_T) / sum w_k eps_k            (stress is continuous across a face, not shear)
- * with k = B T / rho_w, B = 1/(1 + T (a + 2 b |v|)) as of a particle, I = C_r/(eps G) = dt/T. For
- * flow across plane layers of any thickness k_ij (q_i - q_j)/r is then the flux, whatever the
- * places of the particles: no error but that of sums over neighbours.
+ * with k = B T / rho_w, B = 1/(1 + T (a + 2 b |v|)) as for a particle, I = C_r/(eps G) = dt/T. For
+ * flow across plane layers of any thickness k_ij (q_i - q_j)/r is then the flux, wherever the
+ * particles are: there is no error but that of the sums over neighbours.
  *
- * A velocity v* across an edge has to leave for the pressure what the links carry, so it is
- *   v*_n = v_n sum_j w_j rho k_ij (I_ij/dt + b_ij |v|) / sum_j w_j,   w_j = V_j slope_ij (r.n)^2
- * there: with the particle's own B in its place velocities beside a face swing by a tenth, and the
- * flux depends on dt.
+ * The part of a velocity v* normal to an edge that is left for the pressure must be consistent with
+ * what the links carry, so it is there
+ *   v*_n = v_n sum_j w_j rho k_ij (I_ij/dt + b_ij |v|) / sum_j w_j,   w_j = V_j slope_ij (r.n)^2.
+ * With the particle's own B instead, velocities beside a face vary by a tenth, and the flux depends
+ * on dt.
  *
- * Without a free surface: under one the energy may not rise, which holds for the plain mean and the
- * divergence's adjoint alone. */
+ * Links are for scenes without a free surface: with one the energy may not rise, which holds for
+ * the plain mean and the adjoint of the divergence alone. */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINK_H
 #define TOSUI_SPHSOLVE_ISPH_LINK_H
 
@@ -27,36 +28,39 @@
 
 #include "sphsolve/isph/state.h"
 
-/* At a particle near an edge. */
+/* Sums over the links of a particle near an edge. */
 struct isph_links {
-  double normal[3];          /* grad ln k, 1/m, of any length; 0 away from edges */
+  double normal[3];          /* along grad ln k, not normalised; 0 away from edges */
   double carried[6], all[6]; /* sums of V slope (1 - rho k (I/dt + b |v|)) r r, and of V slope r r;
                              xx xy xz yy yz zz */
   double linear[6], forchheimer[6]; /* sums of V slope a r r, and of V slope b |v| r r */
 };
 
-/* A soil, or water, as ways meet it. */
+/* A soil, or water (index 0), on the paths of links: its properties and place. */
 struct isph_ground {
   struct isph_material of;
   struct isph_soil_place place;
 };
 
-/* Whether soil of this scene has links. */
+/* Whether the soils of this scene are treated by links. */
 bool isph_links_wanted(const struct scene *scene, bool has_surface);
+/* Allocates what the soils of the scene need; isph_free frees it. */
 enum status isph_links_create(struct isph *s);
-/* Before isph_link: what the soils are and where, and how fast the particles. Takes work[0]. */
+/* Before isph_link: finds the soils' properties and places, and the particles' speeds. Uses
+ * work[0]. */
 void isph_links_begin(struct isph *s);
 
 #define GROUND_MIXED (-1)
-/* 1 + the region of the soil that fills the largest support there can be about x, 0 for water,
- * GROUND_MIXED where an edge of soil is nearer. */
+/* The soil that fills the neighbourhood of x within the largest support: 1 + its region, 0 for
+ * water, or GROUND_MIXED if an edge of soil is nearer. */
 int32_t isph_ground(const struct isph *s, const double x[3]);
 
-/* Finds mobility and way of the pairs of particle i for a step of length dt, s. */
+/* Finds the mobility and the mean porosity on the path of the pairs of particle i, for a step of
+ * length dt (s), and the sums `links`. */
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links);
-/* Brings `predicted`, v* of particle i less its soil's, that was found with the particle's own drag
- * and T = t, to what the links carry across an edge; u is its velocity less its soil's. */
+/* Corrects `predicted`, v* of particle i relative to its soil, found with the particle's own drag
+ * and T = t, to what the links carry across an edge. u is its velocity relative to its soil. */
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]);
 

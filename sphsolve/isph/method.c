@@ -32,10 +32,11 @@ enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) 
   return STATUS_OK;
 }
 
-/* Good steps after which a step that the effects choose may double again. */
+/* Number of good steps after which a halved time step may double again. */
 #define RECOVERY 200
 
-/* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */
+/* The first multiple of the interval after a time; for an interval of 0 it is 0, which is always
+ * due. */
 static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
@@ -77,7 +78,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     }
     if (last) break;
     if (s->step % WATCH_STEPS == 0 && watchdog_wants(&s->dog, s->step, used)) {
-      TRY(isph_keep(s, copy));
+      TRY(isph_copy_state(s, copy));
       watchdog_keep(&s->dog, s->step, used);
     }
     if (s->dog.halvings > 0 && isnan(fixed_dt) && s->time > s->dog.trip_time &&
@@ -119,7 +120,7 @@ cleanup:
   return status;
 }
 
-/* Pairs of the busiest rank over the mean. */
+/* Load imbalance: pairs of the busiest rank over the mean. */
 static double imbalance_of(const struct isph *s) {
   const double total = ranks_sum(s->pairs_now);
   return total > 0 ? ranks_max(s->pairs_now) * ranks_count() / total : 1;
@@ -182,7 +183,7 @@ cleanup:
   return status;
 }
 
-/* Soil and inflow, and a free surface once the lattice shows one. */
+/* Whether the method is for this scene: one with soil, an inflow, or a free surface. */
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   const bool soil = context->has_porous || context->has_inflow;
   if (soil || context->has_surface)

@@ -1,4 +1,4 @@
-/* What the descriptor of method isph is made of. */
+/* The parts of the descriptor of method isph. */
 #ifndef TOSUI_SPHSOLVE_ISPH_METHOD_H
 #define TOSUI_SPHSOLVE_ISPH_METHOD_H
 
@@ -8,22 +8,28 @@
 #include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
+/* Sets kernel, support and smoothing length (m) of the plan. */
 enum status isph_scales(struct plan *plan);
+/* Whether the scene has axis a: 2-D scenes have no y. */
 static inline bool isph_scene_uses_axis(const struct effect_context *context, int a) {
   return context->lattice->dimensions == 3 || a != 1;
 }
-/* isph/refuse.c: an error for scenes that cannot come out right. */
+/* isph/refuse.c: returns an error for scenes whose results could not be right. */
 enum status isph_refuse(const struct effect_context *context);
-/* What a region gives as a table in the mean up to the end of the run; else `steady`. */
+/* Mean of a region's table of time up to the end of the run; `steady` if it has none. */
 double isph_mean_given(const struct scene *scene, const struct region *region, double steady);
-/* isph/refuse_sources.c: its part for wells, drains, rain and absorbing sides. */
+/* isph/refuse_sources.c: the checks of wells, drains, rain and absorbing sides. */
 enum status isph_refuse_wells(const struct effect_context *context);
 enum status isph_refuse_rain(const struct effect_context *context);
 enum status isph_refuse_absorbing(const struct effect_context *context);
+/* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
+ * refused. */
 enum status isph_cost(struct plan *plan, int threads);
+/* isph/plan_ranks.c: the additional cost on several ranks. */
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
-/* From a plan to the switches of the state; also for tests, which march it themselves. */
+/* Finds the switches of the state from a plan; also for tests, which advance the state themselves.
+ */
 enum status isph_switches_of(const struct plan *plan, struct isph_switches *on);
 
 #endif

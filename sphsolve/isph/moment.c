@@ -6,29 +6,31 @@
 
 #include <math.h>
 
-/* Every operator of method isph, divergence, pressure matrix, gradient, viscosity, is made of one
- * number a pair, slope_ij = -W'(r)/r, and is exact for linear fields as far as the second moment
+/* All operators of method isph (divergence, pressure matrix, gradient, viscosity) are made of one
+ * number per pair, slope_ij = -W'(r)/r, and are exact for linear fields as far as the second moment
  *   M_i = sum_j V_j slope_ij r r
- * is the unit matrix. On the lattice it is. In soil it is not: rows of water that enter keep their
- * spacing along the face and are drawn out across it, by 1/eps, and particles of different size
- * meet at the face; M across it falls to .8, and the flux with it. So in soil a slope counts
+ * is the identity. On the lattice it is. In soil it is not: rows of water that enter keep their
+ * spacing along the face and are stretched normal to it by 1/eps, and particles of different size
+ * meet at the face; the normal component of M falls to .8, and the flux with it. So in soil the
+ * slope of a pair becomes
  *   slope_ij [ 1 + r.(C_i + C_j).r / (2 r^2) ],   C = ((d + 2) E - tr(E) 1) / 2,   E = 1 - M,
- * d the dimensions. For neighbours spread evenly over all directions sum V slope (r.C.r/r^2) r r =
- * (2 C + tr(C) 1)/(d + 2) = E, which takes the defect out to first order. A pair has one factor, at
- * least 1/2, in all operators: the matrix stays symmetric and definite, divergence and gradient
- * each other's adjoint as before. C fades towards free water, where M is near 1.
+ * with d the number of dimensions. For neighbours spread evenly over all directions sum V slope
+ * (r.C.r/r^2) r r = (2 C + tr(C) 1)/(d + 2) = E, which removes the defect to first order. A pair
+ * has one factor, at least 1/2, in all operators: the matrix stays symmetric and definite, and
+ * divergence and gradient stay adjoint. C goes to 0 towards free water, where M is near 1.
  *
- * On a surface, n its normal, half of the moment across is missing indeed, and
+ * On a surface of normal n half of the moment along n is really missing, and
  *   E = (1 - 2 n.M.n) n n.
- * The foremost row of a front has .62 of it where half a space has .5, and the pressure behind
- * drove it and the next row by half as much again: fronts were 4 to 6 % early. What closes the row
- * of a particle on the surface (effects/surface.h) is of the corrected slopes too. Next to the face
- * of soil C is none on the surface and beside it: rows of ponds stir there, for ever, with it. */
+ * The foremost row of a front has .62 of that moment where a half-space has .5; without the
+ * correction the pressure behind drives it and the next row by half as much again, and fronts are 4
+ * to 6 % early. The ghost that closes the row of a particle on the surface (effects/surface.h) uses
+ * the corrected slopes too. Next to the face of soil C is zero on the surface and beside it: with
+ * it rows of ponds would stir there for ever. */
 
-#define DEFECT_MOST 0.5 /* of C (Frobenius), so that slopes stay positive */
+#define DEFECT_NORM_MAX 0.5 /* bound on the Frobenius norm of C, which keeps slopes positive */
 
-/* Inverse of the symmetric m (xx xy xz yy yz zz) into the full 3x3 `inverse`, left alone where m is
- * too flat to be trusted. */
+/* Inverse of the symmetric m (xx xy xz yy yz zz) as the full 3x3 `inverse`; left unchanged if m is
+ * nearly singular. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
   const double least = 0.02;
   double yy = dimensions == 2 ? 1 : m[3];
@@ -44,7 +46,8 @@ void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
   inverse[8] = (m[0] * yy - m[1] * m[1]) * scale;
 }
 
-/* The missing moment e, on a surface only of the half that its void leaves there. */
+/* Moves the missing moment e = 1 - M towards that on a surface of normal n, (1 - 2 n.M.n) n n, by
+ * the weight `share`. */
 static void one_sided_defect(const double n[3], double share, double e[6]) {
   const double square = dot(n, n);
   const double nn[6] = {n[0] * n[0], n[0] * n[1], n[0] * n[2],
@@ -67,7 +70,7 @@ void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double
     e[k] = 0.5 * s->soil_fraction[i] * ((d + 2) * e[k] - (diagonal ? trace : 0));
     size += (diagonal ? 1 : 2) * e[k] * e[k];
   }
-  double scale = fmin(1, DEFECT_MOST / fmax(sqrt(size), 1e-30));
+  double scale = fmin(1, DEFECT_NORM_MAX / fmax(sqrt(size), 1e-30));
   for (int k = 0; k < 6; k++) defect[k] = (float)(scale * e[k]);
 }
 
@@ -77,8 +80,8 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? symmetric_along(c, r) / square : 0;
 }
 
-/* Corrects the slopes of particle i's pairs, and finds the moment they then have, and by what they
- * change the gradient sum. */
+/* Corrects the slopes of particle i's pairs. Adds up the moment that they then have, and the change
+ * of the gradient sum. */
 ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                         size_t i, double moment[6], double change[3]) {
   const double *xi = s->position[i];
@@ -101,8 +104,8 @@ ROW void correct_slopes(enum isph_images images, const struct isph *s, struct is
   }
 }
 
-/* No correction next to a surface, but deep in soil. */
-static void spare_surface(struct isph *s) {
+/* Reduces the correction next to a surface, except deep in soil. */
+static void fade_at_surface(struct isph *s) {
   double *near = s->work[0];
   isph_find_near_surface(s, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
@@ -110,12 +113,12 @@ static void spare_surface(struct isph *s) {
       s->moment_defect[i][k] *= (float)(1 - near[i] * (1 - isph_front_deep(s, i)));
 }
 
-/* Of what closes the row of a particle on the surface deep in soil, no more than the moment that is
- * missing: along the normal the pairs give n.M.n and the void, P = 0 half a size ahead, w size |sum
- * V grad W| (effects/surface.h); in half a space both are 1/2. Few as the neighbours of a particle
- * ahead of its row are, both together came to 1.1, and gravity drove it so much more than its row.
- */
-static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
+/* Limits the closure of the row of a particle on the surface deep in soil to the moment that is
+ * missing. Along the normal the pairs give n.M.n and the void, with P = 0 half a size ahead, w size
+ * |sum V grad W| (effects/surface.h); in a half-space both are 1/2. For a particle ahead of its
+ * row, which has few neighbours, both together came to 1.1, and gravity drove it by as much more
+ * than its row. */
+static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   double *n = s->gradient_sum[i];
   const double square = dot(n, n);
   const double closes = s->surface[i] * isph_size_of(s, s->volume[i]) * sqrt(square);
@@ -126,7 +129,7 @@ static void close_no_more(struct isph *s, size_t i, const double moment[6]) {
 }
 
 void isph_moment_correct(struct isph *s) {
-  if (s->on.surface) spare_surface(s);
+  if (s->on.surface) fade_at_surface(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_defect)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -136,7 +139,7 @@ void isph_moment_correct(struct isph *s) {
       ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
       if (s->on.surface && s->surface[i] > 0) {
         for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
-        close_no_more(s, i, moment);
+        limit_closure(s, i, moment);
       }
       isph_moment_inverse(s->dimensions, moment, inverse);
       for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];

@@ -1,4 +1,4 @@
-/* Where the particles go in a step: with the water, and by shifting. */
+/* Displacement of the particles in a step: advection with the water, and shifting. */
 #include <math.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static void wrap(const struct isph *s, double x[3]) {
   }
 }
 
-/* Of the neighbours, what surface_near adds. */
+/* Neighbours' contribution to surface_near. */
 ROW void surface_around(enum isph_images images, const struct isph *s,
                         const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
@@ -34,8 +34,8 @@ ROW void surface_around(enum isph_images images, const struct isph *s,
   }
 }
 
-/* How close particle i is to the surface, 1: on it or with a neighbour on it, and the normal of the
- * surface there, outward. */
+/* How close particle i is to the surface (1: on it or with a neighbour on it), and the outward
+ * normal of the surface there. */
 static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                            double normal[3]) {
   double near = s->surface[i], square = 0;
@@ -46,8 +46,8 @@ static double surface_near(const struct isph *s, const struct isph_chunk *chunk,
   return near;
 }
 
-/* How far there is a gap between particle i and a wall, 0 .. 1: it is on the surface, or more
- * asymmetric than disorder makes it, and the void lies towards the wall. */
+/* Whether there is a gap between particle i and a wall, 0 .. 1: the particle is on the surface, or
+ * more asymmetric than disorder makes it, and the void lies towards the wall. */
 static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
   const double *xi = s->position[i];
   double gap = 0, trace = 0, r[3];
@@ -76,14 +76,15 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
   return gap * fmax(s->surface[i], fmin(1, fmax(0, more)));
 }
 
-/* 0 to 1: how level a surface is; the square of the cosine of its normal with what lifts. */
+/* How level a surface is, 0 to 1: the square of the cosine between its normal and the upward
+ * direction. */
 static double level_of(const double force[3], const double normal[3]) {
   const double up = -dot(force, normal), square = dot(force, force);
   return up > 0 ? up * up / square : 0;
 }
 
-/* The displacement of particle i by shifting. Returns how far it lifts free water near a surface,
- * -f.dx, which isph_energy_bound_lift holds. */
+/* Displacement of particle i by shifting. Returns the potential energy per mass by which it lifts
+ * free water near a surface, -f.dx, which isph_energy_bound_lift limits. */
 static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
                     double step[3]) {
   const double *v = s->velocity[i], h = 0.5 * s->support[i];
@@ -102,7 +103,8 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   return -near * (s->force[0] * step[0] + s->force[1] * step[1] + s->force[2] * step[2]);
 }
 
-/* Where the water carries the particles, as a velocity, and the shifts and how far they lift. */
+/* Finds the advection velocities (`speeds`), the shifts (`steps`) and the energy by which these
+ * lift the water (`lift`). */
 static void find_moves(struct isph *s, double dt, double (*speeds)[3], double (*steps)[3],
                        double *lift) {
   const bool waves = s->on.surface && (!isph_is_unforced(s) || s->surface_pressure != NULL);
@@ -128,7 +130,7 @@ static void find_moves(struct isph *s, double dt, double (*speeds)[3], double (*
     }
 }
 
-/* Of the neighbours, the sum of their weights V slope and that of the weighted steps. */
+/* Sums over the neighbours: of their weights V slope, and of the weighted steps. */
 ROW void steps_around(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
                       size_t i, double (*steps)[3], double sum[3], double *weights) {
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
@@ -141,10 +143,10 @@ ROW void steps_around(enum isph_images images, const struct isph *s, const struc
   }
 }
 
-/* Takes from the steps in calm water the mean of their neighbourhoods, a particle's own step with
- * the mean weight of its pairs. */
-static void less_mean(struct isph *s, double (*steps)[3]) {
-  double(*mean)[3] = s->curvature; /* not needed any more */
+/* Subtracts from the steps in calm water the mean of their neighbourhoods, in which a particle's
+ * own step has the mean weight of its pairs. */
+static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
+  double(*mean)[3] = s->curvature; /* free for reuse at this point */
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(steps)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -163,10 +165,11 @@ static void less_mean(struct isph *s, double (*steps)[3]) {
 }
 
 void isph_move(struct isph *s, double dt, double available) {
-  double(*displacement)[3] = s->predicted; /* v* is not needed any more, and so the next two */
+  /* v* and the next two arrays are free for reuse at this point */
+  double(*displacement)[3] = s->predicted;
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
-  if (s->calm != NULL && s->on.shifting) less_mean(s, steps);
+  if (s->calm != NULL && s->on.shifting) subtract_mean_shift(s, steps);
   if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)

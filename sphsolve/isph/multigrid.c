@@ -12,15 +12,16 @@ struct isph_multigrid {
   struct levels levels;
   double origin[3];
   size_t capacity, layer_capacity;
-  uint32_t *base; /* [own particles]: lowest node of its cell */
+  uint32_t *base; /* [own particles]: lowest node of the particle's cell */
   float (*fraction)[3];
   uint32_t *order; /* own particles by layer of cells along z */
-  int64_t *whole;  /* [nodes, cells]: sums in units, the same in whatever order */
+  /* [nodes or cells]: sums in whole numbers of a unit, independent of their order */
+  int64_t *whole;
   size_t whole_room;
   uint32_t *layer_start;
 };
 
-/* A box around the particles of all ranks. */
+/* Sets up the grid over a box around the particles of all ranks. */
 static enum status shape(struct isph *s, struct isph_multigrid *grid) {
   double low[3] = {INFINITY, INFINITY, INFINITY}, high[3] = {-INFINITY, -INFINITY, -INFINITY};
   double most[6], extent[3];
@@ -76,9 +77,9 @@ static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t 
 }
 
 /* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
- * alone, so that they are the same in any order, on any number of ranks; of MOST of the largest
- * there is room for. */
-#define MOST 0x1p16
+ * only, so that they do not depend on the order, nor on the number of ranks. They have room for
+ * SUM_HEADROOM times the largest value. */
+#define SUM_HEADROOM 0x1p16
 
 static double unit_of(const struct isph *s, const double *value) {
   double most = 0;
@@ -87,17 +88,17 @@ static double unit_of(const struct isph *s, const double *value) {
   most = ranks_max(most);
   int exponent = 0;
   frexp(most, &exponent);
-  return most > 0 && isfinite(most) ? ldexp(MOST / 0x1p62, exponent) : 1;
+  return most > 0 && isfinite(most) ? ldexp(SUM_HEADROOM / 0x1p62, exponent) : 1;
 }
 
-/* `sums` are those of all ranks, times `unit`. */
+/* Adds up the integer sums of all ranks; `sums` are those times `unit`. */
 static void add_up(const struct isph_multigrid *grid, size_t n, double unit, double *sums) {
   ranks_sum_whole(grid->whole, n);
 #pragma omp parallel for schedule(static)
   for (size_t k = 0; k < n; k++) sums[k] = unit * (double)grid->whole[k];
 }
 
-/* Adds value[i] of all particles to the nodes around, by layers of two colours. */
+/* Distributes value[i] of all particles to the nodes around them, by layers of two colours. */
 static void gather(const struct isph *s, const double *value, double *nodes) {
   const struct isph_multigrid *grid = s->multigrid;
   const struct level *fine = &grid->levels.at[0];
@@ -117,10 +118,11 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
   add_up(grid, fine->node_count, unit, nodes);
 }
 
-/* Mobilities times volumes, over that of a cell. At an edge of soil with links (isph/link.h) a
- * particle counts with the mean of its pairs: its own mobility, smoothed, may be less by 1e9 than
- * what ties it to the water outside, and a grid that resists so much more than the matrix takes
- * what is wrong in that water for an error of the soil's pressure. */
+/* Mobilities times volumes, over the volume of a cell. At an edge of soil with links (isph/link.h)
+ * a particle counts with the mean mobility of its pairs: its own smoothed mobility may be 1e9 times
+ * smaller than the coefficients that couple it to the water outside, and a grid that resists so
+ * much more than the matrix would mistake the error of that water for an error of the soil's
+ * pressure. */
 static void find_mobilities(const struct isph *s, double cell, double *value) {
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
@@ -138,7 +140,7 @@ static void find_mobilities(const struct isph *s, double cell, double *value) {
   }
 }
 
-/* Mean coefficient of the cells. */
+/* Mean mobility of the finest cells. */
 static void find_coefficients(const struct isph *s) {
   struct isph_multigrid *grid = s->multigrid;
   struct level *fine = &grid->levels.at[0];

@@ -8,14 +8,15 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Windows in the sides of the domain. Behind a window stand columns of boundary particles that move
- * with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column for each cell of the
- * window): with a fixed head they carry the hydrostatic pressure of that head and take their speed
- * from the water before them, with a fixed flux they have its speed. The foremost becomes water as
- * it crosses the side; a particle that leaves becomes the foremost. So the water sees the same
- * spacing on both sides at any moment, and a given flux is exact in mass. */
+/* Windows in the sides of the domain (open sides). Behind a window are columns of boundary
+ * particles that move with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column
+ * for each cell of the window). With a fixed head they carry the hydrostatic pressure of that head
+ * and take their speed from the water before them; with a fixed flux they have its speed. The
+ * foremost particle becomes water as it crosses the side; a particle that leaves becomes the
+ * foremost. So the water always sees the same spacing on both sides, and a given flux is exact in
+ * mass. */
 
-/* Soil whose porosity a place on a side has, by sharp edges; 1 for free water. */
+/* Porosity of the soil at a place on a side, taking its edges as sharp; 1 in free water. */
 static double porosity_at(const struct isph *s, const double x[3]) {
   double porosity = 1, near = 1e-6 * s->spacing;
   for (size_t k = 0; k < s->scene->region_count; k++) {
@@ -29,7 +30,7 @@ static double porosity_at(const struct isph *s, const double x[3]) {
   return porosity;
 }
 
-/* A window of one porosity: its columns stand as far apart as the particles behind it. */
+/* Adds a window of uniform porosity, whose columns are as far apart as the particles before it. */
 static enum status add_side(struct isph *s, struct isph_open_side side) {
   double middle[3];
   size_t columns = 1;
@@ -52,8 +53,8 @@ static enum status add_side(struct isph *s, struct isph_open_side side) {
   return status;
 }
 
-/* Whether the box of region k goes on, beyond its face e, in another one of its polygon. */
-static bool goes_on(const struct isph *s, size_t k, int e) {
+/* Whether the box of region k continues beyond its face e in another box of its polygon. */
+static bool continues_beyond(const struct isph *s, size_t k, int e) {
   const struct region *region = &s->scene->regions[k];
   const double near = 1e-6 * s->spacing;
   for (size_t j = region->first; j < region->end; j++) {
@@ -66,8 +67,8 @@ static bool goes_on(const struct isph *s, size_t k, int e) {
   return false;
 }
 
-/* Cuts a window where soil begins or ends along it, first along one axis, then the other. */
-static enum status cut(struct isph *s, const struct isph_open_side *side) {
+/* Divides a window where soil begins or ends along it, first along one axis, then the other. */
+static enum status split_window(struct isph *s, const struct isph_open_side *side) {
   const double near = 1e-6 * s->spacing;
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
@@ -84,11 +85,11 @@ static enum status cut(struct isph *s, const struct isph_open_side *side) {
       if (a == side->axis || !isph_uses_axis(s, a)) continue;
       if (!(region->box[e] > side->low[a] + near && region->box[e] < side->high[a] - near))
         continue;
-      if (region->is_part && goes_on(s, k, e)) continue;
+      if (region->is_part && continues_beyond(s, k, e)) continue;
       struct isph_open_side below = *side, above = *side;
       below.high[a] = above.low[a] = region->box[e];
-      enum status status = cut(s, &below);
-      return status == STATUS_OK ? cut(s, &above) : status;
+      enum status status = split_window(s, &below);
+      return status == STATUS_OK ? split_window(s, &above) : status;
     }
   }
   return add_side(s, *side);
@@ -124,7 +125,7 @@ enum status isph_open_create(struct isph *s) {
       side.head = fmax(n > 0 ? side.head : -INFINITY, region->table.value[n][0]);
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
-    TRY(cut(s, &side));
+    TRY(split_window(s, &side));
   }
   TRY(memory_allocate(&s->columns, s->column_count, sizeof *s->columns, "inflow regions"));
   TRY(memory_allocate(&s->column_front, s->column_count, sizeof *s->column_front,
@@ -133,19 +134,19 @@ cleanup:
   return status;
 }
 
-/* Particles of a column: one more than a support takes, for the foremost moves away from the side.
- */
+/* Number of particles of a column: one more than a support needs, since the foremost moves away
+ * from the side. */
 static int column_layers(const struct isph *s, const struct isph_column *column) {
   return (int)ceil(s->support_max / column->pitch - 1e-9) + 1;
 }
 
-#define AWAY 100.0 /* supports */
+#define DRY_DISTANCE 100.0 /* in supports: distance at which a dry column is kept */
 
 static void place_column(struct isph *s, size_t c) {
   const struct isph_column *column = &s->columns[c];
   const struct isph_open_side *side = &s->sides[column->side];
-  /* A dry column of a head that rises and falls waits where no water sees it. */
-  const double front = column->dry ? AWAY * s->support_max : s->column_front[c];
+  /* A dry column of a head that varies in time is kept out of reach of the water. */
+  const double front = column->dry ? DRY_DISTANCE * s->support_max : s->column_front[c];
   if (column->first == SIZE_MAX) return;
   for (int l = 0; l < column_layers(s, column); l++)
     s->boundary_position[column->first + (size_t)l][side->axis] =
@@ -203,7 +204,7 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
       memcpy(column->at, x, sizeof x);
       column->side = k;
       column->first = s->boundary_count;
-      /* As much water in each as in a particle of free water, by the smeared porosity there. */
+      /* Each holds as much water as a particle of free water, with the smoothed porosity there. */
       double area = 1, porosity = 1;
       for (int a = 0; a < 3; a++)
         if (isph_uses_axis(s, a) && a != side->axis) area *= side->pitch[a];
@@ -239,9 +240,10 @@ double isph_open_pressure(const struct isph *s, const struct isph_open_side *sid
   return fmax(0, s->density * strength * (side->head - z));
 }
 
-/* The head stands on the side itself, half a spacing and more before the boundary particles: their
- * pressure continues the line from particle to side, so that a pair counts 1 + d_j/d_i times with
- * its difference to the side. `r`: to the boundary particle; `to_side`: to its foot on the side. */
+/* The head is prescribed on the side itself, at least half a spacing in front of the boundary
+ * particles. Their pressure is the linear extrapolation from the particle through the side, so that
+ * a pair counts 1 + d_j/d_i times with the difference to the side. `r`: from the boundary particle;
+ * `to_side`: from its foot on the side. */
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]) {
   const struct isph_open_side *side = &s->sides[s->boundary_box[j]];
@@ -252,7 +254,7 @@ double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, con
   return 1 + fmax(0, fabs(r[n]) - depth) / fmax(depth, 0.25 * s->spacing);
 }
 
-/* The open side through which x has left the domain, -1 for none. */
+/* The open side through which x has left the domain, or -1. */
 int isph_open_side_behind(const struct isph *s, const double x[3]) {
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];
@@ -266,7 +268,7 @@ int isph_open_side_behind(const struct isph *s, const double x[3]) {
   return -1;
 }
 
-/* How far x stands in front of a window, m; INFINITY where it does not. */
+/* Distance of x in front of a window, m; INFINITY if it is not in front of it. */
 static double depth_before(const struct isph *s, const struct isph_open_side *side,
                            const double x[3]) {
   for (int a = 0; a < 3; a++)
@@ -282,10 +284,10 @@ bool isph_is_at_window(const struct isph *s, const double x[3]) {
   return false;
 }
 
-/* A given pressure says nothing of the velocity along a window or of its profile, and with nothing
- * else jets and eddies grow there. So within a spacing of a window free water moves normal to it,
- * and evenly where it flows in; between one and two spacings less and less so. In soil the drag
- * does the same. */
+/* A given pressure does not determine the velocity along a window or its profile, and without
+ * further conditions jets and eddies grow there. So within a spacing of a window free water moves
+ * normal to it, and with a uniform velocity where it flows in; between one and two spacings this
+ * fades out. In soil the drag has the same effect. */
 void isph_open_straighten(struct isph *s) {
   for (size_t k = 0; k < s->side_count; k++) {
     const struct isph_open_side *side = &s->sides[k];
@@ -321,13 +323,14 @@ void isph_open_straighten(struct isph *s) {
   }
 }
 
-/* Less water than this around a place on the side, where half is usual: the next comes at once. */
-#define WATER_LEAST 0.15
+/* Kernel sum at a place on the side, which is usually one half, below which the next particle
+ * enters at once. */
+#define KERNEL_SUM_MIN 0.15
 
 enum status isph_open_measure(struct isph *s) {
   enum status status = STATUS_OK, worst = STATUS_OK;
-  double(*seen)[2] = NULL; /* [columns]: water, and its speed along the axis */
-  TRY(memory_allocate(&seen, s->column_count, sizeof *seen, "inflow regions"));
+  double(*measured)[2] = NULL; /* [columns]: kernel sum of water, and its velocity along the axis */
+  TRY(memory_allocate(&measured, s->column_count, sizeof *measured, "inflow regions"));
   for (size_t c = 0; c < s->column_count; c++) {
     const struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
@@ -336,12 +339,12 @@ enum status isph_open_measure(struct isph *s) {
       continue;
     const double size = isph_size_of(s, column->volume);
     const double support = fmin(s->support_max, s->scene->isph.support_ratio * size);
-    status = isph_probe(s, column->at, support, &seen[c][0], velocity);
+    status = isph_probe(s, column->at, support, &measured[c][0], velocity);
     if (status != STATUS_OK) worst = status;
-    seen[c][1] = velocity[side->axis];
+    measured[c][1] = velocity[side->axis];
   }
   TRY(ranks_agree(worst));
-  if (s->column_count > 0) ranks_sum_all(&seen[0][0], 2 * s->column_count);
+  if (s->column_count > 0) ranks_sum_all(&measured[0][0], 2 * s->column_count);
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
@@ -356,11 +359,11 @@ enum status isph_open_measure(struct isph *s) {
       column->speed = side->flux / porosity;
       continue;
     }
-    if (seen[c][0] < WATER_LEAST) s->column_front[c] = 0;
-    column->speed = side->inward * seen[c][1] / porosity;
+    if (measured[c][0] < KERNEL_SUM_MIN) s->column_front[c] = 0;
+    column->speed = side->inward * measured[c][1] / porosity;
   }
 cleanup:
-  memory_free(&seen);
+  memory_free(&measured);
   return status;
 }
 
@@ -385,12 +388,14 @@ enum status isph_open_move(struct isph *s, double dt) {
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;
-    double path = fmin(column->speed * dt, 0.9 * column->pitch); /* one particle a step */
+    /* at most one particle in a step */
+    double path = fmin(column->speed * dt, 0.9 * column->pitch);
     double *front = &s->column_front[c];
     *front -= path;
-    /* Nothing has left. In soil what leaves next, here or beside, takes its place: as much goes out
-     * of the water as into the columns. A column that went on by itself stood beside water that was
-     * still there, and held it back: heads fell up to 9 % late through soil of porosity .3. */
+    /* Nothing has left here. In soil the next particle that leaves, here or beside, takes this
+     * place: as much goes out of the water as into the columns. A column that moved on regardless
+     * would stand beside water that has not left, and hold it back: heads then fall up to 9 % late
+     * through soil of porosity .3. */
     if (*front > 1.1 * column->pitch)
       *front = s->sides[column->side].porosity < 1 ? 1.1 * column->pitch : *front - column->pitch;
     if (*front <= 0) {

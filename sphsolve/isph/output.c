@@ -17,9 +17,9 @@ static double domain_volume(const struct isph *s) {
   return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);
 }
 
-/* At edges of soil a particle's volume m/(eps rho) is that at its middle, and the sum of all some
- * tenths of a particle a face more than there is room for. Where water fills its room, the mean is
- * that over the sum. */
+/* At edges of soil the volume m/(eps rho) of a particle uses the porosity at its centre, so that
+ * the sum of all volumes exceeds the room there is, by some tenths of a particle at each face.
+ * Where water fills its room, the mean velocity is therefore that over the sum of volumes. */
 void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
   double sum[4];
 #pragma omp parallel for schedule(static)
@@ -49,8 +49,8 @@ double isph_reynolds(const struct isph *s, const double velocity[3]) {
                          s->kinematic_viscosity);
 }
 
-/* Whether a wall stands where a particle would cross a plane: the water beside a thin wall comes
- * within the kernel's reach of a plane in it, and cannot pass. */
+/* Whether there is a wall where a particle would cross a plane: water beside a thin wall comes
+ * within the kernel's reach of a plane in it, but cannot pass. */
 static bool is_walled_off(const struct isph *s, size_t i, int axis, double position) {
   for (size_t b = 1; b < s->wall_box_count; b++) {
     const struct isph_wall_box *box = &s->wall_boxes[b];
@@ -64,7 +64,7 @@ static bool is_walled_off(const struct isph *s, size_t i, int axis, double posit
   return false;
 }
 
-/* The part of the kernel that reaches beyond a side of the domain is made up for. */
+/* The part of the kernel beyond a side of the domain is compensated for by normalisation. */
 double isph_plane_flux(const struct isph *s, int axis, double position) {
   double flux;
 #pragma omp parallel for schedule(static)
@@ -149,10 +149,10 @@ cleanup:
   return status;
 }
 
-/* Volume of water (not of bulk) in a region's box, where its soil is now. A particle counts by as
- * much of it, a cube of its bulk volume, as is inside; water at a side of the domain is inside of
- * what touches that side. (By its middle alone, whole rows come and go: .04 of the water in a tank
- * 12 particles across.) */
+/* Volume of water (not bulk volume) in a region's box, where its soil is now. A particle, taken as
+ * a cube of its bulk volume, counts by the part that is inside; where the box touches a side of the
+ * domain, it extends beyond it. (Counting particles by their centres, whole rows would come and go:
+ * .04 of the water in a tank 12 particles across.) */
 static double volume_in_region(const struct isph *s, size_t k) {
   const struct region *region = &s->scene->regions[k];
   double volume, near = 1e-6 * s->spacing;
@@ -177,10 +177,10 @@ static double volume_in_region(const struct isph *s, size_t k) {
   return volume * s->thickness;
 }
 
-/* Sums and extremes over all particles. */
+/* Sums and extremes over all particles; the sums are in the order in which s->sums has them. */
 struct whole {
-  double mass, kinetic, potential, momentum[3], squares, kernel_sum; /* in this order in s->sums */
-  double extreme[7];                                                 /* high, -low, kernel_sum */
+  double mass, kinetic, potential, momentum[3], squares, kernel_sum; /* the sums */
+  double extreme[7]; /* largest position, largest -position, largest kernel_sum */
 };
 
 static void sum_up(const struct isph *s, struct whole *whole) {
@@ -235,7 +235,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   row.reynolds = isph_reynolds(s, row.darcy_velocity);
   extra[c++] = whole.potential * scale;
   extra[c++] = sqrt(whole.squares / count);
-  /* A particle by a wall is no cube: no part of it lies beyond the wall. */
+  /* A particle beside a wall is no cube: its extent ends at the wall. */
   for (int a = 0; a < 3; a++)
     extra[c++] = s->periodic[a] ? -whole.extreme[3 + a] : fmax(-whole.extreme[3 + a], s->low[a]);
   for (int a = 0; a < 3; a++)
@@ -268,7 +268,7 @@ enum status isph_write_row(const struct isph *s, struct recorder *recorder, doub
   return status;
 }
 
-/* Of a well or a rain, number n. */
+/* Writes three numbers of well or rain number n. */
 static enum status write_three(struct h5_file *file, const char *what, size_t n,
                                const double kept[3]) {
   const size_t three = 3;
@@ -333,8 +333,8 @@ cleanup:
   return status;
 }
 
-/* Reads `count` rows from the `first` on of a dataset of `rows`, of `width` numbers each, into an
- * array that is there already. */
+/* Reads `count` rows, from `first` on, of a dataset of `rows` rows of `width` numbers each into an
+ * existing array. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, size_t rows,
                              size_t first, size_t count, size_t width, void *to) {
   enum status status = STATUS_OK;

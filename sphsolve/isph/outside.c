@@ -1,5 +1,5 @@
-/* Particles that leave the domain: through a window of an open side, or, which should not be,
- * through a wall. */
+/* Removes particles that have left the domain: through a window of an open side, or, which should
+ * not happen, through a wall. */
 #include "sphsolve/isph/state.h"
 
 #include <math.h>
@@ -12,14 +12,16 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 
-/* Particles whose bulk volumes differ by less are as far apart as those of the column. */
-#define SAME_SPACING 0.2
+/* Relative difference in bulk volume below which particles have the same spacing as those of a
+ * column. */
+#define SAME_VOLUME 0.2
 
-/* What has left in a step of dt at x becomes the foremost of a column, which goes on from there: of
- * its own, or in soil, where rows leave with another number of particles than there are columns, of
- * the nearest within a pitch that waits for one. None where the water is of another spacing;
+/* A particle that has left at x in a step of length dt becomes the foremost of a column, whose
+ * front continues from there. In free water it is that of its own column; in soil, where the number
+ * of particles in a row that leaves differs from that of the columns, it is the nearest column
+ * within a pitch that waits for a particle. None is chosen if the water has another spacing.
  * isph_open_move still moves the column by that step. */
-static void follow(struct isph *s, int k, const double x[3], double volume, double dt) {
+static void extend_column(struct isph *s, int k, const double x[3], double volume, double dt) {
   const struct isph_open_side *side = &s->sides[k];
   const size_t end = side->first + (size_t)(side->cells[0] * side->cells[1] * side->cells[2]);
   const double reach = side->porosity < 1 ? 1 : 0.5;
@@ -39,7 +41,7 @@ static void follow(struct isph *s, int k, const double x[3], double volume, doub
   }
   if (found == end) return;
   const struct isph_column *column = &s->columns[found];
-  if (fabs(volume / column->volume - 1) < SAME_SPACING)
+  if (fabs(volume / column->volume - 1) < SAME_VOLUME)
     s->column_front[found] =
         fmin(fabs(x[side->axis] - side->edge), column->pitch) + column->speed * dt;
 }
@@ -51,12 +53,13 @@ static bool is_outside(const struct isph *s, const double x[3]) {
   return false;
 }
 
-/* Out of the domain, or taken by a well. */
+/* Whether particle i is out of the domain, or taken by a well. */
 static bool is_removed(const struct isph *s, size_t i) {
   return is_outside(s, s->position[i]) || (s->on.wells && s->outlet[i].leaves);
 }
 
-/* To what left or was lost, which count against the water there is. */
+/* Adds to the mass that left or was lost, which is subtracted from the water in the balance; its
+ * rounding error is kept. */
 static void add_passed(struct isph *s, double *sum, double mass) {
   double rounded = 0;
   add_compensated(sum, &rounded, mass);
@@ -73,7 +76,7 @@ static void count_removed(struct isph *s, const struct isph_removed *gone, doubl
   }
   if (side >= 0) {
     s->left_count++, add_passed(s, &s->passed.left, mass);
-    follow(s, side, x, gone->volume, dt);
+    extend_column(s, side, x, gone->volume, dt);
     return;
   }
   if (s->lost_count == 0)

@@ -19,8 +19,9 @@
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/well.h"
 
-/* Change of grad C at a particle over its displacement along axis `along`, on the lattice in units
- * of the spacing, when rows across the axes in `odd` move against each other. */
+/* Stiffness of grad C on the lattice, in units of the spacing: its change at a particle over the
+ * particle's displacement along axis `along`, when alternate rows across the axes in `odd` move
+ * against each other. */
 static double stiffness_of(const struct isph *s, const int odd[3], int along) {
   const double ratio = s->scene->isph.support_ratio, apart = 1e-4;
   const int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
@@ -31,7 +32,7 @@ static double stiffness_of(const struct isph *s, const int odd[3], int along) {
         if ((i * odd[0] + j * odd[1] + k * odd[2]) % 2 == 0) continue;
         for (int sign = -1; sign <= 1; sign += 2) {
           double r[3] = {i, j, k}, w, slope;
-          r[along] += sign * 2 * apart; /* both move */
+          r[along] += sign * 2 * apart; /* neighbours move oppositely */
           const double distance = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
           if (distance >= ratio) continue;
           isph_kernel(s->scene->isph.kernel, s->dimensions, distance, ratio, &w, &slope);
@@ -41,7 +42,8 @@ static double stiffness_of(const struct isph *s, const int odd[3], int along) {
   return -change;
 }
 
-/* That of the stiffest of these patterns, within 15 % the stiffest of all waves on the lattice. */
+/* Stiffness of the stiffest of these patterns; it is within 15 % of the stiffest of all waves on
+ * the lattice. */
 static double shift_stiffness(const struct isph *s) {
   double most = 0;
   for (int pattern = 1; pattern < 8; pattern++) {
@@ -53,11 +55,12 @@ static double shift_stiffness(const struct isph *s) {
   return most;
 }
 
-/* Sums of V W and V slope r^2 over the lattice: the few tenths to two per cent by which a kernel
- * with a support of a few spacings misses 1 are taken out of every operator. */
+/* Normalises the kernel by its sums over the lattice, of V W and V slope r^2: a kernel with a
+ * support of a few spacings misses 1 by a few tenths to two per cent, which is taken out of every
+ * operator. */
 static void normalise_kernel(struct isph *s) {
   double ratio = s->scene->isph.support_ratio, w, slope, sum_w = 0, sum_m = 0, sum_s = 0;
-  double top = 0, trace = 0, sum_top = 0; /* of a level surface's outermost layer */
+  double top = 0, trace = 0, sum_top = 0; /* sums for the outermost layer of a level surface */
   int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
   for (int k = -reach; k <= reach; k++)
     for (int j = -reach_y; j <= reach_y; j++)
@@ -254,7 +257,7 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].pair);
     memory_free(&s->chunks[c].slope);
     memory_free(&s->chunks[c].mobility);
-    memory_free(&s->chunks[c].way);
+    memory_free(&s->chunks[c].path_porosity);
     memory_free(&s->chunks[c].plain);
     memory_free(&s->chunks[c].matrix);
     memory_free(&s->chunks[c].wall);

@@ -10,7 +10,7 @@
 #include "sphsolve/isph/vector.h"
 #include "sphsolve/march/monitor.h"
 
-/* Whether a box spans the domain but along `axis` (3: along every axis). */
+/* Whether a box spans the domain along all axes but `axis` (3: along every axis). */
 static bool spans(const struct isph *s, const double low[3], const double high[3], int axis) {
   bool all = true;
   for (int a = 0; a < 3; a++) {
@@ -21,18 +21,18 @@ static bool spans(const struct isph *s, const double low[3], const double high[3
   return all;
 }
 
-/* The column of a permeameter: two sides of given head face each other, whole sides, and soil lies
- * in layers across. */
+/* The column of a permeameter: two opposite sides, each with a given head on the whole of it, and
+ * soil in layers across. */
 struct column {
   int axis;
-  double gradient; /* fall of head over the length of soil */
-  double fall;     /* of head, m, signed along the axis */
-  double inertia;  /* m: of the water set in motion, sum of length / porosity */
+  double gradient; /* difference of head over the length of soil */
+  double fall;     /* difference of head, m, signed along the axis */
+  double inertia;  /* m: inertial length of the water set in motion, sum of length / porosity */
   double soil[2];  /* where its longest layer begins and ends, m */
-  double porosity; /* of that */
+  double porosity; /* porosity of that layer */
 };
 
-/* False if it is no such column. */
+/* Finds the column; false if the scene is no such column. */
 static bool find_column(const struct isph *s, struct column *column) {
   int *axis = &column->axis;
   const struct isph_open_side *sides = s->sides;
@@ -68,20 +68,22 @@ static bool find_column(const struct isph *s, struct column *column) {
   return length > 0 && column->fall != 0;
 }
 
-/* A k is one after so many relaxation times; before, what is seen is the water's acceleration. */
-#define RELAXATIONS_LEAST 10.0
+/* Number of relaxation times after which k is meaningful; before, the water is still accelerating.
+ */
+#define RELAXATIONS_MIN 10.0
 
-/* The water's momentum balance
- *   inertia dv/dt = drive (1 - v / v_inf)
- * relaxes with the time inertia v_inf / drive for friction that is linear in v, and faster else.
- * False where the run is too short for that; else the steadiness of v, the mean of the second half:
- * the change from its third quarter to its fourth, and what it has still to grow by; and that of
- * averaging, from `sampling`, the 95 % error of that mean; NAN where k is no mean. */
+/* Steadiness of the flow. The momentum balance of the water,
+ *   inertia dv/dt = drive (1 - v / v_inf),
+ * relaxes with the time inertia v_inf / drive if friction is linear in v, and faster otherwise.
+ * Returns false if the run is too short for that. Otherwise sets the error of steadiness of v, the
+ * mean of the second half, from the change between the third and the fourth quarter and from the
+ * growth that is still to come; and the error of averaging, from `sampling`, the 95 % error of that
+ * mean (NAN if k is not a mean). */
 static bool find_steadiness(const struct isph *s, double v, double third, double fourth,
                             double sampling, double inertia, double drive,
                             struct run_result *result) {
   const double relaxation = fabs(v) * inertia / drive, drift = fourth - third;
-  if (!(s->time > RELAXATIONS_LEAST * relaxation)) {
+  if (!(s->time > RELAXATIONS_MIN * relaxation)) {
     log_warning("%s: no k: the flow has not settled after %.3g s; let scene.end_time be ten times "
                 "as long",
                 s->scene->path, s->time);
@@ -95,7 +97,7 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
   return true;
 }
 
-/* Mean of 1 / porosity over the water's volume. */
+/* Mean of 1 / porosity over the bulk volume of the particles. */
 static double mean_inertia(const struct isph *s) {
   double sum[2] = {0};
   for (size_t i = 0; i < s->count; i++) {
@@ -106,9 +108,10 @@ static double mean_inertia(const struct isph *s) {
   return sum[0] > 0 ? sum[1] / sum[0] : 1;
 }
 
-/* Round a periodic box full of water: v / i along the force stands as it is. */
-static void find_round(const struct isph *s, const struct recorder *recorder,
-                       struct run_result *result) {
+/* In a periodic box full of water k = v / i along the force is already known; only its errors are
+ * found here. */
+static void find_periodic(const struct isph *s, const struct recorder *recorder,
+                          struct run_result *result) {
   const double *force = s->scene->driving, drive = sqrt(dot(force, force));
   double direction[3], third[3], fourth[3];
   if (!(drive > 0) || !s->porosity) return;
@@ -128,7 +131,7 @@ enum status isph_find_k(const struct isph *s, const struct plan *plan,
   struct column column;
   for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
   if (round) {
-    find_round(s, recorder, result);
+    find_periodic(s, recorder, result);
     return STATUS_OK;
   }
   result->k = result->intrinsic_permeability = NAN;
@@ -165,7 +168,7 @@ enum status isph_find_k(const struct isph *s, const struct plan *plan,
 bool isph_column_velocity(const struct isph *s, double *velocity) {
   struct column column;
   if (!find_column(s, &column)) return false;
-  /* Clear of the smeared ends, or the middle half of what is too short for that. */
+  /* Clear of the smoothed ends, or the middle half of a layer that is too short for that. */
   const double length = column.soil[1] - column.soil[0];
   const double h =
       0.5 * s->scene->isph.support_ratio * s->spacing * pow(column.porosity, -1.0 / s->dimensions);

@@ -22,7 +22,7 @@ void isph_petsc_free(struct isph *s) {
 
 #define ITERATIONS_MAX 2000
 
-/* Rows under way to PETSc. */
+/* Matrix rows to be passed to PETSc, in compressed form. */
 struct rows {
   PetscInt *start, *column;
   PetscScalar *value;
@@ -32,10 +32,10 @@ struct rows {
 struct isph_petsc {
   struct isph *state;
   Mat matrix;              /* isph_multiply */
-  Mat interpolation, grid; /* the preconditioner of multigrid.h, */
-  Vec down, up;            /* and vectors of its nodes; or */
+  Mat interpolation, grid; /* the preconditioner of multigrid.h */
+  Vec down, up;            /* vectors of its nodes */
   PC cycle;
-  Mat assembled; /* the matrix itself, for a preconditioner that PETSC_OPTIONS names */
+  Mat assembled; /* instead: the matrix itself, for a preconditioner that PETSC_OPTIONS names */
   Vec load, solution;
   MatNullSpace constant;
   KSP solver;
@@ -50,7 +50,7 @@ struct isph_petsc {
       TRY_FAIL(STATUS_RUN, "PETSc fails with error %d in the pressure solve", (int)failed_);       \
   } while (0)
 
-/* What PETSc does unless the environment variable PETSC_OPTIONS says otherwise: of the grid. */
+/* Options of PETSc for the grid, unless the environment variable PETSC_OPTIONS sets others. */
 static const char *const defaults[][2] = {
     {"-grid_pc_type", "hypre"},
     {"-grid_pc_hypre_type", "boomeramg"},
@@ -74,7 +74,7 @@ cleanup:
   return status;
 }
 
-/* A row: columns in order, pairs of one particle with several images of another added up. */
+/* Sorts a row by columns, and adds up the pairs of one particle with several images of another. */
 static PetscInt merge_row(PetscInt *column, PetscScalar *value, PetscInt n) {
   PetscInt kept = 0;
   for (PetscInt k = 1; k < n; k++) {
@@ -126,7 +126,7 @@ static void add_row(const struct isph *s, struct rows *rows, size_t row, int n, 
   rows->start[row + 1] = *used;
 }
 
-/* Rows [0, n) that hold `columns` own columns. */
+/* Creates a matrix of the own rows [0, n); `columns`: number of own columns. */
 static enum status make_matrix(const struct rows *rows, size_t n, size_t columns, Mat *matrix) {
   enum status status = STATUS_OK;
   TRY_PETSC(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, (PetscInt)n, (PetscInt)columns,
@@ -164,7 +164,7 @@ cleanup:
   return status;
 }
 
-/* The nodes of the grid go to the ranks that have the particles above them. */
+/* Divides the nodes of the grid among the ranks that have the particles above them. */
 static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   enum status status = STATUS_OK;
   struct rows *rows = &p->rows;
@@ -173,7 +173,8 @@ static enum status assemble_grid(struct isph *s, struct isph_petsc *p) {
   double value[27];
   const size_t here = own > 0 ? multigrid_row_before(s, s->position[begin]) : end;
   TRY(isph_gather(&here, 1, sizeof here, &partition, &ranks));
-  for (size_t r = ranks - 1; r > 0; r--) /* of a rank without particles: the next one's */
+  /* a rank without particles begins where the next one does */
+  for (size_t r = ranks - 1; r > 0; r--)
     if (s->local.partition[r] == s->local.partition[r + 1])
       partition[r] = r + 1 < ranks ? partition[r + 1] : end;
   for (size_t r = 1; r < ranks; r++) {
@@ -207,7 +208,7 @@ cleanup:
   return status;
 }
 
-static void drop(struct isph_petsc *p) {
+static void destroy_solver(struct isph_petsc *p) {
   KSPDestroy(&p->solver);
   PCDestroy(&p->cycle);
   Vec *const vectors[] = {&p->load, &p->solution, &p->down, &p->up};
@@ -250,9 +251,9 @@ static PetscErrorCode multiply(Mat matrix, Vec x, Vec y) {
   return VecRestoreArrayRead(x, &from);
 }
 
-/* As in pressure.c: r.M^-1 r, whose root PETSc's natural norm is, over x.b. */
-static PetscErrorCode judge(KSP solver, PetscInt iteration, PetscReal norm,
-                            KSPConvergedReason *reason, void *context) {
+/* Convergence test as in pressure.c: r.M^-1 r, whose root is PETSc's natural norm, over x.b. */
+static PetscErrorCode test_convergence(KSP solver, PetscInt iteration, PetscReal norm,
+                                       KSPConvergedReason *reason, void *context) {
   struct isph_petsc *p = context;
   PetscScalar whole;
   (void)solver;
@@ -272,7 +273,7 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   const PetscInt own = (PetscInt)(s->local.end - s->local.begin);
   PetscBool named;
   PC preconditioner;
-  drop(p);
+  destroy_solver(p);
   TRY_PETSC(PetscOptionsHasName(NULL, NULL, "-pc_type", &named));
   TRY_PETSC(
       MatCreateShell(PETSC_COMM_WORLD, own, own, PETSC_DETERMINE, PETSC_DETERMINE, s, &p->matrix));
@@ -302,7 +303,7 @@ static enum status make_solver(struct isph *s, struct isph_petsc *p) {
   TRY_PETSC(KSPSetFromOptions(p->solver));
   TRY_PETSC(KSPSetNormType(p->solver, KSP_NORM_NATURAL));
   TRY_PETSC(KSPSetInitialGuessNonzero(p->solver, PETSC_TRUE));
-  TRY_PETSC(KSPSetConvergenceTest(p->solver, judge, p, NULL));
+  TRY_PETSC(KSPSetConvergenceTest(p->solver, test_convergence, p, NULL));
 cleanup:
   return status;
 }
@@ -348,7 +349,7 @@ cleanup:
 
 void isph_petsc_free(struct isph *s) {
   if (s->petsc == NULL) return;
-  drop(s->petsc);
+  destroy_solver(s->petsc);
   memory_free(&s->petsc->rows.start);
   memory_free(&s->petsc->rows.column);
   memory_free(&s->petsc->rows.value);

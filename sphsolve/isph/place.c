@@ -1,4 +1,4 @@
-/* Where the water stands at the start. */
+/* Initial placement of the water. */
 #include <math.h>
 #include <string.h>
 
@@ -6,33 +6,34 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/state.h"
 
-/* Free water has a particle on each site of the lattice. In soil a site holds only eps of that; a
- * particle of so little mass would be smaller than those that flow in, and its support too short
- * to reach walls and voids behind a full particle. So the water in soil is divided into particles
- * of the same mass as all others, in rows eps^(-1/dimensions) spacings apart over the box that the
- * soil's wet sites fill. The soil's edge is taken as sharp here: the sum of the masses is then
- * exact, and the smoothed porosity spreads the particles by itself. */
+/* Free water has a particle on each site of the lattice. In soil a site holds only the fraction eps
+ * of that mass; a particle of so little mass would be smaller than those that flow in, and its
+ * support too short to reach walls and voids behind a full particle. So the water in soil is
+ * divided into particles of the same mass as all others, in rows eps^(-1/dimensions) spacings apart
+ * over the box that the soil's wet sites fill. The soil's edge is taken as sharp here: the sum of
+ * the masses is then exact, and the smoothed porosity spreads the particles by itself. */
 
-/* A site's water. */
+/* The water of a lattice site. */
 struct site {
   double x[3], width[3]; /* m; the width 1 along an axis that is not used */
   double porosity, volume;
-  size_t porous, water; /* its regions, region_count for none */
+  size_t porous, water; /* its region of soil and of water; region_count: none */
   const double *velocity;
 };
 
-/* The wet sites of one soil in one region of water, and the rows drawn over them. */
+/* The wet sites of one soil within one region of water, and the rows of particles that divide their
+ * box. */
 struct block {
   double low[3], high[3];
-  double porosity, whole; /* mass of a particle */
+  double porosity, whole; /* `whole`: mass of a full cell */
   const double *velocity;
   int rows[3];
-  size_t first; /* of its cells, and their number */
+  size_t first; /* index of its first cell; `count`: their number */
   size_t count;
 };
 
 struct cell {
-  double mass, moment[3]; /* sum of mass times place */
+  double mass, moment[3]; /* sum of mass times position */
 };
 
 struct blocks {
@@ -71,8 +72,8 @@ static bool is_full(const struct region *region, enum region_type type) {
   return region->type == type && !region->is_part && (type == REGION_WATER || region->saturated);
 }
 
-/* The region of water, or else of saturated soil, that alone fills the place of x; NULL where
- * others have a part in it. */
+/* The region of water, or else of saturated soil, that alone occupies the place x; NULL if other
+ * regions overlap it. */
 static const struct region *filled_by(const struct isph *s, const double x[3]) {
   const struct region *regions = s->scene->regions, *found = NULL;
   const size_t n = s->scene->region_count;
@@ -95,9 +96,9 @@ static const struct region *filled_by(const struct isph *s, const double x[3]) {
   return found;
 }
 
-/* Sites lie a spacing apart from the domain's corner, whatever the box of water: the rows of a box
- * that is no whole number of them are drawn over it, so that its water is all there and stands
- * evenly. */
+/* Sites lie at multiples of the spacing from the domain's corner, whatever the box of water. If a
+ * box is not a whole number of rows, its rows are stretched over it, so that all of its water is
+ * there and evenly spaced. */
 static void fit_box(const struct isph *s, const struct lattice *lattice, struct site *site) {
   const struct region *region = filled_by(s, site->x);
   if (region == NULL) return;
@@ -109,7 +110,7 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
     const double rows = fmax(1, last - first + 1), pitch = length / rows;
     const double row = round((site->x[a] - lattice->origin[a]) / dx) - first;
     const double place = low + (row + 0.5) * pitch;
-    /* Rows that fit stay where they are, to the bit. */
+    /* Rows that already fit stay exactly where they are. */
     if (fabs(pitch / dx - 1) < 1e-9 && fabs(place - site->x[a]) < 1e-6 * dx) continue;
     site->x[a] = place;
     site->width[a] = pitch;
@@ -117,7 +118,7 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
   }
 }
 
-/* Calls take for each site of water, in their order; stops at its first failure. */
+/* Calls `take` for each site of water, in their order; stops at the first failure. */
 static enum status for_sites(struct isph *s, const struct lattice *lattice,
                              enum status (*take)(struct isph *s, const struct site *site,
                                                  void *context),
@@ -150,8 +151,8 @@ static struct block *block_of(const struct isph *s, const struct blocks *blocks,
   return &blocks->block[blocks->of[site->porous * (n + 1) + site->water] - 1];
 }
 
-/* The blocks and the boxes that their sites fill. */
-static enum status bound(struct isph *s, const struct site *site, void *context) {
+/* Finds the block of a site and extends its box by the site. */
+static enum status extend_block(struct isph *s, const struct site *site, void *context) {
   struct blocks *blocks = context;
   const size_t n = s->scene->region_count;
   if (!(site->porosity < 1)) return STATUS_OK;
@@ -173,16 +174,17 @@ static enum status bound(struct isph *s, const struct site *site, void *context)
   return STATUS_OK;
 }
 
-/* Rows along each axis, the shortest first, so that a cell holds as much as a free particle. */
-static void draw_rows(const struct isph *s, struct block *block) {
+/* Divides a block into rows along each axis, the shortest first, so that a cell holds as much water
+ * as a free particle. */
+static void divide_into_rows(const struct isph *s, struct block *block) {
   double volume = pow(s->spacing, s->dimensions) * s->mass_ratio / block->porosity;
-  bool drawn[3] = {false, false, false};
+  bool divided[3] = {false, false, false};
   block->count = 1;
   block->whole = block->porosity * s->density;
   for (int left = s->dimensions; left > 0; left--) {
     int axis = -1;
     for (int a = 0; a < 3; a++)
-      if (isph_uses_axis(s, a) && !drawn[a] &&
+      if (isph_uses_axis(s, a) && !divided[a] &&
           (axis < 0 || block->high[a] - block->low[a] < block->high[axis] - block->low[axis]))
         axis = a;
     const double length = block->high[axis] - block->low[axis];
@@ -190,12 +192,12 @@ static void draw_rows(const struct isph *s, struct block *block) {
     volume /= length / block->rows[axis];
     block->whole *= length / block->rows[axis];
     block->count *= (size_t)block->rows[axis];
-    drawn[axis] = true;
+    divided[axis] = true;
   }
   if (s->dimensions == 2) block->rows[1] = 1;
 }
 
-/* What of the site's length along axis a lies in row r of the block. */
+/* Fraction of the site's length along axis a that lies in row r of the block. */
 static double overlap(const struct block *block, const struct site *site, int a, int r) {
   const double pitch = (block->high[a] - block->low[a]) / block->rows[a];
   const double low = fmax(site->x[a] - 0.5 * site->width[a], block->low[a] + r * pitch);
@@ -203,8 +205,8 @@ static double overlap(const struct block *block, const struct site *site, int a,
   return fmax(0, high - low) / site->width[a];
 }
 
-/* Gives a site's water to the cells that share its room. */
-static enum status share_out(struct isph *s, const struct site *site, void *context) {
+/* Distributes a site's water to the cells that overlap it. */
+static enum status distribute_water(struct isph *s, const struct site *site, void *context) {
   const struct blocks *blocks = context;
   const struct block *block = block_of(s, blocks, site);
   if (block == NULL) return STATUS_OK;
@@ -237,15 +239,15 @@ static enum status share_out(struct isph *s, const struct site *site, void *cont
   return STATUS_OK;
 }
 
-/* Cells of which walls or other soil leave less than this are merged with the fullest beside them.
- */
-#define SHARE_LEAST 0.5
+/* Cells that walls or other soil leave less than this share of a full cell are merged with the
+ * fullest neighbour. */
+#define CELL_SHARE_MIN 0.5
 
 static void merge_slivers(const struct block *block, struct cell *cell) {
   const int *rows = block->rows;
   const size_t stride[3] = {1, (size_t)rows[0], (size_t)rows[0] * (size_t)rows[1]};
   for (size_t c = 0; c < block->count; c++) {
-    if (!(cell[c].mass > 0 && cell[c].mass < SHARE_LEAST * block->whole)) continue;
+    if (!(cell[c].mass > 0 && cell[c].mass < CELL_SHARE_MIN * block->whole)) continue;
     size_t best = c;
     for (int a = 0; a < 3; a++) {
       const int at = (int)(c / stride[a] % (size_t)rows[a]);
@@ -261,7 +263,7 @@ static void merge_slivers(const struct block *block, struct cell *cell) {
 
 struct filling {
   const struct blocks *blocks;
-  size_t first, end; /* of all particles, those of this rank */
+  size_t first, end; /* this rank's range among all particles */
 };
 
 static enum status add(struct isph *s, const struct filling *filling, const double x[3],
@@ -301,28 +303,28 @@ enum status isph_choose_mass(struct isph *s, const struct lattice *lattice) {
   return status;
 }
 
-/* The cells of all blocks with their water. */
+/* Creates the cells of all blocks with their water. */
 static enum status make_blocks(struct isph *s, const struct lattice *lattice,
                                struct blocks *blocks) {
   enum status status = STATUS_OK;
   const size_t n = s->scene->region_count;
   size_t cells = 0;
   TRY(memory_allocate(&blocks->of, n * (n + 1), sizeof *blocks->of, "regions"));
-  TRY(for_sites(s, lattice, bound, blocks));
+  TRY(for_sites(s, lattice, extend_block, blocks));
   for (size_t b = 0; b < blocks->count; b++) {
-    draw_rows(s, &blocks->block[b]);
+    divide_into_rows(s, &blocks->block[b]);
     blocks->block[b].first = cells;
     cells += blocks->block[b].count;
   }
   TRY(memory_allocate(&blocks->cell, cells, sizeof *blocks->cell, "water in soil"));
-  TRY(for_sites(s, lattice, share_out, blocks));
+  TRY(for_sites(s, lattice, distribute_water, blocks));
   for (size_t b = 0; b < blocks->count; b++)
     merge_slivers(&blocks->block[b], blocks->cell + blocks->block[b].first);
 cleanup:
   return status;
 }
 
-/* Each rank takes a run of the particles. */
+/* Each rank takes a contiguous range of the particles. */
 enum status isph_place_water(struct isph *s, const struct lattice *lattice) {
   enum status status = STATUS_OK;
   struct blocks blocks = {0};

@@ -1,4 +1,4 @@
-/* What method isph will take: memory, steps, time, and the error of k. */
+/* Forecast of the cost of method isph: memory, steps, time, and the error of k. */
 #include "common/log.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/copy.h"
@@ -22,35 +22,36 @@ enum status isph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Seconds of one core for a particle and a step, in 2-D and in 3-D; measured where the pressure
+/* Seconds on one core per particle and step, in 2-D and in 3-D; measured where the pressure solve
  * takes few iterations. */
 static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
 
-/* Steps as isph_stable_dt will choose them, while the water is fast and after. */
+/* Number of steps as isph_stable_dt will choose them, while the water is fast and after that. */
 static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
   const double dx = context->spacing, time = context->scene->end_time;
   const double driving = fmax(context->driving, isph_head_drive(context->scene));
   const double force = driving > 0 ? 0.25 * sqrt(dx / driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
-  if (!(least > 0)) return INFINITY; /* a force beyond all numbers */
+  if (!(least > 0)) return INFINITY; /* a force that is not finite */
   const double displacement = (context->has_surface ? 0.2 : 0.1) * dx;
   const double fast = fmin(time, speeds->lasts);
   return fast / fmin(least, displacement / speeds->speed) +
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
-/* The two smoothed ends of a layer of soil change its resistance as so many spacings of the
- * particles in it would, at most. Measured with 20 spacings of soil between two heads, grains of 1
- * um to 5 mm and porosity .1 to .9; round a periodic box it is .1 at porosity .3 and .26 at .1, and
- * the same at half the spacing. */
-#define SOIL_ENDS 0.35
+/* Error of the resistance of a soil layer by its two smoothed ends, expressed as a thickness: at
+ * most so many spacings of the particles in it. Measured with 20 spacings of soil between two
+ * heads, grains of 1 um to 5 mm and porosity .1 to .9; in a periodic box it is .1 at porosity .3
+ * and .26 at .1, and the same at half the spacing. */
+#define LAYER_END_ERROR 0.35
 
-/* The same of soils side by side round a periodic box, porosity .5 beside .3 in layers along and
+/* The same for soils side by side in a periodic box, porosity .5 beside .3 in layers along and
  * across and in a checkerboard: 0.5 to 2.4 % of k at 5 spacings a layer. */
-#define SOIL_LAYERS 0.2
+#define PARALLEL_LAYER_ERROR 0.2
 
-/* Spacings of the thinnest soil that does not fill the domain; INFINITY where soils are alike. */
+/* Thickness, in spacings, of the thinnest soil that does not span the domain; INFINITY if all soils
+ * are alike. */
 static double thinnest_layer(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   double thinnest = INFINITY;
@@ -67,8 +68,8 @@ static double thinnest_layer(const struct effect_context *context) {
   return thinnest;
 }
 
-/* Whether soil fills less than the sites that are no wall: beside it is free water. */
-static bool beside_water(const struct effect_context *context) {
+/* Whether there is free water beside soil: soil fills less than the sites that are not walls. */
+static bool has_water_beside_soil(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   double soil = 0, site = 1;
   for (int a = 0; a < 3; a++) site *= context->lattice->spacing[a];
@@ -80,9 +81,9 @@ static bool beside_water(const struct effect_context *context) {
   return soil > 0 && soil < 0.999 * site * (double)context->lattice->fluid_count;
 }
 
-/* Particles of its own along the way through soil that water passes along an axis. Soil from side
- * to side of the domain has no ends there: water comes in and goes out through its other faces. */
-static double way_through(const struct effect_context *context, const struct region *region,
+/* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the
+ * domain along that axis has no ends there: water comes in and goes out through its other faces. */
+static double soil_length(const struct effect_context *context, const struct region *region,
                           int axis) {
   const double *size = context->scene->domain_size;
   const int dimensions = context->lattice->dimensions;
@@ -95,22 +96,23 @@ static double way_through(const struct effect_context *context, const struct reg
   return way / (context->spacing * pow(region->porosity, -1.0 / dimensions));
 }
 
-/* The error that a user has in mind who gives none. */
-#define USUAL_ERROR 0.03
+/* Error that a user is assumed to accept who gives none. */
+#define ACCEPTED_ERROR 0.03
 
-/* Of soil whose thinnest layer is so many of its own particles thick; and what would be enough. */
-static void expect_ends(struct error_forecast *e, double thinnest, double spacing) {
-  e->error = e->least = SOIL_ENDS / thinnest;
+/* Expected error of soil whose thinnest layer is `thinnest` of its own particles thick, and the
+ * spacing that would suffice. */
+static void expect_layer_ends(struct error_forecast *e, double thinnest, double spacing) {
+  e->error = e->least = LAYER_END_ERROR / thinnest;
   int n = snprintf(e->why, sizeof e->why,
                    "the ends of soil %.3g particles of its own long are known to %g of one",
-                   thinnest, SOIL_ENDS);
-  if (e->error > USUAL_ERROR)
+                   thinnest, LAYER_END_ERROR);
+  if (e->error > ACCEPTED_ERROR)
     snprintf(e->why + n, sizeof e->why - (size_t)n, "; domain.spacing = \"%.2g mm\" for %g %%",
-             1e3 * spacing * USUAL_ERROR / e->error, 100 * USUAL_ERROR);
+             1e3 * spacing * ACCEPTED_ERROR / e->error, 100 * ACCEPTED_ERROR);
 }
 
-/* Drag is implicit and exact in even soil, so that only the ends of layers between two heads count.
- * Elsewhere no k is asked for, or no estimate is known. */
+/* Expected error of k. Drag is implicit and exact in uniform soil, so that only the ends of layers
+ * between two heads count. In other scenes there is no k, or no estimate is known. */
 static void expect_isph(struct plan *plan) {
   const struct scene *scene = plan->context.scene;
   struct error_forecast *e = &plan->expected;
@@ -132,16 +134,17 @@ static void expect_isph(struct plan *plan) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
-    thinnest = fmin(thinnest, way_through(&plan->context, region, axis));
+    thinnest = fmin(thinnest, soil_length(&plan->context, region, axis));
   }
   const double layer = thinnest_layer(&plan->context);
   const bool between = heads == 2 && isfinite(thinnest);
   if (round && isfinite(layer) && !between) {
-    e->error = e->least = SOIL_LAYERS / layer;
+    e->error = e->least = PARALLEL_LAYER_ERROR / layer;
     snprintf(e->why, sizeof e->why,
-             "soils side by side, %.3g spacings thin, are known to %g of one", layer, SOIL_LAYERS);
-  } else if (between || (round && beside_water(&plan->context))) {
-    expect_ends(e, thinnest, plan->context.spacing);
+             "soils side by side, %.3g spacings thin, are known to %g of one", layer,
+             PARALLEL_LAYER_ERROR);
+  } else if (between || (round && has_water_beside_soil(&plan->context))) {
+    expect_layer_ends(e, thinnest, plan->context.spacing);
   } else if (round && isfinite(thinnest)) {
     snprintf(e->why, sizeof e->why,
              "even soil is exact; where it ends beside walls no estimate is known");
@@ -151,13 +154,13 @@ static void expect_isph(struct plan *plan) {
   }
 }
 
-/* Rows of a front in soil stand 1/eps spacings apart, and see each other over eps^(-1/dimensions)
- * times the support: below this porosity so little, or not at all, that nothing tells a front from
- * what is behind it. Fronts 30 and 40 cm deep, in 2-D, were off by 10 % at .25 and by 7 and 20 % at
- * .2; a finer spacing draws the rows apart alike. */
+/* Rows of a front in soil are 1/eps spacings apart, and their kernels reach eps^(-1/dimensions)
+ * times the support: below this porosity they overlap so little, or not at all, that a front cannot
+ * be told from what is behind it. Fronts 30 and 40 cm deep, in 2-D, were off by 10 % at .25 and by
+ * 7 and 20 % at .2; a finer spacing makes no difference. */
 #define FRONT_POROSITY 0.3
 
-/* Says so where water will enter such soil. */
+/* Warns if water will enter such soil. */
 static void warn_of_fronts(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
   const struct region *regions = context->scene->regions;
@@ -180,7 +183,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (status != STATUS_OK) return status;
   warn_of_fronts(context);
   double neighbours = isph_neighbours(scene);
-  /* In that time what starts at rest falls half a spacing. */
+  /* Time in which water that starts at rest falls half a spacing. */
   double fall = sqrt(context->spacing / context->driving);
   if (!isnan(scene->isph.dt) && scene->isph.dt > fall)
     return scene_error(scene, AT_ISPH_DT,
@@ -191,9 +194,9 @@ enum status isph_cost(struct plan *plan, int threads) {
     return scene_error(scene, AT_ISPH_DT,
                        "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
-  plan->dt = scene->isph.dt; /* NAN: chosen each step */
+  plan->dt = scene->isph.dt; /* NAN: chosen in each step */
   plan->bytes_fluid = 519 + 1.3 * neighbours * 12;
-  if (context->has_surface) plan->bytes_fluid += 16; /* bodies of water */
+  if (context->has_surface) plan->bytes_fluid += 16; /* body */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
     plan->bytes_fluid += 4 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;

@@ -1,19 +1,20 @@
-/* What method isph costs on several ranks (docs/scaling.md). */
+/* Cost of method isph on several ranks (docs/scaling.md). */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
 
-#define IN_FULL 0.07    /* share of the time in the cycle on the grid, which every rank does */
-#define ITERATIONS 10.0 /* of the pressure, a step */
-#define GATHERED 1.6    /* bytes a particle and iteration: residual on the grid, sums of chunks */
-#define GRID 40.0       /* bytes on every rank: of the grid, a particle, */
-#define SITE 6.0        /* of lattice and cells, a site, */
-#define WALL 31.0       /* and of a wall particle */
-#define HELD 456.0      /* bytes of a ghost */
-#define LAYERS 1.25     /* supports that the layers of ghosts are thick */
-#define GHOST 240.0     /* bytes of a ghost sent per step */
+/* share of the time in the V-cycle on the grid, which every rank does in full */
+#define SERIAL_SHARE 0.07
+#define ITERATIONS 10.0 /* of the pressure solve in a step */
+#define GATHERED_BYTES 1.6 /* per particle and iteration: residual on the grid, sums of chunks */
+#define GRID_BYTES 40.0    /* bytes on every rank: of the grid, per particle, */
+#define SITE_BYTES 6.0     /* of lattice and cells, per site, */
+#define WALL_BYTES 31.0    /* and per wall particle */
+#define GHOST_BYTES 456.0  /* bytes of a ghost */
+#define GHOST_LAYERS 1.25  /* thickness of the layers of ghosts, in supports */
+#define GHOST_BYTES_SENT 240.0 /* bytes of a ghost sent per step */
 
-/* Particles of the walls around the domain. */
+/* Number of particles in the walls around the domain. */
 static double walls_around(const struct plan *plan) {
   const struct lattice *l = plan->context.lattice;
   const double layers = ceil(plan->context.scene->isph.support_ratio);
@@ -30,14 +31,14 @@ void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ran
   (void)threads;
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
-  const double layers = LAYERS * plan->context.scene->isph.support_ratio;
+  const double layers = GHOST_LAYERS * plan->context.scene->isph.support_ratio;
   const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
   const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
-  cost->in_full = IN_FULL * (1 - 1 / r) * plan->seconds;
-  cost->gathered = (1 - 1 / r) * GATHERED * ITERATIONS * fluid;
-  cost->ghosts = GHOST * beside;
+  cost->in_full = SERIAL_SHARE * (1 - 1 / r) * plan->seconds;
+  cost->gathered = (1 - 1 / r) * GATHERED_BYTES * ITERATIONS * fluid;
+  cost->ghosts = GHOST_BYTES_SENT * beside;
   cost->messages = (6 + ITERATIONS) * fmin(r - 1, 6);
   cost->sums = 4 * ITERATIONS;
-  cost->whole = GRID * fluid + SITE * sites + WALL * walls_around(plan);
-  cost->held = HELD * beside;
+  cost->whole = GRID_BYTES * fluid + SITE_BYTES * sites + WALL_BYTES * walls_around(plan);
+  cost->held = GHOST_BYTES * beside;
 }

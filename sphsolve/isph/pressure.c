@@ -15,8 +15,8 @@
 
 #define ITERATIONS_MAX 2000
 
-/* Sum over blocks of fixed size, the blocks in their order: the same bits for any number of threads
- * and ranks, whose particles begin with a block. */
+/* Sum over blocks of fixed size, added in their order: it is the same to the bit for any number of
+ * threads and ranks, since a rank's particles begin with a block. */
 double isph_dot(struct isph *s, const double *a, const double *b) {
   const size_t first = s->local.begin, n = s->local.end;
   double total = 0, *own = s->partial + isph_first_chunk(s);
@@ -32,12 +32,13 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
   return total;
 }
 
-/* Of the row of a particle, what its pairs with water give. */
+/* Contributions of a particle's pairs with water to its row. */
 struct pairs {
   double diagonal, source, divergence;
 };
 
-/* Driving force f per mass, velocities v; D of the divergence (isph/strain.h), or NULL. */
+/* Adds up the pairs of row i. f: driving force per mass; v: velocities; d: D of the divergence
+ * (isph/strain.h), or NULL. */
 ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                         size_t i, const double f[3], double (*v)[3], const double d[6],
                         struct pairs *row) {
@@ -57,14 +58,14 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
   }
 }
 
-/* Row i of
+/* Assembles row i of
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
- *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij the mean of k_i and k_j.
- * The driving force f enters through its potential, with the coefficients of the pressure itself:
- * P = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
- * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann); their
- * images reflect the velocity. Where the pressure is carried the first rows have no source: it is
- * the second solve's. */
+ *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij of isph_mobility_between.
+ * The driving force f enters through its potential, with the coefficients of the pressure itself: P
+ * = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
+ * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann condition);
+ * their images reflect the velocity. If the pressure is carried over from the last step, the rows
+ * of the first projection have no source: it is that of the second solve. */
 void isph_assemble(struct isph *s, double relaxation_time) {
   const bool again = s->solve.again, sources = again || !s->solve.carries;
   static const double none[3] = {0};
@@ -113,7 +114,8 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
         if (strains) symmetric_times(d, r, r);
         isph_turn(IMAGES_REFLECTED, s, entry, r,
-                  back); /* a wall's image behind a side: both turn the velocity */
+                  /* image of a wall particle behind a reflecting side: both reverse the velocity */
+                  back);
         symmetric_times(mirror, back, across);
         for (int a = 0; a < 3; a++)
           divergence +=
@@ -192,8 +194,9 @@ enum status isph_solve_failed(struct isph *s, double error, int iterations) {
               worst[3], worst[0], worst[1], worst[2], error, iterations);
 }
 
-/* Least energy that a solution is measured by: that of a pressure gradient 1e-8 of the driving
- * force's, far above what rounding leaves of the rows where the force alone drives even water. */
+/* Lower bound of the energy to which the error of a solution is related: that of a pressure
+ * gradient 1e-8 of the driving force's, far above the rounding error of the rows where the force
+ * alone drives uniform water. */
 static double energy_least(struct isph *s) {
   const double *f = s->force, gradient = 1e-8 * s->density;
   const double square = gradient * gradient * (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
@@ -207,10 +210,10 @@ static double largest(const struct isph *s, const double *x) {
   return ranks_max(most);
 }
 
-/* Whether the pressure itself is as exact as the velocities: its error, by the preconditioner,
- * against the largest pressure. In soil so fine that mobilities are 1e-12 of those in free water an
- * error of the velocities of 1e-6, as all the water has it, is a pressure a hundred times the one
- * that is there, and moves a thousand times what seeps. */
+/* Whether the pressure itself is as accurate as the velocities: its error, estimated by the
+ * preconditioner, relative to the largest pressure. In soil so fine that mobilities are 1e-12 of
+ * those in free water, an error of 1e-6 in the velocities of all the water corresponds to a
+ * pressure a hundred times the actual one, and moves a thousand times the seepage. */
 static bool pressure_is_exact(struct isph *s, const double *error) {
   struct isph_solve *solve = &s->solve;
   if (!s->on.soil) return true;
@@ -218,13 +221,13 @@ static bool pressure_is_exact(struct isph *s, const double *error) {
   return largest(s, error) <= s->scene->isph.tolerance * solve->pressure;
 }
 
-/* One sweep of Jacobi's method from the last pressure, but for particles on the surface. A pressure
- * that alternates from particle to particle has next to no gradient, so that the second solve does
- * not see it, and a gradient that is not quite the divergence's adjoint makes it grow, by 1 % a
- * step in a small wave; the sweep takes most of it, and next to nothing of a smooth one. At the
+/* One Jacobi sweep from the last pressure, except for particles on the surface. A pressure that
+ * alternates from particle to particle has almost no gradient, so that the second solve does not
+ * see it; as the gradient is not quite the adjoint of the divergence, it would grow, by 1 % a step
+ * in a small wave. The sweep removes most of it, and almost nothing of a smooth pressure. At the
  * surface the rows' gradient and the one in use differ most, and the sweep would bring the
- * difference back. What exceeds the weight of water up to the highest particle is not carried: it
- * may be an impact's, which is over with its step. */
+ * difference back. What exceeds the weight of water up to the highest particle is not carried over:
+ * it may be the pressure of an impact, which is over with its step. */
 void isph_carry_pressure(struct isph *s) {
   double *x = s->pressure, *q = s->work[3], top = -INFINITY;
   const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
@@ -271,10 +274,10 @@ enum status isph_solve_pressure(struct isph *s) {
   isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) r[i] = b[i] - q[i];
-  /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, that of
-   * the velocities the pressure makes: one tolerance means the same whatever the number of
-   * particles (the plain norm of r asks for more the smoother b is on its scale). With soil the
-   * pressure has to be as exact. */
+  /* r.M^-1 r and x.b are the squares of the error and of the solution in the energy norm, which is
+   * that of the velocities the pressure makes: so a tolerance means the same whatever the number of
+   * particles (in the plain norm of r it would be stricter, the smoother b is). With soil the
+   * pressure has to be as accurate. */
   double error = 0, rz = 0, energy = 0, least = fmax(energy_least(s), 1e-300);
   int iteration = 0;
   for (;; iteration++) {

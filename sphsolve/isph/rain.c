@@ -1,15 +1,15 @@
-/* Rain comes in whole particles, each with the mass of all others: what falls on the area of a
- * region is booked as mass, and once it is that of a particle one is set where a drop would come to
- * rest that falls there. So any rate and any time bring their water to less than one particle, also
- * less than a row. The drop brings no momentum along: it has no velocity.
+/* Rain comes in whole particles, each with the mass of all others. What falls on the area of a
+ * region is accumulated as mass; once it is that of a particle, one is placed where a drop falling
+ * there would come to rest. So the water of any rate over any time is correct to less than one
+ * particle, also if it is less than a row. The drop has no velocity, and brings no momentum.
  *
- * The places follow each other by the golden ratio (in 3-D by the two numbers that take its place:
- * Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"): any run of them covers
- * the area evenly, and a run that goes on from a checkpoint goes on with them.
+ * The places follow each other by the golden ratio (in 3-D by the two numbers that replace it:
+ * Roberts 2018, "The unreasonable effectiveness of quasirandom sequences"): any section of the
+ * sequence covers the area evenly, and a run resumed from a checkpoint continues it.
  *
  * A source div v = q in the particles at the surface instead, as wells have a sink, would lift the
- * surface once by spreading its particles and again by the particle that is set in; in a well the
- * particle that is taken out is the one that its sink has pressed together. */
+ * surface twice: by spreading its particles, and by the particle that is added. In a well, the
+ * particle that is removed is the one that its sink has compressed. */
 #include "sphsolve/isph/rain.h"
 
 #include <math.h>
@@ -17,9 +17,9 @@
 #include "common/memory.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Places tried in a step for a drop that finds none. */
-#define PLACES_MOST 64
-/* Of a particle's mass: what the sum of the steps may lack by rounding. */
+/* Most places tried in a step for a drop that finds no room. */
+#define PLACES_MAX 64
+/* Share of a particle's mass that the sum over steps may lack by rounding. */
 #define ROUNDING 1e-9
 
 double isph_rain_area(const struct scene *scene, const struct region *rain) {
@@ -39,7 +39,7 @@ enum status isph_rain_create(struct isph *s) {
   return STATUS_OK;
 }
 
-/* Place number n of a rain, in x and y. */
+/* x and y of place number n of a rain. */
 static void find_place(const struct isph *s, const struct region *rain, double n, double x[3]) {
   static const double steps[2][2] = {{0.6180339887498949, 0},
                                      {0.7548776662466927, 0.5698402909980532}};
@@ -56,15 +56,16 @@ static bool is_over(const struct isph *s, const double x[3], const double low[3]
   return true;
 }
 
-/* Bulk volume of a particle of free water's mass at x; *size its side. */
+/* Size at x of a particle of this mass: the side of its bulk volume. */
 static double size_at(const struct isph *s, const double x[3], double mass) {
   struct soil_point soil = {.porosity = 1};
   if (s->on.soil) isph_soil_at(s, x, 0, &soil);
   return isph_size_of(s, mass / (soil.porosity * s->density));
 }
 
-/* Height of the ground below `top` at x: the highest wall or soil, or the domain's floor. A drop
- * lies on a wall, and in the face of soil. INFINITY: a wall covers the top. */
+/* Height at which a drop of half size `half` rests on the ground below `top` at x: on the highest
+ * wall, at the face of the highest soil, or on the domain's floor. INFINITY if a wall covers the
+ * top. */
 static double ground_at(const struct isph *s, const double x[3], double top, double half) {
   double height = s->low[2] + half;
   for (size_t b = 1; b < s->wall_box_count; b++) {
@@ -86,10 +87,10 @@ static double ground_at(const struct isph *s, const double x[3], double top, dou
   return height;
 }
 
-/* Where a drop that falls along x, y below `top` comes to rest, x[2]: on the ground, or where its
- * distance from a particle becomes the mean of their sizes. False: there is no room below the top.
- */
-static bool let_fall(const struct isph *s, double top, double mass, double x[3]) {
+/* Finds x[2], where a drop that falls along x, y below `top` comes to rest: on the ground, or where
+ * its distance from a particle is the mean of their sizes. Returns false if there is no room below
+ * the top. */
+static bool find_resting_place(const struct isph *s, double top, double mass, double x[3]) {
   const double half = 0.5 * s->spacing;
   double size, height;
   x[2] = ground_at(s, x, top, half);
@@ -121,10 +122,10 @@ enum status isph_rain_fall(struct isph *s, double dt) {
     const double depth =
         table->count > 0 ? time_table_integral(table, s->time, s->time + dt, 0) : region->rate * dt;
     rain->pending += s->density * depth * isph_rain_area(s->scene, region);
-    for (int tried = 0; rain->pending >= (1 - ROUNDING) * mass && tried < PLACES_MOST; tried++) {
+    for (int tried = 0; rain->pending >= (1 - ROUNDING) * mass && tried < PLACES_MAX; tried++) {
       double x[3] = {0};
       find_place(s, region, rain->places++, x);
-      if (!let_fall(s, region->box[5], mass, x)) continue;
+      if (!find_resting_place(s, region->box[5], mass, x)) continue;
       enum status status = ranks_agree(isph_let_in(s, x, still, mass, 0));
       if (status != STATUS_OK) return status;
       rain->pending -= mass, rain->fallen += mass;

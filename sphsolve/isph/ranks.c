@@ -7,7 +7,7 @@
 
 enum { TAG = 5, TAG_SUMS };
 
-/* What a particle is known by. */
+/* What is sent of a particle that changes ranks. */
 struct particle {
   double position[3], velocity[3], pressure, mass;
   uint64_t id;
@@ -20,7 +20,7 @@ static int layer_count(const struct isph *s) {
   return s->cells.count[s->cells.axis[2]];
 }
 
-/* The layer that holds the particle of that number in the order of all. */
+/* The layer that holds the particle with that number in the order of all. */
 static int layer_of(const struct isph *s, size_t number) {
   int low = 0, high = layer_count(s) - 1;
   while (low < high) {
@@ -33,7 +33,7 @@ static int layer_of(const struct isph *s, size_t number) {
   return low;
 }
 
-/* Layers that rank r answers for: those of its own particles, and empty ones beside them. */
+/* Layers that rank r is responsible for: those of its own particles, and empty ones beside them. */
 static bool layers_of(const struct isph *s, int r, int *low, int *high) {
   const size_t from = s->local.partition[r], to = s->local.partition[r + 1];
   if (from == to) return false;
@@ -46,7 +46,7 @@ static bool layers_of(const struct isph *s, int r, int *low, int *high) {
   return true;
 }
 
-/* Whether rank r holds the particles of a layer. */
+/* Whether a rank with own layers low .. high holds the particles of a layer. */
 static bool is_held(const struct isph *s, int low, int high, int layer) {
   const int axis = s->cells.axis[2], n = layer_count(s);
   const int beyond = (int)ceil(s->support_max / s->cells.size[axis] - 1e-9);
@@ -70,7 +70,7 @@ static struct particle particle_at(const struct isph *s, size_t i) {
   return p;
 }
 
-/* Cuts the order of all, from how many particles each layer of cells has. */
+/* Divides all particles among the ranks, from the number of particles in each layer of cells. */
 static enum status partition(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t layers = (size_t)layer_count(s), plane = layer_cells(s);
@@ -115,8 +115,8 @@ static void put_particle(struct isph *s, size_t i, const struct particle *p) {
   s->id[i] = p->id;
 }
 
-/* Each rank gets from all others what it is to hold: those of lower ranks before those that it
- * keeps, those of higher ones behind. */
+/* Each rank receives from all others the particles that it is to hold: those of lower ranks are
+ * placed before the ones that it keeps, those of higher ranks behind. */
 static enum status migrate(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
@@ -209,7 +209,7 @@ enum status isph_find_ghosts(struct isph *s) {
       if (j < g->begin || j >= g->end) g->wanted[j] = chunk->outer = true;
     }
   }
-  /* isph_probe reads any. */
+  /* isph_probe may read any particle. */
   for (size_t j = 0; s->on.open_sides && j < s->count; j++)
     g->wanted[j] = j < g->begin || j >= g->end;
   TRY(ghosts_plan_exchange(g, s->count));
@@ -224,8 +224,8 @@ void isph_send(struct isph *s, int count, const struct ghost_field *fields) {
   ghosts_finish(&s->local);
 }
 
-/* Sums go from rank to rank, each of which adds its own between the two calls; then all have them.
- */
+/* Sums are passed from rank to rank, each of which adds its own between the two calls; then all
+ * ranks have them. */
 static void sums_arrive(double *sums, size_t n) {
   if (ranks_own() == 0) return;
   ranks_receive(sums, n * sizeof *sums, ranks_own() - 1, TAG_SUMS);

@@ -6,8 +6,8 @@
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/symmetric.h"
 
-/* Rows of the lattice from half a spacing behind a side on that a particle `distance` spacings
- * before it has in its support. */
+/* Share of sum V slope that comes from the lattice's rows behind a side (the first half a spacing
+ * behind it), for a particle `distance` spacings before the side. */
 static double behind_at(const struct isph *s, double distance) {
   const double ratio = s->scene->isph.support_ratio;
   const int reach = (int)ceil(ratio), reach_y = s->dimensions == 3 ? reach : 0;
@@ -62,7 +62,7 @@ double isph_reflection_gap(const struct isph *s, size_t i, uint32_t entry, const
   return surface_gap(s, i, r, mirror);
 }
 
-/* Both particles stand on the same side of the mirror, so that r points out of it for both. */
+/* Both particles are on the same side of the mirror, so that r points away from it for both. */
 void isph_reflection_part(struct isph *s) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {

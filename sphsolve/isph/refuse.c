@@ -1,16 +1,18 @@
-/* Scenes that method isph cannot do right: each ends before the run with one line that says why,
- * and what would work. */
+/* Rejects scenes that method isph cannot solve correctly: each ends before the run with a one-line
+ * message that says why, and what would work. */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
 
 #include "sphsolve/isph/rain.h"
 
-/* Water within a kernel's support on both sides of a wall presses through it. The support is 2.4
- * spacings, and particles keep a fifth of one from each face. */
-#define WALL_LEAST 2.0
-/* A row of particles brings a spacing of water; less than one never comes. */
-#define ROWS_LEAST 1.0
+/* Least thickness in spacings of a wall with water on both sides: within a kernel's support
+ * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
+ * each face. */
+#define WALL_THICKNESS_MIN 2.0
+/* Least water that an inflow brings, in spacings: it comes in whole rows of particles, and less
+ * than one never comes. */
+#define INFLOW_ROWS_MIN 1.0
 
 /* Whether water or soil is at a site of the lattice; false outside. */
 static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double step) {
@@ -21,11 +23,11 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
   return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
 }
 
-/* The first wall with water on both sides that is too thin. */
+/* Refuses the first wall with water on both sides that is too thin. */
 static enum status check_walls(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
-  const double least = WALL_LEAST * context->spacing;
+  const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
@@ -43,13 +45,14 @@ static enum status check_walls(const struct effect_context *context) {
             return FAIL(STATUS_INPUT,
                         "%s:%d: a wall %g m thick in %c with water on both sides lets pressure "
                         "through; make it %g m thick, two spacings, or domain.spacing %g m",
-                        scene->path, wall->line, thick, "xyz"[a], least, thick / WALL_LEAST);
+                        scene->path, wall->line, thick, "xyz"[a], least,
+                        thick / WALL_THICKNESS_MIN);
         }
       }
   return STATUS_OK;
 }
 
-/* Area of an inflow's side, m^2 (m in 2-D): without the thinnest of its lengths. */
+/* Area of an inflow's window, m^2 (m in 2-D): the product of its lengths without the smallest. */
 static double area_of(const struct effect_context *context, const struct region *inflow) {
   double area = 1, thinnest = INFINITY;
   for (int a = 0; a < 3; a++) {
@@ -76,7 +79,8 @@ static enum status check_heads(const struct scene *scene) {
   return STATUS_OK;
 }
 
-/* What fluxes and rain bring needs room, or a side of given head or a drain to go out by. */
+/* The water of fluxes and rain needs room, or a side of given head or a drain by which it can
+ * leave. */
 static enum status check_inflows(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
@@ -91,13 +95,13 @@ static enum status check_inflows(const struct effect_context *context) {
     if (rain) in += isph_mean_given(scene, region, region->rate) * isph_rain_area(scene, region);
     if (rain && first == NULL) first = region;
     if (!inflow) continue;
-    if (region->table.count > 0) { /* what goes in and out again needs no room of its own */
+    if (region->table.count > 0) { /* what enters and leaves again needs no room of its own */
       in += isph_mean_given(scene, region, 0) * area_of(context, region);
       if (first == NULL) first = region;
       continue;
     }
     const double rows = region->flux * scene->end_time / context->spacing;
-    if (rows > 0 && rows < ROWS_LEAST)
+    if (rows > 0 && rows < INFLOW_ROWS_MIN)
       return FAIL(
           STATUS_INPUT,
           "%s:%d: an inflow of %g m/s brings %g m of water by scene.end_time, less than the "
@@ -158,8 +162,8 @@ static enum status check_moving_soil(const struct effect_context *context) {
   return STATUS_OK;
 }
 
-/* Without an end the run ends when its flow is steady. Water with a surface is never quite still,
- * and what nothing drives has no velocity that could settle. */
+/* A run without an end time ends when its flow is steady. Water with a surface never comes quite to
+ * rest, and if nothing drives the water there is no velocity that could become steady. */
 static enum status check_end(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   bool driven = false;
@@ -176,7 +180,7 @@ static enum status check_end(const struct effect_context *context) {
                                    : "nothing drives water through the domain");
 }
 
-/* Water in soil that is not full is method richards', and so is a suction that is held. */
+/* Unsaturated soil is for method richards, and so is a prescribed suction. */
 static enum status check_suction(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];

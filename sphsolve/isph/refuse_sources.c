@@ -1,4 +1,5 @@
-/* Wells, drains, rain and absorbing sides that method isph cannot do right: as isph/refuse.c. */
+/* Rejects wells, drains, rain and absorbing sides that method isph cannot solve correctly, as
+ * isph/refuse.c does. */
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
@@ -6,11 +7,11 @@
 #include "sphsolve/isph/effects/absorbing.h"
 #include "sphsolve/isph/rain.h"
 
-/* Fewer spacings across a well hold too few particles to take some out. */
-#define WELL_LEAST 3.0
+/* Least width of a well in spacings: a narrower one holds too few particles. */
+#define WELL_WIDTH_MIN 3.0
 
-/* Whether soil that stays is at a site. The lattice knows the last region there alone, which may be
- * the water that fills the soil. */
+/* Whether soil that does not move is at a site. The lattice only has the last region there, which
+ * may be the water that fills the soil. */
 static bool soil_stays_at(const struct effect_context *context, size_t site, const double x[3]) {
   const struct scene *scene = context->scene;
   const struct region *soil = NULL;
@@ -26,11 +27,11 @@ static bool soil_stays_at(const struct effect_context *context, size_t site, con
   return soil->soil_velocity[0] == 0 && soil->soil_velocity[1] == 0 && soil->soil_velocity[2] == 0;
 }
 
-/* Wells stand in soil that stays; what they take has to come from somewhere. */
+/* Wells have to be in soil that does not move; what they take has to come from somewhere. */
 enum status isph_refuse_wells(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const struct lattice *l = context->lattice;
-  const double width_least = WELL_LEAST * context->spacing;
+  const double width_least = WELL_WIDTH_MIN * context->spacing;
   bool source = context->has_surface, inflow = context->has_surface;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
@@ -50,7 +51,7 @@ enum status isph_refuse_wells(const struct effect_context *context) {
                     "%s:%d: this %s is %g m wide in %c, and holds too few particles; make it %g m, "
                     "three spacings, or domain.spacing %g m",
                     scene->path, well->line, kind, well->extent[a + 3] - well->extent[a], "xyz"[a],
-                    width_least, (well->extent[a + 3] - well->extent[a]) / WELL_LEAST);
+                    width_least, (well->extent[a + 3] - well->extent[a]) / WELL_WIDTH_MIN);
     if (is_well ? !source && well->rate > 0 : !inflow)
       return FAIL(STATUS_INPUT,
                   "%s:%d: nothing gives what this %s takes; let an inflow region%s, or a free "
@@ -78,11 +79,11 @@ enum status isph_refuse_wells(const struct effect_context *context) {
   return STATUS_OK;
 }
 
-/* Rows that rain may bring in a step at rest, as long as one that a force limits; faster ones pile
- * up in the air. */
-#define ROWS_MOST 0.2
+/* Most rows of particles that rain may bring in a step of water at rest, whose length the force
+ * limits; with more, they pile up in the air. */
+#define RAIN_ROWS_MAX 0.2
 
-/* The top of the rain must be free of walls: from there it falls. */
+/* The top of a rain's box must be free of walls, since rain falls from there. */
 static enum status check_top(const struct effect_context *context, const struct region *rain) {
   const struct scene *scene = context->scene;
   const double near = 1e-6 * context->spacing;
@@ -119,7 +120,7 @@ enum status isph_refuse_rain(const struct effect_context *context) {
                   "%s:%d: water fills the domain, so rain has no surface to fall on; leave room "
                   "above it",
                   scene->path, rain->line);
-    const double fastest = ROWS_MOST / 0.25 * sqrt(dx * -g[2]);
+    const double fastest = RAIN_ROWS_MAX / 0.25 * sqrt(dx * -g[2]);
     if (rain->rate > fastest)
       return FAIL(STATUS_INPUT,
                   "%s:%d: rain of %g m/s comes faster than water falls out of its way, %g m/s at "
@@ -139,7 +140,7 @@ enum status isph_refuse_rain(const struct effect_context *context) {
   return STATUS_OK;
 }
 
-/* Waves fade before one closed side, in free water. */
+/* Absorbing regions lie before a single closed side, in free water. */
 enum status isph_refuse_absorbing(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   for (size_t k = 0; k < scene->region_count; k++) {

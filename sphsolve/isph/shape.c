@@ -3,12 +3,12 @@
 #include <math.h>
 #include <string.h>
 
-#define ROUNDS 30
-#define TOLERANCE 1e-5 /* of the moment, which is of the order of 1 */
-/* The longest step of n.S.n in one round of Newton's method. */
-#define STEP_MOST 2.0
-/* Weight of |S - start|^2 / 2 in what is minimised: keeps S finite where no positive weights have
- * the moment, and costs .001 of it elsewhere. */
+#define ITERATIONS_MAX 30
+#define TOLERANCE 1e-5 /* error of the moment, which is of the order of 1 */
+/* Bound on a Newton step, the sum of the absolute changes of S's components. */
+#define STEP_MAX 2.0
+/* Weight of |S - start|^2 / 2 in the minimised function: it keeps S finite where no positive
+ * weights have that moment, and otherwise changes the moment by .001. */
 #define RIDGE 1e-3
 
 void isph_directions_add(struct isph_directions *around, const double r[3], double weight,
@@ -22,11 +22,11 @@ void isph_directions_add(struct isph_directions *around, const double r[3], doub
   around->count++;
 }
 
-/* The numbers of S that a scene has: xx, xz, zz in 2-D, else all. */
+/* Components of S in use: xx, xz, zz in 2-D, otherwise all. */
 static const int used[2][6] = {{0, 2, 5}, {0, 1, 2, 3, 4, 5}};
 static const int first[6] = {0, 0, 0, 1, 1, 2}, second[6] = {0, 1, 2, 1, 2, 2};
 
-/* x = m^-1 x of the positive definite m (Cholesky); m is lost. */
+/* Solves m x = x in place for a positive definite m (Cholesky); m is overwritten. */
 static void solve(int size, double m[6][6], double x[6]) {
   for (int j = 0; j < size; j++) {
     for (int k = 0; k < j; k++) m[j][j] -= m[j][k] * m[j][k];
@@ -48,11 +48,11 @@ static void solve(int size, double m[6][6], double x[6]) {
 
 /* Newton's method for the minimum of
  *   sum weight exp(n.S.n) - S:target + RIDGE |S - start|^2 / 2. */
-static void find(int dimensions, const struct isph_directions *around, const double target[6],
-                 const double start[6], double shape[6]) {
+static void minimise(int dimensions, const struct isph_directions *around, const double target[6],
+                     const double start[6], double shape[6]) {
   const int size = dimensions == 3 ? 6 : 3, *at = used[dimensions - 2];
   memcpy(shape, start, 6 * sizeof *shape);
-  for (int round = 0; round < ROUNDS; round++) {
+  for (int round = 0; round < ITERATIONS_MAX; round++) {
     double step[6], slope[6], curve[6][6], off = 0, longest = 0;
     for (int k = 0; k < size; k++) {
       const double twice = first[at[k]] == second[at[k]] ? 1 : 2;
@@ -80,7 +80,7 @@ static void find(int dimensions, const struct isph_directions *around, const dou
     if (!(off > TOLERANCE)) return;
     solve(size, curve, step);
     for (int k = 0; k < size; k++) longest += fabs(step[k]);
-    const double scale = longest > STEP_MOST ? STEP_MOST / longest : 1;
+    const double scale = longest > STEP_MAX ? STEP_MAX / longest : 1;
     for (int k = 0; k < size; k++) shape[at[k]] += scale * step[k];
   }
 }
@@ -88,11 +88,12 @@ static void find(int dimensions, const struct isph_directions *around, const dou
 void isph_shape_find(int dimensions, const struct isph_directions *around, const double target[6],
                      const double start[6], float shape[6]) {
   double found[6];
-  find(dimensions, around, target, start, found);
+  minimise(dimensions, around, target, start, found);
   for (int k = 0; k < 6; k++) shape[k] = (float)found[k];
 }
 
-/* A fan in 2-D; in 3-D a spiral on the sphere whose turns are the golden angle apart. */
+/* Directions: equal angles in 2-D; in 3-D a spiral on the sphere with the golden angle between
+ * successive points. */
 void isph_shape_even(int dimensions, const double target[6], double shape[6]) {
   static const double start[6] = {0};
   struct isph_directions around = {.count = ISPH_DIRECTIONS};
@@ -103,5 +104,5 @@ void isph_shape_even(int dimensions, const double target[6], double shape[6]) {
     around.n[m][0] = flat * cos(angle), around.n[m][1] = y, around.n[m][2] = flat * sin(angle);
     around.weight[m] = dimensions / (double)ISPH_DIRECTIONS;
   }
-  find(dimensions, &around, target, start, shape);
+  minimise(dimensions, &around, target, start, shape);
 }

@@ -1,20 +1,21 @@
-/* A snapshot has its particles in the order of their numbers, so that snapshots can be compared
- * line by line; each rank writes a run of lines. */
+/* A snapshot lists the particles in the order of their ids, so that snapshots can be compared line
+ * by line; each rank writes a contiguous range of lines. */
 #include <string.h>
 
 #include "common/memory.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Whose line each particle is. */
+/* Which lines this rank writes, and where its particles have to be sent. */
 struct lines {
-  size_t first, count; /* that this rank writes */
-  size_t *send;        /* [ranks]: how many of its particles go there */
-  uint32_t *item;      /* own particles, by the rank that writes them */
-  uint32_t *place;     /* [count]: lines, from `first`, in the order in which they come */
+  size_t first, count; /* range of lines that this rank writes */
+  size_t *send;        /* [ranks]: number of own particles whose lines that rank writes */
+  uint32_t *item;      /* own particles, sorted by the rank that writes them */
+  /* [count]: line, from `first`, of each particle in the order in which they arrive */
+  uint32_t *place;
 };
 
-/* Sends what a field has of the own particles to where it is written. */
+/* Sends the values of a field at the own particles to the ranks that write them. */
 static enum status send_field(const struct isph *s, const struct lines *lines, const void *field,
                               size_t size, void *written) {
   enum status status = STATUS_OK;
@@ -44,7 +45,7 @@ cleanup:
   return status;
 }
 
-/* Line of a particle: how many with a lower number there are, by one bit for each. */
+/* Line of a particle: the number of particles with a lower id, counted by one bit for each. */
 static size_t line_of(const int64_t *there, const uint64_t *before, uint64_t id) {
   const uint64_t below = (uint64_t)there[id / 64] & (((uint64_t)1 << id % 64) - 1);
   return before[id / 64] + (size_t)__builtin_popcountll(below);
@@ -54,7 +55,7 @@ static enum status find_lines(const struct isph *s, struct lines *lines) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = s->local.end - s->local.begin;
   const size_t words = s->next_id / 64 + 1;
-  int64_t *there = NULL; /* a bit for each number; each rank's own are summed */
+  int64_t *there = NULL; /* a bit for each id that exists; the ranks' bits are summed */
   uint64_t *before = NULL;
   uint32_t *line = NULL, *place = NULL;
   size_t *next = NULL;
@@ -72,7 +73,7 @@ static enum status find_lines(const struct isph *s, struct lines *lines) {
     before[w] = before[w - 1] + (uint64_t)__builtin_popcountll((uint64_t)there[w - 1]);
   lines->first = s->total * (size_t)ranks_own() / ranks;
   lines->count = s->total * ((size_t)ranks_own() + 1) / ranks - lines->first;
-  /* The rank of a line, twice: to count, and to fill. */
+  /* Two passes over the lines' ranks: to count, and to fill. */
   for (int pass = 0; pass < 2; pass++) {
     for (size_t i = 0; i < own; i++) {
       const size_t at = line_of(there, before, id[i]);
@@ -85,7 +86,7 @@ static enum status find_lines(const struct isph *s, struct lines *lines) {
     }
     for (size_t r = 1; pass == 0 && r < ranks; r++) next[r] = next[r - 1] + lines->send[r - 1];
   }
-  /* The place of each line in the order in which they come. */
+  /* The line of each particle in the order in which they arrive. */
   TRY(memory_allocate(&place, lines->count, sizeof *place, "a snapshot"));
   TRY(memory_allocate(&lines->place, lines->count, sizeof *place, "a snapshot"));
   for (size_t k = 0; k < lines->count; k++) lines->place[k] = (uint32_t)k;
@@ -100,13 +101,13 @@ cleanup:
   return status;
 }
 
-/* A field of a snapshot as it lies in the state. */
+/* A field of a snapshot as it is stored in the state. */
 struct source {
   const struct isph *state;
   const struct lines *lines;
   const void *from;
   size_t size;
-  double scale, without; /* without: value where there is none of it */
+  double scale, without; /* without: value if the state does not have the field */
 };
 
 static enum status fill(const void *context, void *data) {

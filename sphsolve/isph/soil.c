@@ -9,16 +9,17 @@
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
 
-/* Soil is a property of space: eps = 1 - sum (1 - eps0) s with s the fraction of soil in a kernel
+/* Soil is a property of space: eps = 1 - sum (1 - eps0) s, with s the fraction of soil in a kernel
  * half as wide as that of the water in the least porous soil (M15 section 4 with soil markers in
- * the limit of many; for a box the kernel sum is an integral that is known). Volumes and supports
- * change with eps: an edge steeper than the spacing of the particles in the soil is one that their
- * sums do not resolve. One width for all soils, so that their fractions add up to 1 where they
- * touch. Boxes that touch a closed side go on beyond it, so that walls see no thinner soil.
+ * the limit of many; for a box the kernel sum is a known integral). Volumes and supports change
+ * with eps: the particles' sums do not resolve an edge that is steeper than their spacing in the
+ * soil. All soils have the same width, so that their fractions add up to 1 where they touch. Boxes
+ * that touch a closed side extend beyond it, so that walls see no thinner soil.
  *
  * Where links carry the flux across edges (isph/link.h), a particle's own drag acts along them
- * alone. Smeared as wide as the porosity it would hold water back beside soil, so it is the mean
- * over about a spacing: a kernel of half a spacing has the variance of such a mean. */
+ * only. Smoothed as widely as the porosity it would hold back water beside the soil, so it is
+ * averaged over about one spacing: a kernel with a smoothing length of half a spacing has the
+ * variance of such a mean. */
 #define DRAG_SMOOTHING 0.5
 
 struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ahead) {
@@ -28,7 +29,7 @@ struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ah
   for (int a = 0; a < 3; a++) {
     double low = region->box[a], high = region->box[a + 3];
     bool open_low = low <= s->low[a] + near, open_high = high >= s->high[a] - near;
-    /* Soil that moves away from a side leaves water behind. */
+    /* Soil that moves away from a side leaves water behind it. */
     open_low = open_low && !(region->soil_velocity[a] > 0 && !s->periodic[a]);
     open_high = open_high && !(region->soil_velocity[a] < 0 && !s->periodic[a]);
     if (s->dimensions == 2 && a == 1) open_low = open_high = true;
@@ -96,7 +97,8 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
   if (!s->on.interfaces) return fraction;
   for (int a = 0; a < 3; a++) {
     const int b = (a + 1) % 3, c = (a + 2) % 3;
-    static const int own[3] = {0, 3, 5}, other[3] = {4, 2, 1}; /* of bend: aa, bc */
+    /* components aa and bc of the Hessian */
+    static const int own[3] = {0, 3, 5}, other[3] = {4, 2, 1};
     fraction.gradient[a] = first[a] * part[b] * part[c];
     fraction.hessian[own[a]] = second[a] * part[b] * part[c];
     fraction.hessian[other[a]] = part[a] * first[b] * first[c];
@@ -104,8 +106,8 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
   return fraction;
 }
 
-/* Fraction of that part of `box` which no soil from region `next` on takes: S(box) - S(box and
- * next). `next` is of another polygon than the box. */
+/* Fraction of the part of `box` that no soil from region `next` on occupies: S(box) - S(box and
+ * next). `next` belongs to another polygon than the box. */
 static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box,
                                           size_t next, double ahead, const double x[3], double h) {
   for (; next < s->scene->region_count; next++) {
@@ -128,7 +130,7 @@ static struct isph_fraction fraction_left(const struct isph *s, const struct isp
   return fraction_of_box(s, box, x, h);
 }
 
-/* M15 eqs. 9c and 9d without alpha nu / D50^2 and beta / D50. */
+/* Porosity functions of M15 eqs. 9c and 9d, without the factors alpha nu / D50^2 and beta / D50. */
 static double linear_of(double eps) {
   return (1 - eps) * (1 - eps) / (eps * eps * eps);
 }
@@ -146,7 +148,7 @@ struct isph_material isph_material_of(const struct isph *s, const struct region 
                                 .b = scale * region->beta / d * forchheimer_of(eps)};
 }
 
-/* All of it smoothed by a kernel of smoothing length h. */
+/* Finds the soil at a place, smoothed by a kernel of smoothing length h. */
 static void soil_smoothed(const struct isph *s, const double position[3], double ahead, double h,
                           struct soil_point *soil) {
   const struct scene *scene = s->scene;
@@ -164,7 +166,7 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
     }
     struct isph_box box = isph_soil_box(s, k, ahead, position);
     if (fraction_of_box(s, &box, position, h).value <= 0) continue;
-    /* A later soil takes the place of an earlier one. */
+    /* A later soil replaces an earlier one. */
     const struct isph_fraction left = fraction_left(s, &box, region->end, ahead, position, h);
     const double w = left.value;
     if (w <= 0) continue;
@@ -183,10 +185,11 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   double weight = share > 0 ? 1 / share : 0, own = 1 - solid * weight;
   soil->porosity = eps;
   soil->fraction = share;
-  /* Inertia and drag, as multiples of the pressure gradient, count by the fraction of the soil they
-   * belong to: a layer then weighs and loses as much as with sharp faces, next to free water and
-   * to another soil. Those of the smoothed porosity, which M15 takes, are steeper than a line in
-   * it: too small for the forces over rho_w, the drag too large for M15's forces over eps. */
+  /* Inertia and drag, as multiples of the pressure gradient, are weighted by the fraction of their
+   * soil: a layer then has the same inertia and head loss as with sharp faces, next to free water
+   * and to another soil. Those at the smoothed porosity, which M15 uses, are steeper than linear in
+   * the fraction: too small for the forces over rho_w, and the drag too large for M15's forces over
+   * eps. */
   soil->a = a, soil->b = b, soil->inertia = 1 - share + inertia;
   if (scene->isph.porosity_paper && own < 1) {
     double scale = over_eps ? eps / own : 1;
@@ -221,7 +224,7 @@ double isph_soil_minimum(const struct scene *scene) {
   return least;
 }
 
-/* Whether two soils are there whose drag differs. */
+/* Whether the scene has two soils whose drag differs. */
 bool isph_soils_differ(const struct scene *scene) {
   const struct region *first = NULL;
   for (size_t k = 0; k < scene->region_count; k++) {

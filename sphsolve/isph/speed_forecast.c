@@ -20,8 +20,8 @@ static void add_layer(const struct effect_context *context, const struct region 
   layers->porosity = fmin(layers->porosity, e);
 }
 
-/* Speed of the water in the pores of layers under a driving acceleration: f = a v + b v^2. */
-static double through(const struct layers *layers, double driving) {
+/* Pore velocity in layers under a driving acceleration f = a v + b v^2. */
+static double pore_speed(const struct layers *layers, double driving) {
   const double root = sqrt(layers->a * layers->a + 4 * layers->b * driving);
   return driving > 0 ? 2 * driving / (layers->a + root) / layers->porosity : 0;
 }
@@ -49,7 +49,7 @@ double isph_prescribed_speed(const struct scene *scene) {
   return fastest;
 }
 
-/* The g that heads are given with (isph_open_pressure). */
+/* The g to which heads refer (isph_open_pressure). */
 static double gravity_of_heads(const struct scene *scene) {
   const double g = size(scene->gravity);
   return g > 0 ? g : GRAVITY_STANDARD;
@@ -61,7 +61,7 @@ double isph_head_drive(const struct scene *scene) {
     const struct region *r = &scene->regions[k];
     const bool drain = r->type == REGION_DRAIN;
     if (!drain && !(r->type == REGION_INFLOW && r->boundary == BOUNDARY_HEAD)) continue;
-    /* At the pressure of the air a drain's head is where it lies, which without gravity is 0. */
+    /* The head of a drain at atmospheric pressure is its height, or 0 without gravity. */
     const double air = size(scene->gravity) > 0 ? r->extent[2] : 0;
     const double head = r->boundary == BOUNDARY_HEAD ? r->head : air;
     high = fmax(high, head), low = fmin(low, head);
@@ -71,9 +71,9 @@ double isph_head_drive(const struct scene *scene) {
   return high > low ? gravity_of_heads(scene) * (high - low) / length : 0;
 }
 
-/* Round a periodic box: through its soil in layers along the force or in columns beside each other,
- * or as free water between walls, which at most falls freely. */
-static double round_speed(const struct effect_context *context, int axis) {
+/* Speed in a periodic box: through its soil in layers along the force or in columns beside each
+ * other, or of free water between walls, which is at most that of free fall. */
+static double periodic_speed(const struct effect_context *context, int axis) {
   const struct scene *scene = context->scene;
   struct layers all = {0, 0, 1};
   double volume = 1, fastest = 0, width = INFINITY;
@@ -90,16 +90,16 @@ static double round_speed(const struct effect_context *context, int axis) {
     add_layer(context, r, share, &all);
     add_layer(context, r, 1, &own);
     if (r->extent[axis + 3] - r->extent[axis] > 0.999 * scene->domain_size[axis])
-      fastest = fmax(fastest, through(&own, context->driving));
+      fastest = fmax(fastest, pore_speed(&own, context->driving));
   }
-  if (all.a + all.b > 0) return fmax(fastest, through(&all, context->driving));
+  if (all.a + all.b > 0) return fmax(fastest, pore_speed(&all, context->driving));
   const double fall = context->driving * scene->end_time;
   const double slit = context->driving * width * width / (8 * context->kinematic_viscosity);
   return fmin(fall, slit);
 }
 
-/* Between the highest and the lowest of what heads and the surface of the water stand at: through
- * the soil between, or freely. */
+/* Speed between the highest and the lowest of the heads and the water's surface: through the soil
+ * between them, or freely. */
 static double head_speed(const struct effect_context *context, double surface) {
   const struct scene *scene = context->scene;
   double high = surface, low = surface, length = 0;
@@ -125,10 +125,10 @@ static double head_speed(const struct effect_context *context, double surface) {
       add_layer(context, r, (r->extent[axis + 3] - r->extent[axis]) / length, &all);
   }
   const double force = gravity_of_heads(scene) * (high - low);
-  return all.a + all.b > 0 ? through(&all, force / length) : sqrt(2 * force);
+  return all.a + all.b > 0 ? pore_speed(&all, force / length) : sqrt(2 * force);
 }
 
-/* What free water reaches from where it starts: 1 in `reached`; soil and walls bound it. */
+/* Marks with 1 what free water can reach from where it starts; soil and walls bound it. */
 static void flood(const struct effect_context *context, uint8_t *reached) {
   const struct lattice *l = context->lattice;
   const size_t *n = l->size;
@@ -150,9 +150,9 @@ static void flood(const struct effect_context *context, uint8_t *reached) {
   }
 }
 
-/* Marks what is soil (2) or wall (2), free water (1) and where it may go (0); says whether some of
- * the soil is dry. */
-static bool mark(const struct effect_context *context, uint8_t *reached) {
+/* Marks soil and walls (2), free water (1) and where it may go (0); returns whether some of the
+ * soil is dry. */
+static bool mark_sites(const struct effect_context *context, uint8_t *reached) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   bool dry = false;
@@ -179,11 +179,11 @@ static bool mark(const struct effect_context *context, uint8_t *reached) {
   return dry;
 }
 
-/* Free water runs down to its level. Its speed from the mean height that it falls by, and at most
- * from the largest (Torricelli: sqrt(2 f drop)); the fastest water moves at some twice the mean.
- * The factor .75 and the duration, five times that of the fall, were fitted to runs of 19 scenes;
- * for nine others the number of steps was right within a factor 2. Also the height of its surface,
- * m. */
+/* Speed of free water that runs down to its level: from the mean height by which it falls, and at
+ * most from the largest (Torricelli: sqrt(2 f drop)); the fastest water moves at about twice the
+ * mean. The factor .75 and the duration, five times that of the fall, were fitted to runs of 19
+ * scenes; for nine others the number of steps was right within a factor 2. Also sets the height of
+ * the water's surface, m. */
 static void level_out(const struct effect_context *context, const uint8_t *reached, int axis,
                       double *water, double *room, struct isph_speed_forecast *speeds,
                       double *surface) {
@@ -227,20 +227,20 @@ enum status isph_speed_predict(const struct effect_context *context,
   uint8_t *reached = NULL;
   *speeds = (struct isph_speed_forecast){.lasts = INFINITY};
   if (context->driving > 0 && scene->periodic[axis])
-    steady = fmax(steady, round_speed(context, axis));
+    steady = fmax(steady, periodic_speed(context, axis));
   if (context->has_surface && context->driving > 0 && !scene->periodic[axis]) {
     const size_t n = context->lattice->size[axis];
     TRY(memory_allocate(&reached, context->lattice->count, sizeof *reached, "the forecast"));
     TRY(memory_allocate(&water, n, sizeof *water, "the forecast"));
     TRY(memory_allocate(&room, n, sizeof *room, "the forecast"));
-    const bool dry = mark(context, reached);
+    const bool dry = mark_sites(context, reached);
     flood(context, reached);
     level_out(context, reached, axis, water, room, speeds, &surface);
     for (size_t k = 0; k < scene->region_count && dry; k++) {
       struct layers own = {0, 0, 1};
       if (scene->regions[k].type != REGION_POROUS) continue;
       add_layer(context, &scene->regions[k], 1, &own);
-      if (own.a + own.b > 0) steady = fmax(steady, through(&own, 2 * context->driving));
+      if (own.a + own.b > 0) steady = fmax(steady, pore_speed(&own, 2 * context->driving));
     }
   }
   if (context->has_inflow) steady = fmax(steady, head_speed(context, surface));

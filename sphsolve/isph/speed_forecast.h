@@ -1,4 +1,4 @@
-/* How fast the water of a scene will move, for the forecast of its time steps. */
+/* Forecast of the speed of the water in a scene, for the forecast of its time steps. */
 #ifndef TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
 #define TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
 
@@ -6,21 +6,22 @@
 #include "sphsolve/plan/plan.h"
 
 struct isph_speed_forecast {
-  double speed;       /* m/s, of the fastest water, while what drives it lasts */
-  double lasts;       /* s; INFINITY: to the end */
-  double speed_after; /* m/s */
+  double speed;       /* m/s, speed of the fastest water at first */
+  double lasts;       /* s, how long it lasts; INFINITY: to the end */
+  double speed_after; /* m/s, speed after that */
 };
 
-/* The largest velocity, m/s, that a region gives to the water or itself has: walls, soils, inflows,
- * water at the start, rain, and a well through the faces of its extent. */
+/* The largest velocity, m/s, that a region has or gives to the water: of walls, soils, inflows,
+ * water at the start, rain, and of a well the velocity through the faces of its extent. */
 double isph_region_speed(const struct scene *scene, const struct region *region);
-/* The same of all regions. */
+/* The largest of these over all regions. */
 double isph_prescribed_speed(const struct scene *scene);
-/* What heads drive water with, m/s^2: g times their difference over the domain's length from one to
- * another. */
+/* Driving acceleration of the heads, m/s^2: g times their largest difference over the shortest
+ * length of the domain. */
 double isph_head_drive(const struct scene *scene);
 
-/* From the lattice and the regions alone, before a run; fails for want of memory. */
+/* Predicts the speeds from the lattice and the regions alone, before a run; fails only for lack of
+ * memory. */
 enum status isph_speed_predict(const struct effect_context *context,
                                struct isph_speed_forecast *speeds);
 

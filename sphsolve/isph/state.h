@@ -26,50 +26,50 @@
 #include "sphsolve/march/watchdog.h"
 
 #define CHUNK 64     /* particles per chunk of the neighbour lists and of sums */
-#define SUMS 36      /* at most at once */
-#define PAIR_BITS 27 /* of a pair entry: index; above: code of the image */
+#define SUMS 36      /* most sums that isph_sum_chunks adds up at once */
+#define PAIR_BITS 27 /* bits of the index in a pair entry; the image code is above them */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define IMAGE_NONE 13 /* code of "no image" */
 
 #define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
 
-/* What of the physics is on; each flag is an effect of the plan. */
+/* Which parts of the physics are on; each flag belongs to an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides, anisotropy, wells, rain;
-  /* which mobility a pair has, see isph_mobility_between */
+  /* the mobility of a pair: see isph_mobility_between */
   bool mean_of_ends, own_mobilities, fading;
-  uint32_t budget; /* terms of the effects on */
+  uint32_t budget; /* bit set of the terms of the active effects */
   size_t own_count;
-  const struct effect *own[ISPH_OWN]; /* the effects on that bring a force or a surface pressure */
-  double dt_most;                     /* s: of the effects, that no state changes */
+  const struct effect *own[ISPH_OWN]; /* active effects that add a force or a surface pressure */
+  double dt_most; /* s; least limit of the effects that does not depend on the state */
   const char *dt_most_by;
 };
 
-/* Where soils meet, drag along the interface is less than across it: isph/soil.c. */
+/* Interface between soils at a particle: drag along it is less than across it (isph/soil.c). */
 struct isph_interface {
   double normal[3];                             /* unit; 0 away from interfaces */
-  double drag_a, drag_b, drag_factor, mobility; /* along it, as isph's own are across */
-  double plane;                                 /* 1, fading to 0 at corners */
+  double drag_a, drag_b, drag_factor, mobility; /* along it; those of isph are across it */
+  double plane;                                 /* 1 at a plane, falling to 0 at corners */
 };
 
-/* Soil whose mobility is a tensor, at a particle: isph/anisotropy.h. */
+/* Anisotropic soil at a particle, whose mobility is a tensor: isph/anisotropy.h. */
 struct isph_anisotropy {
-  double drag[6];     /* its tensor over drag_a; all as xx xy xz yy yz zz */
-  double relative[6]; /* mobility over isph's own, and so what drag leaves over drag_factor */
-  double normal[3];   /* of an interface between soils, smoothed as the porosity is; 0 without */
-  int32_t bed;        /* 1 + the region of the soil it is in by the sharp edges; 0: water */
+  double drag[6];     /* drag tensor over drag_a; tensors are stored as xx xy xz yy yz zz */
+  double relative[6]; /* mobility tensor over isph.mobility, and B over drag_factor */
+  double normal[3];   /* of an interface between soils, smoothed like the porosity; 0: none */
+  int32_t bed;        /* 1 + the region of its soil, taking edges as sharp; 0: water */
 };
 
-/* The same of a soil away from its edges. */
+/* Relative mobility and shape S (isph/anisotropy.h) of a soil away from its edges. */
 struct isph_bed {
   double mobility[6], shape[6];
 };
 
-/* Of the way mobility changes about a particle, what no pressure alters: isph/interface.h. */
+/* The edge of mobility at a particle, which does not depend on the pressure: isph/interface.h. */
 struct isph_edge_frame {
-  double normal[3], share; /* unit, 0 where it does not change; of the moment along it */
+  double normal[3], share; /* unit normal, 0: no edge; weight of neighbours along the edge */
 };
 
 /* What links did to a particle near an edge of soil in a step: isph/link.h. */
@@ -80,8 +80,8 @@ struct isph_linked {
   struct isph_edge_frame edge;
 };
 
-/* What a step did to a particle, kept until the velocity it works at is known: the gradient of the
- * pressure (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
+/* What a step did to a particle, kept for the budget, which needs the final velocity: the pressure
+ * gradient (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
  * at open sides (m/s). */
 struct isph_applied {
   double pressure[3], viscous[3], friction[3], straightened[3];
@@ -89,14 +89,14 @@ struct isph_applied {
 
 struct isph_chunk {
   size_t begin, end;
-  struct budget_sums budget; /* of the step */
-  bool outer;                /* reads particles of other ranks */
+  struct budget_sums budget; /* budget of the step */
+  bool outer;                /* has pairs with particles of other ranks */
   size_t pair_count, pair_capacity;
   uint32_t *pair;  /* neighbour | image << PAIR_BITS */
   float *slope;    /* -W'(r)/r of the pair, normalised */
-  float *mobility; /* of the pair, and the porosity on its way: isph/link.h; NULL without links */
-  float *way;
-  float *plain;  /* mobility as of isotropic soil; NULL without anisotropy */
+  float *mobility; /* mobility of the pair; NULL with neither links nor anisotropy */
+  float *path_porosity; /* mean porosity on its path: isph/link.h; NULL without links */
+  float *plain;         /* mobility as in isotropic soil; NULL unless links and anisotropy */
   float *matrix; /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
@@ -105,8 +105,7 @@ struct isph_chunk {
 
 struct isph_cells {
   int count[3];
-  int axis[3]; /* from the one along which cells follow each other to that of their layers, the
-                  longest */
+  int axis[3]; /* from the fastest index of a cell to the slowest, which is the longest axis */
   double origin[3], size[3];
   uint32_t *start; /* [cells + 1] */
 };
@@ -114,14 +113,14 @@ struct isph_cells {
 struct isph_solve {
   int iterations, iterations_total, solves;
   double residual;
-  double energy, pressure; /* of the step's first solve: x.b, and the largest pressure, Pa */
+  double energy, pressure; /* of the first solve: x.b, and the largest pressure, Pa */
   bool fresh;              /* the matrix has no preconditioner yet */
-  bool carries;            /* the step's first pressure is the last step's */
-  bool again;              /* what is solved is what the first projection left of div v */
+  bool carries;            /* the first projection uses the last step's pressure */
+  bool again;              /* second projection, of the remaining div v */
 };
 
-/* Of the last step given: its length, s, and how many there were to be, it and those up to the
- * end; 0 as long as the end is far. */
+/* Planned end of the run: length of the last step, s, and the number of steps from it to the end; 0
+ * as long as the end is far away. */
 struct isph_ending {
   double last;
   int steps;
@@ -138,45 +137,45 @@ struct isph {
   const struct scene *scene;
   struct isph_switches on;
   int dimensions;
-  double spacing, thickness; /* thickness: of a 2-D scene, 1 for 3-D */
+  double spacing, thickness; /* m; thickness: of a 2-D scene, 1 in 3-D */
   double low[3], high[3];    /* the domain */
   bool periodic[3];
-  bool reflects[3];            /* whether the sides across an axis do: isph/reflection.h */
-  double behind[BEHIND];       /* of isph_reflection_backs, at steps of 1/BEHIND_STEPS of a size */
-  struct isph_image image[27]; /* by their code, along x + 3 along y + 9 along z, each 0 .. 2 */
-  double kernel_w, kernel_slope; /* bring the lattice sums of V W and V slope r^2 to 1 */
+  bool reflects[3];      /* whether the sides across an axis reflect: isph/reflection.h */
+  double behind[BEHIND]; /* table of isph_reflection_backs, in steps of 1/BEHIND_STEPS of a size */
+  struct isph_image image[27];   /* by code: x + 3 y + 9 z, each 0 .. 2 */
+  double kernel_w, kernel_slope; /* normalise the lattice sums of V W and V slope r^2 to 1 */
   double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
   double shift_stiffness;        /* of grad C on the lattice, in spacings; see shifting.h */
   double kernel_top;             /* sum V W in a surface's top layer */
   double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 there */
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
-  double relaxation_factor;    /* of the expansion that the density's error asks for; energy.c */
-  double relaxation_excess, crowd_factor; /* of it beyond friction's work; of crowds in soil */
-  double friction;             /* kinetic energy that v* lost in the last step, J, or J/m in 2-D */
+  double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
+  double relaxation_excess, crowd_factor; /* its share beyond friction's work; factor for crowds */
+  double friction;             /* kinetic energy that v* lost in the last step, J (J/m in 2-D) */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
-  double artificial_viscosity; /* m^2/s, the floor under the eddies' */
+  double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
   int64_t step;
   struct isph_ending ending;
 
-  size_t count, capacity;  /* of the particles here: the own ones, and ghosts before and after */
+  size_t count, capacity;  /* particles on this rank: own ones, and ghosts before and after */
   size_t total;            /* of all ranks */
   size_t start_count;      /* of all ranks, at the start */
   struct ghosts local;     /* this rank computes [local.begin, local.end) */
-  size_t *chunk_partition; /* [ranks + 1]: in chunks of all */
-  double *layer_start;     /* [layers of cells + 1]: particles of all before it; NULL on one rank */
-  double pairs_now;        /* of the own particles */
+  size_t *chunk_partition; /* [ranks + 1]: each rank's first chunk among those of all */
+  double *layer_start; /* [layers + 1]: particles of all ranks before a layer; NULL on one rank */
+  double pairs_now;    /* pairs of the own particles */
   uint64_t next_id;
   uint64_t *id;
   double (*position)[3], (*velocity)[3];
   double *pressure, *mass;
 
-  /* found anew each step */
+  /* updated in each step */
   double *volume, *support;
   double *porosity, *soil_fraction;   /* NULL without soil */
   double *inertia, *drag_a, *drag_b;  /* NULL without soil */
   struct isph_interface *interface;   /* NULL unless different soils are there */
-  struct isph_anisotropy *anisotropy; /* NULL without, and so the next two */
+  struct isph_anisotropy *anisotropy; /* NULL without, like the next two */
   float (*shape)[6];                  /* S of isph/anisotropy.h */
   struct isph_bed *beds;              /* [regions] */
   int32_t *ground;                    /* isph/link.h; NULL without links */
@@ -189,39 +188,39 @@ struct isph {
   float (*correction)[9];             /* L, gradient correction */
   float (*moment_defect)[6];          /* C of isph/moment.c; NULL without soil */
   double *surface;                    /* 0 bulk .. 1 surface; NULL without */
-  double (*body)[2];  /* number of its body of water, and the most on the surface of one; or NULL */
-  double *near;       /* its largest in the neighbourhood; NULL unless unforced or with `calm` */
-  float (*linear)[6]; /* K of isph/linear.h; NULL unless it is as that says */
+  double (*body)[2]; /* number of its body of water, its largest `surface`; NULL: no surface */
+  double *near; /* largest `surface` of the neighbourhood; NULL unless unforced or with `calm` */
+  float (*linear)[6];     /* K of isph/linear.h; NULL unless it is such free water */
   float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_factor;    /* B: fraction of v_D left by the drag; NULL without */
+  double *drag_factor;    /* B: fraction of v_D that drag leaves; NULL without */
   double *mobility;       /* k = B T G / rho_w */
   double *eddy;           /* nu + nu_T; NULL without viscosity */
-  double *thick, *calm;   /* isph/calm.h; NULL unless it is such water, and so the next */
+  double *thick, *calm;   /* isph/calm.h: s, calm; NULL without, like the next two */
   double (*curvature)[3], (*biharmonic)[3]; /* isph/biharmonic.h */
   double (*predicted)[3]; /* v* without the driving force */
   struct isph_applied *applied;
-  double (*own_force[ISPH_OWN])[3]; /* m/s^2, of on.own; NULL where it has none */
-  double *surface_pressure;         /* Pa, outside; NULL without an effect that makes one */
+  double (*own_force[ISPH_OWN])[3]; /* m/s^2, of the effects on.own; NULL: no force */
+  double *surface_pressure;         /* Pa, outside the surface; NULL: 0 */
   struct isph_outlet *outlet;       /* NULL without wells */
-  double *diagonal, *source, *tied; /* tied: the diagonal's part that fixes the pressure */
+  double *diagonal, *source, *tied; /* tied: part of the diagonal that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
   double *work[4]; /* r, z, p, q of CG */
-  double *partial; /* [chunks of all]: of a sum */
+  double *partial; /* [chunks of all ranks]: parts of a sum */
   size_t partial_room;
-  double (*sums)[SUMS];              /* [own chunks]: of several; see isph_sum_chunks */
+  double (*sums)[SUMS];              /* [own chunks]: parts of several sums; isph_sum_chunks */
   uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
   uint16_t *pair_number, *wall_number;
-  uint8_t *images; /* of both: isph/images.h */
+  uint8_t *images; /* kind of images of a particle's pairs: isph/images.h */
   size_t chunk_count, chunk_capacity;
   struct isph_chunk *chunks;
   struct isph_cells cells, wall_cells;
   uint32_t *wall_order;
   uint32_t *order, *cell_of;
   void *scratch;         /* for the sort: 3 doubles a particle */
-  size_t enclosed_count; /* bodies of water that fill their room */
+  size_t enclosed_count; /* bodies of water without a surface */
   double *enclosed;      /* their numbers */
-  bool closed;           /* no row fixes the pressure: the constant is removed */
+  bool closed;           /* no row fixes the pressure: its mean is removed */
   struct isph_solve solve;
 
   /* boundary */
@@ -236,11 +235,11 @@ struct isph {
   size_t side_count, column_count;
   struct isph_open_side *sides;
   struct isph_column *columns;
-  double *column_front; /* distance of its foremost particle behind the side, 0 .. 1.1 spacings */
+  double *column_front; /* distance of the foremost particle behind the side, 0 .. 1.1 pitches */
   double wall_volume;
-  double room;       /* for water at the start, in and out of soil: m^3, m^2 in 2-D */
+  double room;       /* bulk volume of the water at the start, m^3 (m^2 in 2-D) */
   double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
-  double support_max, support_now; /* the largest there can be, and there is */
+  double support_max, support_now; /* the largest possible, and the present largest */
   double soil_porosity_least;
 
   size_t well_count;
@@ -249,51 +248,51 @@ struct isph {
   struct isph_rain *rains; /* isph/rain.h */
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
-  /* the conservation budget */
-  double fastest_lost[5]; /* speed, place and id of the fastest particle lost in this step */
+  /* conservation budget */
+  double fastest_lost[5]; /* speed, position and id of the fastest particle lost in this step */
   size_t lost_count, left_count, entered_count;
-  double losses[CONSERVATION_LOSSES][6]; /* the first lost_count: particle, time, place, mass */
+  double losses[CONSERVATION_LOSSES][6]; /* of the first lost particles: id, time, position, mass */
   struct conservation_passed passed;
   struct budget budget;
-  double budget_stored[4]; /* within a step: momentum and energy before soil is found anew */
+  double budget_stored[4]; /* momentum and energy within a step, before porosity is updated */
   double pair_interactions;
   struct watchdog dog;
-  double kernel_sum_peak; /* the largest kernel sum once a warning of it was given; 0 before */
+  double kernel_sum_peak; /* largest kernel sum since a warning of it; 0: none */
   int64_t stable_from;    /* step of the watchdog's last trip or return to a longer step */
   struct monitor_settling settling;
-  int threads_most; /* there are; a step uses as many as its pairs keep busy */
+  int threads_most; /* available threads; a step uses as many as its pairs keep busy */
   double seconds_lists, seconds_predict, seconds_solve, seconds_correct;
-  double seconds_setup; /* of seconds_solve: matrix and preconditioner, on several ranks */
+  double seconds_setup; /* part of seconds_solve: matrix and preconditioner, on several ranks */
 };
 
-/* Functions that are collective are called by all ranks, and give the same bits on any number.
+/* Collective functions are called by all ranks, with the same result to the bit on any number.
  * Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s);
 void isph_free(struct isph *s);
-/* Sorts the particles and finds what the step needs at their places. isph_create and isph_advance
- * leave a fresh state; to be called after positions were changed otherwise. */
+/* Sorts the particles and updates what depends on their places: the state is then fresh, as
+ * isph_create and isph_advance leave it. To be called after any other change of positions. */
 enum status isph_refresh(struct isph *s);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
-/* A wall that has left the domain drives nothing. */
+/* Whether a wall box is in the domain; one that has left it does not drive the water. */
 bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* The largest step the effects allow now, s; *limited_by names the effect. */
 double isph_stable_dt(const struct isph *s, const char **limited_by);
 
-/* The next step's length, s, at most the limit: where few steps are `left` (s), such that they end
- * with the run and none is much shorter than the one before. */
+/* Length of the next step, s, at most the limit. When little time is `left` (s), steps are planned
+ * such that they end with the run and none is much shorter than the one before. */
 double isph_dt_to_end(struct isph_ending *ending, double left, double limit);
 
-/* isph/place.c: the water at the start, start_count particles on all ranks. */
+/* isph/place.c: initial water, start_count particles on all ranks. */
 enum status isph_place_water(struct isph *s, const struct lattice *lattice);
-/* Before it and isph_open_create: what each particle is to hold. */
+/* Before that and isph_open_create: chooses the mass of a particle. */
 enum status isph_choose_mass(struct isph *s, const struct lattice *lattice);
 enum status isph_reserve(struct isph *s, size_t capacity);
 enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
                               double mass);
-/* Collective: water that comes into the domain, kg (kg/m in 2-D) at a velocity and a pressure (Pa);
- * the last in the order of all, and booked. */
+/* Collective: adds a particle that enters the domain, with its mass (kg, kg/m in 2-D), velocity and
+ * pressure (Pa), as the last in the order of all, and books it in the balances. */
 enum status isph_let_in(struct isph *s, const double position[3], const double velocity[3],
                         double mass, double pressure);
 
@@ -304,31 +303,31 @@ struct soil_point {
   double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
   double normal[3];          /* of an interface between soils; 0 without */
   double along_a, along_b, plane;
-  double tensor[6], wide_normal[3]; /* of linear drag, 1/s; normal, smoothed as the porosity is;
-                                       both with anisotropic soil only */
+  /* tensor of linear drag, 1/s; normal smoothed like the porosity; both: anisotropic soil only */
+  double tensor[6], wide_normal[3];
   double velocity[3];
 };
-/* At a place, where moving soil stands a time `ahead` from now. */
+/* Soil at a place, with moving soil where it is a time `ahead` (s) from now. */
 void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil);
-/* What a soil is, away from its edges. */
+/* Properties of a soil away from its edges. */
 struct isph_material {
   double porosity, inertia, a, b; /* as of struct soil_point */
 };
 struct isph_material isph_material_of(const struct isph *s, const struct region *region);
-/* Region k's box where moving soil stands a time `ahead` from now; without end where it touches a
- * closed side or fills a periodic axis. */
+/* Box of soil region k a time `ahead` from now; infinite where it touches a closed side or fills a
+ * periodic axis. */
 struct isph_soil_place {
-  double low[3], high[3], offset[3]; /* stands at low + offset */
-  double period[3], middle[3];       /* of its images; 0 along an axis without */
+  double low[3], high[3], offset[3]; /* the box is at low + offset */
+  double period[3], middle[3];       /* period of its images (0: none), and its middle */
 };
 struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ahead);
 struct isph_box {
   double low[3], high[3];
 };
-/* Its image nearest to x. */
+/* The box's image nearest to x. */
 struct isph_box isph_soil_image(const struct isph_soil_place *place, const double x[3]);
-/* Whether a box of region k (its own, or its extent) is certainly beyond `reach` of x. */
+/* Whether a box of region k (its own, or its extent) is certainly farther than `reach` from x. */
 bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
                       const double x[3]);
 struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]);
@@ -341,49 +340,50 @@ void isph_wall_move(struct isph *s, double dt);
 enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
                           enum boundary_kind kind, size_t box, double volume);
 int isph_wall_layers(const struct isph *s);
-/* The projection (symmetric.h) on the directions along which boundary particle j at xj (its
- * periodic image) mirrors a particle at xi, and its distance from the wall over that of xi. */
+/* Projection tensor (symmetric.h) on the directions along which boundary particle j at xj (its
+ * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio);
-/* Takes from velocity v (its pore velocity is scale * v) of a particle at x what would carry it
- * through a wall within dt. */
+/* Reduces the velocity v (pore velocity scale * v) of a particle at x that would carry it through a
+ * wall within dt. */
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
 
-/* isph/cells.c: sorts the particles, [0, count) those of this rank, then finds neighbours with
- * kernel_sum, gradient_sum, correction. */
+/* isph/cells.c: sorts the particles [0, count) of this rank; then finds neighbours, kernel_sum,
+ * gradient_sum and correction. */
 enum status isph_sort(struct isph *s);
 uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
 enum status isph_sort_walls(struct isph *s);
 enum status isph_find_neighbours(struct isph *s);
-/* How far each own particle, or a neighbour of it, is on the surface: the largest; near [count]. */
+/* Largest `surface` of each own particle and its neighbours, near [count]. */
 void isph_find_near_surface(const struct isph *s, double *near);
 
 /* isph/moment.c: operators exact for linear fields in soil. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
-/* C of particle i, by the second moment (xx xy xz yy yz zz) and how one-sided what is across is */
+/* C of particle i, from its second moment and the one-sidedness of its neighbours (front.h) */
 void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double one_sided);
-/* Multiplies the slope of each pair by its factor, from the C of both. */
+/* Multiplies the slope of each pair by its factor, from the C of both particles. */
 void isph_moment_correct(struct isph *s);
 
-/* isph/energy.c: the bound on the energy, J or J/m: kinetic with the pore velocity, potential -f.x.
- */
+/* isph/energy.c: the bound on the energy, J or J/m: kinetic energy of the pore velocity, and
+ * potential energy -f.x. */
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
-/* Between predictor and projection: how far compressed water may expand. */
+/* Between predictor and projection: limits the expansion of compressed water. */
 void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt);
-/* What relaxation added in a step where the water is compressed as a whole, J or J/m, beyond what
- * friction dissipated; after the projection. */
+/* After the projection: the energy that relaxation added in a step, J or J/m, beyond what friction
+ * dissipated, if the water is compressed as a whole. */
 double isph_energy_from_relaxation(const struct isph *s, double relaxation_time, double dt);
-/* Changes the displacements ahead so that their work against the force is at most `available`, the
- * kinetic energy before the step and what relaxation gave, less the kinetic energy now. */
+/* Changes the displacements so that their work against the force is at most `available`: the
+ * kinetic energy before the step plus that from relaxation, less the present kinetic energy. */
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available);
-/* Slows the water to an energy of `most`; `moved`: the kinetic one of the old porosities, moved. */
+/* Slows the water to an energy of `most`; `moved`: kinetic energy after the move, old porosities.
+ */
 void isph_energy_limit_velocity(struct isph *s, double most, double moved);
 
-/* The mobility of pair p of particle i, to j: that of its way where there are links; at a corner of
- * soils, where the mean is geometric, between that and the particles' own (isph/interface.c). Water
- * with a free surface keeps the plain mean, and the gradient that is the divergence's adjoint: its
- * energy may not rise. */
+/* Mobility of pair p of particle i with j: that of its path if there are links; at a corner of
+ * soils, where the mean is geometric, between that and the harmonic mean of the particles' own
+ * (isph/interface.c). Water with a free surface keeps the plain mean and the gradient that is the
+ * divergence's adjoint, because its energy may not rise. */
 static inline double isph_mobility_between(const struct isph *s, const struct isph_chunk *chunk,
                                            size_t p, size_t i, size_t j) {
   const double a = s->mobility[i], b = s->mobility[j];
@@ -394,13 +394,13 @@ static inline double isph_mobility_between(const struct isph *s, const struct is
   return plane < 1 ? pow(way, plane) * pow(2 * a * b / (a + b), 1 - plane) : way;
 }
 
-/* Drag along over drag across. */
+/* Drag along an interface over drag across it. */
 static inline double isph_interface_ratio(double along, double across) {
   return across > 0 ? along / across : 1;
 }
 
-/* x was found with the coefficient across an interface: multiplies its part along the interface by
- * `along`. */
+/* For an x that was found with the coefficient across an interface: multiplies its part along the
+ * interface by `along`. */
 static inline void isph_interface_turn(const struct isph_interface *interface, double along,
                                        double x[3]) {
   const double *n = interface->normal;
@@ -409,29 +409,29 @@ static inline void isph_interface_turn(const struct isph_interface *interface, d
   for (int a = 0; a < 3; a++) x[a] = along * x[a] + (1 - along) * across * n[a];
 }
 
-/* isph/motion.c, after the correction: dx/dt = v/eps, with the shift, limited at walls. v is the
- * mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24) where there can be no waves
- * on a surface; else the new one, as the mean would be an explicit scheme for waves and make them
- * grow. `available`, J or J/m: of isph_energy_limit_displacement. */
+/* isph/motion.c, after the correction: moves the particles by dx/dt = v/eps and the shift, limited
+ * at walls. v is the mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24) if there
+ * can be no waves on a surface; otherwise the new one, as the mean would be an explicit scheme for
+ * waves and amplify them. `available`, J or J/m: see isph_energy_limit_displacement. */
 void isph_move(struct isph *s, double dt, double available);
 
 /* isph/pressure.c */
 void isph_assemble(struct isph *s, double relaxation_time);
 enum status isph_solve_pressure(struct isph *s);
-/* Collective, in place of a first solve: the pressure of the last step, less what alternates. */
+/* Collective, instead of a first solve: the last step's pressure without its alternating part. */
 void isph_carry_pressure(struct isph *s);
-/* Collective: the error of a solve that has stopped at this relative error, with the particle whose
- * row has the largest residual. */
+/* Collective: reports a solve that has stopped at this relative error, with the particle whose row
+ * has the largest residual. */
 enum status isph_solve_failed(struct isph *s, double error, int iterations);
-/* Collective: y = matrix x of the own rows, ghosts of x travelling meanwhile. */
+/* Collective: y = matrix x for the own rows; ghosts of x are exchanged meanwhile. */
 void isph_multiply(struct isph *s, double *x, double *y);
 /* Collective: a.b */
 double isph_dot(struct isph *s, const double *a, const double *b);
 
-/* isph/enclosed.c, all collective: the bodies of water without a surface, where there are some
- * with. After the search, before the surface travels. */
+/* isph/enclosed.c, all collective: finds bodies of water without a surface, in scenes with one.
+ * After the neighbour search, before `surface` is sent. */
 enum status isph_find_enclosed(struct isph *s);
-/* Takes the mean out of the source of their rows, which no pressure could satisfy. */
+/* Subtracts the mean of the source of their rows, which no pressure could satisfy. */
 void isph_enclosed_source(struct isph *s, double *source);
 /* Sets the constant of their pressure. */
 void isph_enclosed_level(struct isph *s);
@@ -439,29 +439,29 @@ void isph_enclosed_level(struct isph *s);
 /* isph/open.c: fixed head or flux on a side. */
 enum status isph_open_create(struct isph *s);
 enum status isph_open_fill(struct isph *s, size_t *capacity);
-/* Sets what tables of time give for a step from s->time to s->time + dt: walls' mean velocities,
- * heads and fluxes at its end. Nothing without tables. */
+/* Applies tables of time for a step from s->time to s->time + dt: walls' mean velocities, heads and
+ * fluxes at its end. Does nothing without tables. */
 void isph_apply_tables(struct isph *s, double dt);
-/* Columns above a head that moves become dry, those below wet; at the end of a step. Without
- * `place` the columns stand already where they were. */
+/* At the end of a step: columns above a varying head become dry, those below wet. Without `place`
+ * the columns are already in their places. */
 void isph_open_update_dry(struct isph *s, bool place);
 double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
                          double to_side[3]);
 int isph_open_side_behind(const struct isph *s, const double x[3]);
-/* Whether x stands within a spacing of a window. */
+/* Whether x is within a spacing of a window. */
 bool isph_is_at_window(const struct isph *s, const double x[3]);
-/* Between predictor and pressure. */
+/* Between predictor and pressure: makes the flow at windows normal and uniform. */
 void isph_open_straighten(struct isph *s);
-/* How fast the water goes at each column; from sorted particles. */
+/* Finds the speed of the water at each column; needs sorted particles. */
 enum status isph_open_measure(struct isph *s);
-/* isph/outside.c, after a step of dt and before isph_open_move: takes out particles outside the
- * domain, those that left through a window and, with a warning, those that should not be there. */
+/* isph/outside.c, after a step of dt and before isph_open_move: removes particles outside the
+ * domain: those that left through a window and, with a warning, those that went through a wall. */
 enum status isph_remove_outside(struct isph *s, double dt);
-/* Moves the columns on and lets in what crosses the side; leaves the particles unsorted. */
+/* Moves the columns and adds the particles that cross the side; leaves the particles unsorted. */
 enum status isph_open_move(struct isph *s, double dt);
-/* isph/cells.c: kernel sum of water at a point within a support, and the mean velocity of water
- * there. */
+/* isph/cells.c: kernel sum of water at a point within a support, and the mean velocity of that
+ * water. */
 enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]);
 /* Whether the scene has axis a: 2-D scenes have no y. */
@@ -479,13 +479,13 @@ static inline double isph_wall_volume(const struct isph *s, size_t j) {
   return s->boundary_volume != NULL ? s->boundary_volume[j] : s->wall_volume;
 }
 
-/* Whether anything but itself and walls acts on the water. */
+/* Whether anything but walls acts on the water. */
 static inline bool isph_is_driven(const struct isph *s) {
   const double *f = s->force;
   return f[0] != 0 || f[1] != 0 || f[2] != 0 || s->on.soil || s->on.open_sides;
 }
 
-/* Whether nothing acts on water with a surface but itself and walls. */
+/* Whether nothing but walls acts on water with a surface. */
 static inline bool isph_is_unforced(const struct isph *s) {
   return s->on.surface && !isph_is_driven(s);
 }

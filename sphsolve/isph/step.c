@@ -26,7 +26,7 @@
 
 #define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
 
-/* Porosity, volume and support at the particles' places. */
+/* Updates porosity, volume and support at the particles' places. */
 static void update_volumes(struct isph *s) {
   double ratio = s->scene->isph.support_ratio;
 #pragma omp parallel for schedule(static)
@@ -65,7 +65,7 @@ static void update_volumes(struct isph *s) {
   s->support_now = ranks_max(s->support_now);
 }
 
-/* g = grad v of particle i before its correction. */
+/* Adds up g = grad v of particle i, without its correction. */
 ROW void velocity_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, double g[9]) {
   const double *xi = s->position[i], *vi = s->velocity[i];
@@ -116,7 +116,7 @@ static void find_viscosity(struct isph *s) {
   s->viscosity_most = ranks_max(s->viscosity_most);
 }
 
-/* The viscosity of the friction between particle i and wall particle j, half a spacing away. */
+/* Viscosity of the friction between particle i and a wall, half a spacing away. */
 static double wall_friction_viscosity(const struct isph *s, size_t i, const double wall[3]) {
   double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
   double square = 0, nu = s->kinematic_viscosity;
@@ -127,7 +127,7 @@ static double wall_friction_viscosity(const struct isph *s, size_t i, const doub
   return nu / eps;
 }
 
-/* The part of nu_E lap v that pairs give. */
+/* Viscous force nu_E lap v from pairs, and friction at reflecting sides. */
 ROW void viscous_pairs(enum isph_images images, const struct isph *s,
                        const struct isph_chunk *chunk, size_t i, double force[3],
                        double friction[3]) {
@@ -148,20 +148,20 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
     }
     isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
     if (s->on.links)
-      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->way[p];
+      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->path_porosity[p];
     double weight = s->volume[j] * both * (double)chunk->slope[p];
     for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
   }
 }
 
-/* nu_E lap v of particle i, pairs after M15 eq. 22; walls that hold the water by the image velocity
- * v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
+/* Viscous force nu_E lap v of particle i: pairs after M15 eq. 22; no-slip walls by the image
+ * velocity v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
 static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
                     double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i];
   ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
   if (!s->on.no_slip) return;
-  int last = -1; /* box */
+  int last = -1; /* wall box for which `hold` was found */
   double hold = 0;
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
@@ -178,7 +178,8 @@ static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t
   }
 }
 
-/* v* without the driving force, and the mobility k = B T / rho_w; all of the equation over G. */
+/* Predictor: v* without the driving force, and the mobility k = B T / rho_w; the equation of motion
+ * is divided by G. */
 static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
   if (s->calm != NULL) isph_biharmonic_begin(s);
@@ -233,9 +234,9 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* The gradients of q = P - rho f.x and of P, by the pairs of particle i. Where mobilities differ
- * `flux` is that of isph_edge_turn, and `edge` its sums, until they are known; else NULL. f NULL:
- * no driving force. */
+/* Adds up the gradients of q = P - rho f.x (`reduced`) and of P (`own`) from the pairs of particle
+ * i. Where mobilities differ, also `flux` for isph_edge_turn, and the sums `edge` until they are
+ * known; otherwise these are NULL. f NULL: no driving force. */
 ROW void pressure_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, const double f[3],
                            double reduced[3], double own[3], double flux[3],
@@ -258,16 +259,17 @@ ROW void pressure_gradient(enum isph_images images, const struct isph *s,
   }
 }
 
-/* The corrector (the mean of v^n and v^{n+1} goes into v*):
+/* The corrector (leaves the mean of v^n and v^{n+1} in v*):
  *   v^{n+1} = v* - k grad q,   q = P - rho f.x the pressure without its hydrostatic part,
  *   grad q = sum_j V_j (q_j - q_i) grad W + 2 w (q_i - q_s) sum V grad W,   q_s = -rho f.x_s;
- * the second term is the surface's, walls have q_w = q_i. In water at rest q is the same everywhere
- * and nothing moves. The gradient is the adjoint of the divergence up to terms in sum V grad W, so
- * that pressure takes energy from the flow and never gives any. (The full adjoint, with 2 q_i sum V
- * grad W inside the water too, only adds noise.) In free water it is corrected to be exact for
- * linear fields (isph/linear.h), which noise costs less than the adjoint saves. In soil the part of
- * the moment along a wall that is missing beside it is made up for: without, a column ten particles
- * wide carries 2 % too little. In free water that would keep eddies alive at rest. */
+ * the second term is that of the surface, walls have q_w = q_i. In water at rest q is the same
+ * everywhere and nothing moves. The gradient is the adjoint of the divergence up to terms in sum V
+ * grad W, so that pressure takes energy from the flow and never adds any. (The full adjoint, with 2
+ * q_i sum V grad W inside the water too, only adds noise.) In free water it is corrected to be
+ * exact for linear fields (isph/linear.h), which noise costs less than the adjoint saves. In soil
+ * the part of the moment along a wall that is missing beside it is compensated for; without this, a
+ * column ten particles wide carries 2 % too little. In free water that would keep eddies alive at
+ * rest. */
 static void correct(struct isph *s) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
@@ -282,7 +284,8 @@ static void correct(struct isph *s) {
           !tensor && (s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface);
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       double flux[3] = {0};
-      double present[3] = {1, 1, 1}; /* of the moment along each axis, walls left out */
+      /* share of the moment present along each axis, walls left out */
+      double present[3] = {1, 1, 1};
       if (edges && again && s->on.links) {
         ISPH_ROW(s, i, pressure_gradient, s, chunk, i, NULL, reduced, own, flux, NULL);
         isph_edge_turn(&s->linked[i].edge, flux, reduced);
@@ -344,9 +347,9 @@ static void correct(struct isph *s) {
   }
 }
 
-/* Water with a surface bears no tension: P >= 0, so that it can break up. Where no force acts on it
- * negative pressures stay, but for those on the surface: a rotating body has P < 0 inside and would
- * fall apart without. */
+/* Water with a surface bears no tension: P >= 0, so that it can break up. If no force acts on it,
+ * negative pressures are kept inside, but not on the surface: a rotating body of water has P < 0
+ * inside and would otherwise fall apart. */
 static void remove_tension(struct isph *s) {
   bool holds = isph_is_unforced(s);
   for (size_t i = s->local.begin; i < s->local.end; i++) {
@@ -356,20 +359,21 @@ static void remove_tension(struct isph *s) {
   }
 }
 
-/* Whether a step begins with the last one's pressure, as a first projection (incremental pressure
- * correction: Van Kan 1986, SIAM J. Sci. Stat. Comput. 7; Guermond, Minev, Shen 2006, Comput.
- * Methods Appl. Mech. Eng. 195, section 3.2), so that the one solve of the step is a second
- * projection. What an approximate projection leaves is then in proportion to what the pressure
- * changed in the step, not to the pressure: alone it takes a tenth of a wave's energy a period. In
- * free water only: in soil fronts and ponds are judged with what one projection leaves. */
+/* Whether a step begins with the pressure of the last step as a first projection (incremental
+ * pressure correction: Van Kan 1986, SIAM J. Sci. Stat. Comput. 7; Guermond, Minev, Shen 2006,
+ * Comput. Methods Appl. Mech. Eng. 195, section 3.2), so that the one solve of the step is a second
+ * projection. The error of an approximate projection is then proportional to the change of the
+ * pressure in the step, not to the pressure: a single projection takes a tenth of a wave's energy
+ * per period. Only in free water: in soil fronts and ponds are calibrated with the error that one
+ * projection leaves. */
 static bool carries_pressure(const struct isph *s) {
   return s->step > 0 && isph_is_free_water(s);
 }
 
-/* A second projection, of the divergence that the first, an approximate one, has left; of water
- * without a surface, and of water that carries its pressure. Where the drag jumps that is so much
- * in a step of full length that the flux through a layer four particles thick is 7 % too large (1 %
- * with a sixth of the step, or with this). */
+/* A second projection, of the divergence that the first, approximate one has left; for water
+ * without a surface in soil, and for water that carries its pressure over. Where the drag jumps,
+ * that divergence is so large in a step of full length that the flux through a layer four particles
+ * thick is 7 % too large (1 % with a sixth of the step, or with the second projection). */
 static enum status project_again(struct isph *s, double relaxation_time) {
   enum status status = STATUS_OK;
   double *first = s->scratch;
@@ -383,7 +387,7 @@ static enum status project_again(struct isph *s, double relaxation_time) {
   if (s->on.wells) isph_wells_solved(s);
   before = clock_seconds() - before;
   s->seconds_solve += before, s->seconds_correct -= before;
-  if (s->on.surface) { /* what holds for the pressure holds for the sum of both */
+  if (s->on.surface) { /* the conditions on the pressure apply to the sum of both */
     for (size_t i = s->local.begin; i < s->local.end; i++) s->pressure[i] += first[i];
     isph_enclosed_level(s);
     remove_tension(s);
@@ -421,13 +425,13 @@ cleanup:
 enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
-  /* alpha is that of the scene's dt, where it gives one, also for a shorter last step. */
+  /* alpha refers to the scene's dt, if it gives one, also for a shorter last step. */
   double relaxation_time = scene->isph.relaxation_time;
   if (!isnan(scene->isph.alpha))
     relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
   omp_set_num_threads(
       isph_threads(scene, (double)(s->local.end - s->local.begin), s->threads_most));
-  relaxation_time = fmax(relaxation_time, dt); /* beyond, it would overshoot */
+  relaxation_time = fmax(relaxation_time, dt); /* a shorter time would overshoot */
   isph_apply_tables(s, dt);
   double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
   const size_t total = s->total;
@@ -487,7 +491,7 @@ enum status isph_advance(struct isph *s, double dt) {
   const double moved = s->on.energy ? isph_kinetic_energy(s) : 0;
   TRY(isph_refresh(s));
   isph_budget_settled(s);
-  /* What the new porosity and the walls' guard made of it. */
+  /* Limits the energy that the new porosity and the walls' guard have added. */
   if (s->on.energy && s->total == total) isph_energy_limit_velocity(s, most + given, moved);
 cleanup:
   return status;

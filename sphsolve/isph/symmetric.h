@@ -1,11 +1,11 @@
-/* Symmetric 3 x 3 tensors as xx xy xz yy yz zz. */
+/* Symmetric 3 x 3 tensors, stored as xx xy xz yy yz zz. */
 #ifndef TOSUI_SPHSOLVE_ISPH_SYMMETRIC_H
 #define TOSUI_SPHSOLVE_ISPH_SYMMETRIC_H
 
 #include <math.h>
 #include <stdbool.h>
 
-/* Where xx, yy and zz stand. */
+/* Indices of xx, yy and zz. */
 static const int symmetric_diagonal[3] = {0, 3, 5};
 
 /* y = t x; y may be x. */
@@ -22,7 +22,7 @@ static inline double symmetric_along(const double t[6], const double n[3]) {
          2 * (t[1] * n[0] * n[1] + t[2] * n[0] * n[2] + t[4] * n[1] * n[2]);
 }
 
-/* Of a positive definite t. */
+/* Inverse of a positive definite t. */
 static inline void symmetric_inverse(const double t[6], double inverse[6]) {
   const double xx = t[3] * t[5] - t[4] * t[4], xy = t[2] * t[4] - t[1] * t[5],
                xz = t[1] * t[4] - t[2] * t[3];
@@ -33,9 +33,10 @@ static inline void symmetric_inverse(const double t[6], double inverse[6]) {
   inverse[3] = yy * scale, inverse[4] = yz * scale, inverse[5] = zz * scale;
 }
 
-/* The least eigenvalue of t, or one bound below it that is no less than `enough` (of Gershgorin's
- * circles, which most neighbourhoods have far from 0). The roots of the cubic after Smith (1961,
- * Commun. ACM 4). In 2-D the axis across the plane takes the mean of the two others. */
+/* The least eigenvalue of t, or a lower bound for it that is at least `enough` (by Gershgorin's
+ * circles, which suffice in most neighbourhoods). The roots of the cubic are after Smith (1961,
+ * Commun. ACM 4). In 2-D the component yy, out of the plane, is set to the mean of the two others.
+ */
 static inline double symmetric_least(const double t[6], bool plane, double enough) {
   const double xx = t[0], yy = plane ? 0.5 * (t[0] + t[5]) : t[3], zz = t[5];
   const double xy = fabs(t[1]), xz = fabs(t[2]), yz = fabs(t[4]);
@@ -50,7 +51,8 @@ static inline double symmetric_least(const double t[6], bool plane, double enoug
   return mean + 2 * size * cos(angle + 2 * M_PI / 3);
 }
 
-/* The root of a positive definite t: X <- (X + t X^-1)/2, which keeps X a function of t. */
+/* Square root of a positive definite t, by X <- (X + t X^-1)/2, in which X stays a function of t.
+ */
 static inline void symmetric_root(const double t[6], double root[6]) {
   for (int k = 0; k < 6; k++) root[k] = 0.5 * (t[k] + (k == 0 || k == 3 || k == 5));
   for (int round = 0; round < 12; round++) {
@@ -66,7 +68,7 @@ static inline void symmetric_root(const double t[6], double root[6]) {
   }
 }
 
-/* m e m */
+/* to = m e m */
 static inline void symmetric_between(const double m[6], const double e[6], double to[6]) {
   static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
   for (int b = 0, k = 0; b < 3; b++) {

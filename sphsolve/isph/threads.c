@@ -4,9 +4,9 @@
 
 #include "common/threads.h"
 
-/* Pairs a thread from which on two threads take a tenth less time than one on an idle machine;
- * beside other work they wait for each other. */
-#define PAIRS_A_THREAD 30e3
+/* Pairs per thread from which on two threads take a tenth less time than one on an idle machine; on
+ * a busy machine they wait for each other. */
+#define PAIRS_PER_THREAD 30e3
 
 double isph_neighbours(const struct scene *scene) {
   return scene->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
@@ -14,5 +14,5 @@ double isph_neighbours(const struct scene *scene) {
 }
 
 int isph_threads(const struct scene *scene, double particles, int most) {
-  return threads_for(particles * isph_neighbours(scene), PAIRS_A_THREAD, most);
+  return threads_for(particles * isph_neighbours(scene), PAIRS_PER_THREAD, most);
 }

@@ -1,4 +1,4 @@
-/* The largest stable time step, and what is left of a run shared among steps. */
+/* The largest stable time step, and how the remaining time is divided into steps. */
 #include <math.h>
 
 #include "sphsolve/isph/ranks.h"
@@ -15,7 +15,8 @@ static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-/* Fastest of what is given, m/s: what will move the water, when it is still at rest. */
+/* The largest prescribed velocity, m/s: that which will set the water in motion if it is still at
+ * rest. */
 static double fastest_drive(const struct isph *s) {
   double fastest = 0;
   for (size_t b = 1; b < s->wall_box_count; b++)
@@ -29,7 +30,8 @@ static double fastest_drive(const struct isph *s) {
   return fastest;
 }
 
-/* In which the well of the highest rate takes a particle, s: they go one by one. */
+/* Time, s, in which the well of the highest rate takes one particle, since it takes them one by
+ * one. */
 static double time_of_a_particle(const struct isph *s) {
   const double size = s->spacing;
   double rate = 0;
@@ -64,10 +66,10 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   return limits[least].dt;
 }
 
-#define END_STEPS 32  /* and fewer share what is left */
-#define END_FALL 0.99 /* a limit below this share of the last step is followed at once */
+#define END_STEPS 32  /* with so many steps left or fewer, their lengths are planned */
+#define END_FALL 0.99 /* a limit that falls below this share of the last step applies at once */
 
-/* rho of rho + rho^2 + .. + rho^n = sum, 0 < sum <= n: Newton's method, from above. */
+/* Solves rho + rho^2 + .. + rho^n = sum for rho, 0 < sum <= n, by Newton's method from above. */
 static double ratio_of(int n, double sum) {
   double rho = 1;
   for (int round = 0; round < 60; round++) {
@@ -84,10 +86,11 @@ static int steps_of(double left, double dt) {
   return (int)fmax(1, ceil(left / dt * (1 - 1e-6)));
 }
 
-/* A step leaves a divergence that goes with its dt, and the next one's pressure has it over its
- * own: after one of dt, one of dt/2 reads what moves the water twice, and a very short one what
- * rounding leaves. So the last steps shrink by the same ratio each, n of them that make up what is
- * left; where the limit falls faster than that, n grows by an eighth, early and then seldom. */
+/* A step leaves a divergence in proportion to its dt, which the pressure of the next step divides
+ * by its own dt: after a step of dt, one of dt/2 reads twice the pressure that moves the water, and
+ * a very short one amplifies rounding. So the last n steps shrink by a constant ratio and add up to
+ * the remaining time. If the limit falls faster than that, n grows by an eighth, early and then
+ * seldom. */
 double isph_dt_to_end(struct isph_ending *ending, double left, double limit) {
   double last = ending->last > 0 ? ending->last : limit, ratio;
   int steps = ending->steps - 1;
@@ -99,7 +102,8 @@ double isph_dt_to_end(struct isph_ending *ending, double left, double limit) {
     last = limit;
     if (steps < fewest + fewest / 8) steps = fewest + fewest / 8;
   }
-  if (steps < steps_of(left, last)) steps = steps_of(left, last); /* none yet, or another end */
+  /* not planned yet, or the end has changed */
+  if (steps < steps_of(left, last)) steps = steps_of(left, last);
   while (ratio = ratio_of(steps, left / last), last * ratio > limit * (1 + 1e-6))
     steps += 1 + steps / 8;
   *ending = (struct isph_ending){.last = steps == 1 ? left : last * ratio, .steps = steps};

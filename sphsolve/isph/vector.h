@@ -1,4 +1,4 @@
-/* Vectors of three. */
+/* Vectors of three components. */
 #ifndef TOSUI_SPHSOLVE_ISPH_VECTOR_H
 #define TOSUI_SPHSOLVE_ISPH_VECTOR_H
 

@@ -6,10 +6,10 @@
 #include "common/memory.h"
 #include "sphsolve/isph/symmetric.h"
 
-/* Walls are boxes, known exactly. Each is filled with wall particles that start half a spacing
- * behind its faces, whether or not the faces lie on the lattice of the water; the tank is filled
- * outside the domain, but behind sides that reflect (isph/reflection.h). A wall particle holds no
- * unknown: it is the mirror image of whichever water particle looks at it, about the face between
+/* Walls are exact boxes. Each is filled with wall particles that start half a spacing behind its
+ * faces, whether or not the faces lie on the lattice of the water; the tank is filled outside the
+ * domain, except behind reflecting sides (isph/reflection.h). A wall particle has no unknowns: it
+ * is the mirror image of whichever water particle has it as a neighbour, about the face between
  * them. */
 
 int isph_wall_layers(const struct isph *s) {
@@ -99,7 +99,8 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
   return STATUS_OK;
 }
 
-/* The faces that a box of a polygon shares whole with another are none that water looks at. */
+/* Removes from the mirror the faces that a box of a polygon shares entirely with another box, since
+ * no water faces them. */
 static void join_parts(struct isph *s, struct isph_wall_box *box) {
   const struct region *own = box->region, *regions = s->scene->regions;
   const double near = 1e-6 * s->spacing;
@@ -160,7 +161,7 @@ cleanup:
   return status;
 }
 
-/* Pressures of the boundary at time s->time; boxes and their particles moved by dt. */
+/* Moves boxes and their particles by dt, and sets the boundary pressures at time s->time. */
 void isph_wall_move(struct isph *s, double dt) {
   for (size_t b = 1; b < s->wall_box_count; b++)
     for (int a = 0; a < 3; a++) {
@@ -176,13 +177,13 @@ void isph_wall_move(struct isph *s, double dt) {
     } else if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
       const struct isph_open_side *side = &s->sides[box];
       double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];
-      s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* on the side itself */
+      s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* that on the side itself */
     }
   }
 }
 
-/* Whether the tank has a window along axis a where boundary particle j at xj continues it: behind
- * the corner between a window and a wall there is only the wall's continuation. */
+/* Whether the tank has a window along axis a where boundary particle j at xj continues a wall:
+ * behind the corner between a window and a wall only the wall is continued. */
 static bool window_beside(const struct isph *s, const double xj[3], int a) {
   double x[3];
   bool corner = false;
@@ -197,15 +198,15 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
   return corner && isph_open_side_behind(s, x) >= 0;
 }
 
-/* In soil, of a spacing: how far edges of boxes are rounded off for the mirror. */
+/* Radius, in spacings, by which edges of boxes are rounded for the mirror in soil. */
 #define EDGE 0.5
 
-/* A box that water flows around is convex: the mirror is the plane through its nearest point, along
- * an edge or a corner too. With one mirror for each face in sight instead, what a particle's image
- * does jumps where the particle comes out from before a face. A particle that slides along a face
- * at the guard's distance still passes an edge in a few steps, and its mirror would turn by a right
- * angle in them, and the pressures beside it by 2 %: in soil the mirror is that of the box with its
- * edges rounded off, which begins to turn before them. */
+/* A box that water flows around is convex: the mirror is the plane through the box's nearest point,
+ * at an edge or a corner too. With one mirror for each face in sight instead, the effect of a
+ * particle's image would jump where the particle passes the end of a face. A particle that slides
+ * along a face at the guard's distance still passes an edge in a few steps, in which its mirror
+ * turns by a right angle, and the pressures beside it by 2 %: in soil the box has rounded edges for
+ * the mirror, which then begins to turn earlier. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio) {
   double near = 0, far = 0, turned = 0, out[3] = {0}, normal[3] = {0};
@@ -250,12 +251,13 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
 }
 
-/* Distance a particle keeps from a wall; closer than this it may not come nearer. */
+/* In spacings: the distance from a wall within which a particle may not come nearer. */
 #define GUARD 0.2
 
 static void guard_plane(double distance, double dt, double gap, double sign, double wall_velocity,
                         double scale, double *velocity) {
-  /* Speed towards the wall (pore velocity: scale * v_D) that would use up half of what is left. */
+  /* Speed towards the wall (pore velocity: scale * v_D) that would use up half of the remaining
+   * distance. */
   double allowed = fmax(0, distance - gap) * 0.5 / dt;
   double towards = -sign * (*velocity * scale - wall_velocity);
   if (towards > allowed) *velocity = (wall_velocity - sign * allowed) / scale;
@@ -289,7 +291,7 @@ void isph_wall_guard(const struct isph *s, const double x[3], double scale, doub
       near = near && out < reach;
       if (out > most) most = out, face = a, sign = low > high ? -1 : 1;
     }
-    /* Only the face the particle is in front of: past an edge it is free to go. */
+    /* Only the face in front of the particle counts: past an edge it is free to move. */
     if (near && face >= 0) guard_plane(most, dt, gap, sign, box->velocity[face], scale, &v[face]);
   }
 }

@@ -5,8 +5,9 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 
-/* By the pairs of water and wall that the budget of momentum counts: a wall particle j has the
- * pressure of the water i that looks at it, continued hydrostatically, so that the pair carries
+/* Sum over the pairs of water and wall, as in the budget of momentum: a wall particle j has the
+ * pressure of the water particle i of the pair, extrapolated hydrostatically, so that the pair
+ * carries
  *   V_i V_j slope_ij (2 P_i - rho f.r) r.
  * For a plane this is the pressure on its face times its area (Monaghan 2005, Rep. Prog. Phys. 68,
  * on forces between particles of two bodies). */
@@ -26,7 +27,8 @@ void isph_wall_force(const struct isph *s, size_t b, double force[3]) {
         if (s->wall_boxes[box].region->first != s->wall_boxes[b].region->first) continue;
         isph_separation(s, s->position[i], s->boundary_position, entry, r);
         double along = 0;
-        for (int a = 0; a < 3; a++) { /* what the image of a wall gets across the side cancels */
+        /* the component of a reflected wall's force normal to the side cancels */
+        for (int a = 0; a < 3; a++) {
           const bool turned = s->image[entry >> PAIR_BITS].turn[a] < 0;
           along += f[a] * (turned ? s->position[i][a] - s->boundary_position[j][a] : r[a]);
           if (turned) r[a] = 0;

@@ -11,35 +11,37 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
 
-/* Bounds of the watchdog: of the kernel sum (sum of V W, 1 in the bulk), beside one spacing a step,
- * and the pressure solve's own bound on its residual. */
-#define KERNEL_SUM_MOST 2.0
-/* A larger kernel sum is warned of, once: impacts reach 1.1. Not within a spacing of a window:
- * behind it columns stand in for the water outside, and until one that leaves has become the
- * foremost of its column it may stand beside that (kernel sums to 1.5, pressures smooth). */
+/* The watchdog's bound on the kernel sum (sum of V W, 1 in the bulk). The other bounds are one
+ * spacing per step, and the pressure solve's own bound on its residual. */
+#define KERNEL_SUM_MAX 2.0
+/* Kernel sum above which a warning is given, once; impacts reach 1.1. Not within a spacing of a
+ * window: behind it columns represent the water outside, and a particle that is leaving may stand
+ * beside the foremost of its column until it takes its place (kernel sums up to 1.5, with smooth
+ * pressures). */
 #define KERNEL_SUM_WARN 1.3
-/* Water without a surface has a gap where the kernel sum is smaller. */
+/* Kernel sum below which water without a surface has a gap. */
 #define KERNEL_SUM_GAP 0.7
-/* In spacings a step: energies below that of such a speed trip no bound (watchdog.h). */
+/* In spacings per step: energies below that of such a speed exceed no bound (watchdog.h). */
 #define ENERGY_FLOOR 0.02
-/* Of the speed over what drives the water; jets of an impact reach some 5 times. Without this bound
- * the step, which shortens as the fastest particle speeds up, would follow a diverging one towards
- * 0, and no other bound would be reached. */
-#define SPEED_MOST 100.0
+/* Bound on the speed over isph_speed_most; jets of an impact reach some 5 times that. Without this
+ * bound the time step, which shortens as the fastest particle speeds up, would follow a diverging
+ * one towards 0, and no other bound would be reached. */
+#define SPEED_RATIO_MAX 100.0
 
 double isph_given_speed(const struct isph *s) {
   double speed = isph_prescribed_speed(s->scene);
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
-    if (region->boundary == BOUNDARY_HEAD) /* Torricelli; NAN, which fmax drops, where none falls */
+    /* Torricelli; NAN, which fmax ignores, if there is no fall */
+    if (region->boundary == BOUNDARY_HEAD)
       speed = fmax(speed, sqrt(2 * s->scene->driving[2] * -region->head));
   }
   return speed;
 }
 
-/* A fall through the whole domain, or round a periodic one for the time of the run; a head without
- * gravity, which is then a pressure; a drop of one particle that its surface tension draws
- * together. */
+/* Adds up the speeds of a fall through the whole domain, or of acceleration along a periodic axis
+ * for the time of the run; of a head without gravity, which is then a pressure; and of a drop of
+ * one particle that its surface tension contracts. */
 double isph_speed_most(const struct isph *s) {
   const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
   double square = 0, head = 0, speed = isph_given_speed(s);
@@ -57,15 +59,15 @@ double isph_speed_most(const struct isph *s) {
   return speed / s->soil_porosity_least;
 }
 
-/* The particle with the largest value: of a rank, then of all. */
+/* The particle with the largest value, first on a rank, then on all. */
 struct leader {
   double value, position[3], kernel_sum, square;
   uint64_t id;
 };
 
-enum { DENSEST, FASTEST, PRESSED, LEADERS }; /* pressed: the densest away from windows */
+enum { DENSEST, FASTEST, PRESSED, LEADERS }; /* PRESSED: the densest away from windows */
 
-static enum status lead(struct leader leaders[LEADERS]) {
+static enum status find_leaders(struct leader leaders[LEADERS]) {
   enum status status = STATUS_OK;
   struct leader *all = NULL;
   size_t n = 0;
@@ -101,7 +103,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
     s->sums[c][0] = sum;
   }
   isph_sum_chunks(s, 1, &squares);
-  TRY(lead(leaders));
+  TRY(find_leaders(leaders));
   const double *lost = s->fastest_lost;
   if (lost[0] * lost[0] > leaders[FASTEST].value)
     leaders[FASTEST] = (struct leader){
@@ -116,9 +118,9 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
         leaders[PRESSED].position[2]);
   if (leaders[PRESSED].value > KERNEL_SUM_WARN)
     s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[PRESSED].value);
-  reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MOST - 1);
+  reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MAX - 1);
   reading.used[WATCH_VELOCITY] = fastest * dt / s->spacing;
-  if (fastest > SPEED_MOST * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
+  if (fastest > SPEED_RATIO_MAX * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
   if (s->total > 0)
     reading.used[WATCH_ENERGY] =
         watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
@@ -134,14 +136,15 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
                    "%s: particle %llu at (%.4g, %.4g, %.4g) m, kernel sum %.3g, speed %.3g m/s",
                    watchdog_name(trip->bound), (unsigned long long)first->id, first->position[0],
                    first->position[1], first->position[2], first->kernel_sum, sqrt(first->square));
-  if (trip->bound == WATCH_VELOCITY && fastest > SPEED_MOST * most && most > 0)
+  if (trip->bound == WATCH_VELOCITY && fastest > SPEED_RATIO_MAX * most && most > 0)
     snprintf(trip->what + n, sizeof trip->what - (size_t)n,
              ", where forces, heads and walls give %.3g m/s at most", most);
 cleanup:
   return status;
 }
 
-/* "in the soil regions[1]", "in free water beside the soil regions[1]", "in free water". */
+/* Describes a place: "in the soil regions[1]", "in free water beside the soil regions[1]", "in free
+ * water". */
 static void name_place(const struct isph *s, const double x[3], char *text, size_t size) {
   double nearest = s->scene->isph.support_ratio * s->spacing;
   size_t beside = s->scene->region_count;
@@ -164,7 +167,7 @@ static void name_place(const struct isph *s, const double x[3], char *text, size
              nearest > 0 ? "free water beside the soil" : "the soil", beside);
 }
 
-/* What a user can do about it. */
+/* Advice to the user. */
 static const char *remedy_of(const struct isph *s, const struct isph_trip *trip) {
   const bool unsolved = !(s->solve.residual <= 1e3 * s->scene->isph.tolerance);
   if (unsolved && s->on.soil)
@@ -185,7 +188,7 @@ static const char *remedy_of(const struct isph *s, const struct isph_trip *trip)
          "or a smaller isph.dt";
 }
 
-/* The fastest wall that moves within the domain, NULL where none does. */
+/* The fastest wall that moves within the domain, NULL if there is none. */
 static const struct region *piston_of(const struct isph *s) {
   const struct region *piston = NULL;
   double fastest = 0;
@@ -212,7 +215,7 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
              piston->number, isph_region_speed(s->scene, piston));
   if (trip->bound != WATCH_RESIDUAL) name_place(s, trip->position, place, sizeof place);
   if (s->dog.kept) {
-    TRY(isph_go_back(s, copy));
+    TRY(isph_restore_state(s, copy));
     TRY(recorder_go_back(recorder, copy->time));
   }
   if (go_on) {

@@ -1,15 +1,16 @@
-/* Wells and drains take water out of soil: in their region
- *   div v_D = -q,   q >= 0 the volume that leaves a volume of soil in a second.
- * A well's q is its rate over the volume of its particles. A drain's is found with the pressure,
- *   q V = c (P - P_d),   P_d = rho g (head - z), at least 0, the air's,
- * where it is above 0: solved for anew until each particle of a drain gives and is above P_d or
- * does neither (active sets: Hintermueller, Ito, Kunisch 2003, SIAM J. Optim. 13); c is so large
- * that P - P_d is a small part of what falls over a particle (a Robin condition: Bear 1972,
- * Dynamics of Fluids in Porous Media, 7.1). What has left is booked as mass, and goes in whole
- * particles: once it is that of one, the particle of the largest kernel sum in the region is taken
- * out. So what left is what was taken and what is pending, less than a particle. Where a drain's q
- * turns negative within a step it is booked against the pending mass; no particle ever comes out of
- * a drain. */
+/* Wells and drains take water out of soil. In their region
+ *   div v_D = -q,   q >= 0 the outflow per bulk volume, 1/s.
+ * A well's q is its rate over the volume of its particles. A drain's is found together with the
+ * pressure,
+ *   q V = c (P - P_d),   P_d = rho g (head - z), at least 0, the atmospheric pressure,
+ * where P > P_d. The solve is repeated until each particle of a drain either gives water and is
+ * above P_d, or neither (active sets: Hintermueller, Ito, Kunisch 2003, SIAM J. Optim. 13). c is so
+ * large that P - P_d is a small part of the pressure difference over a particle (a Robin condition:
+ * Bear 1972, Dynamics of Fluids in Porous Media, 7.1). What has left is accumulated as mass and
+ * removed in whole particles: once it is the mass of one, the particle with the largest kernel sum
+ * in the region is taken out. So the water that left is what was taken plus what is pending, which
+ * is less than a particle. If a drain's q turns negative within a step, it is subtracted from the
+ * pending mass; no particle ever comes out of a drain. */
 #include "sphsolve/isph/well.h"
 
 #include <math.h>
@@ -20,8 +21,8 @@
 #include "common/units.h"
 #include "sphsolve/isph/ranks.h"
 
-/* Of the row's diagonal: P - P_d is then a tenth of what falls from a neighbour. */
-#define TIE 10.0
+/* c over the row's diagonal: P - P_d is then a tenth of the pressure difference to a neighbour. */
+#define DRAIN_COEFFICIENT 10.0
 
 static bool is_well(const struct region *region) {
   return region->type == REGION_WELL || region->type == REGION_DRAIN;
@@ -65,7 +66,7 @@ bool isph_in_well(const struct isph *s, const double x[3]) {
   return well_at(s, x, 0) > 0;
 }
 
-/* Pa: P_d at a height. */
+/* P_d at a height, Pa. */
 static double drain_pressure(const struct isph *s, const struct region *drain, double z) {
   const double *g = s->scene->gravity;
   const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
@@ -76,7 +77,7 @@ static double drain_pressure(const struct isph *s, const struct region *drain, d
   return fmax(0, s->density * strength * (head - z));
 }
 
-/* Of a well's particles, or all its flow; sums in a fixed order. */
+/* Sum over a well's particles of their flow, or else of their volume, in a fixed order. */
 static double sum_of(const struct isph *s, size_t well, bool flows) {
   double total;
 #pragma omp parallel for schedule(static)
@@ -121,9 +122,9 @@ void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *so
   if (outlet->well == 0) return;
   *source -= outlet->flow;
   if (!(outlet->tie > 0)) return;
-  outlet->tie = TIE * *diagonal;
+  outlet->tie = DRAIN_COEFFICIENT * *diagonal;
   *diagonal += outlet->tie, *tied += outlet->tie;
-  if (s->solve.again) return; /* what is solved for then adds to the pressure */
+  if (s->solve.again) return; /* the solution then is an increment of the pressure */
   *source += outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
 }
 
@@ -152,14 +153,16 @@ void isph_wells_solved(struct isph *s) {
   }
 }
 
-/* Water boils at lower pressures, relative to the air's: no well draws it up so far. */
+/* Vacuum relative to atmospheric pressure: water boils at lower pressures, and no well draws it up
+ * so far. */
 #define VACUUM (-1.01325e5) /* Pa */
 
-/* Water at rest takes some steps to follow a well that begins. */
+/* Steps in a row below vacuum or without water after which a well counts as starved: water at rest
+ * takes some steps to follow a new well. */
 #define STEPS_STARVED 100
 
-/* Warns, once, where the soil does not bring what a well is to take. */
-static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t number) {
+/* Warns, once, if the soil does not yield the rate of a well. */
+static void warn_of_rate(const struct isph *s, struct isph_well *well, int32_t number) {
   double lowest = INFINITY;
   if (well->starved >= STEPS_STARVED || well->region->type != REGION_WELL) return;
   for (size_t i = s->local.begin; i < s->local.end; i++)
@@ -178,9 +181,9 @@ static void look_at_rate(const struct isph *s, struct isph_well *well, int32_t n
                 s->scene->path, well->region->line, s->time, lowest);
 }
 
-/* The particle of a well, on any rank, that stands closest to its neighbours and does not leave
- * yet; of several the first. Its mass; INFINITY: none. *here: its place on its own rank, else
- * SIZE_MAX. */
+/* Finds the particle of a well, on any rank, with the largest kernel sum that is not leaving yet;
+ * of several the one with the lowest id. Returns its mass; INFINITY: none. *here: its index on its
+ * own rank, otherwise SIZE_MAX. */
 static double next_to_leave(const struct isph *s, size_t w, size_t *here) {
   size_t best = SIZE_MAX;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
@@ -201,7 +204,7 @@ static double next_to_leave(const struct isph *s, size_t w, size_t *here) {
 void isph_wells_take(struct isph *s, double dt) {
   for (size_t w = 0; w < s->well_count; w++) {
     struct isph_well *well = &s->wells[w];
-    look_at_rate(s, well, (int32_t)w + 1);
+    warn_of_rate(s, well, (int32_t)w + 1);
     well->flow = sum_of(s, w, true);
     well->pending += s->density * well->flow * dt;
     for (;;) {

@@ -1,45 +1,49 @@
-/* Wells and drains: regions of soil that take water out of it. A well takes a given rate, a drain
- * what it needs to hold its pressure at that of a given head, or at the air's, and never gives any.
- * What they do to the pressure is in isph/well.c; without one nothing of it is called. */
+/* Wells and drains: regions that take water out of soil. A well takes a given rate; a drain takes
+ * what is needed to hold its pressure at that of a given head, or at atmospheric pressure, and
+ * never adds water. Equations: isph/well.c, of which nothing is called without such a region. */
 #ifndef TOSUI_SPHSOLVE_ISPH_WELL_H
 #define TOSUI_SPHSOLVE_ISPH_WELL_H
 
 #include "sphsolve/isph/state.h"
 
-/* Solves of a step at most, for which particles of drains give. */
+/* Most solves in a step to find which particles of drains give water. */
 #define WELL_ROUNDS 20
 
-/* A well or a drain. Numbers are per m along y in 2-D. */
+/* A well or a drain. In 2-D amounts and rates are per m along y. */
 struct isph_well {
   const struct region *region;
-  double taken;   /* kg, in whole particles */
-  double pending; /* kg that left since, less than a particle holds */
+  double taken;   /* kg, taken as whole particles */
+  double pending; /* kg that left but is not yet taken as a particle; less than the mass of one */
   double flow;    /* m^3/s (m^2/s), of the last step, out of the soil */
-  int starved;    /* steps in a row in which the soil did not bring its rate */
+  int starved;    /* number of steps in a row in which the soil did not yield its rate */
 };
 
-/* Of a particle. */
+/* Outflow at a particle. */
 struct isph_outlet {
-  int32_t well; /* 1 + its number; 0: in none */
-  bool leaves;  /* at the end of this step */
+  int32_t well; /* 1 + number of the well or drain that holds the particle; 0: none */
+  bool leaves;  /* whether it is taken at the end of this step */
   double flow;  /* m^3/s (m^2/s) out of the soil there */
-  double tie;   /* of a drain: flow over the pressure above the drain's */
+  double tie;   /* in a drain: outflow over the excess of the pressure over the drain's */
 };
 
 /* Whether a scene has a well or a drain. */
 bool isph_has_wells(const struct scene *scene);
+/* Sets up the wells and drains of the scene; isph_free frees them. */
 enum status isph_wells_create(struct isph *s);
 /* Whether x lies in a well or a drain. */
 bool isph_in_well(const struct isph *s, const double x[3]);
-/* Between predictor and pressure: what each particle gives. */
+/* Between predictor and pressure: sets the outflow of each particle of a well, and which particles
+ * of drains give water. */
 void isph_wells_begin(struct isph *s, double dt);
-/* The row of particle i of the pressure equation, after all else of it. */
+/* Adds the well's or drain's terms to row i of the pressure equation, after all other terms. */
 void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source, double *tied);
-/* After a solve: what drains take by it. */
+/* After a solve: adds the outflow of drains at the pressure found. */
 void isph_wells_solved(struct isph *s);
-/* Whether particles began or ceased to give by that solve: then it is to be done anew. */
+/* Updates which particles of drains give water at the pressure found; returns whether any changed,
+ * so that the solve has to be repeated. */
 bool isph_wells_change(struct isph *s);
-/* After the pressure is final: books what leaves, and marks whole particles for it. */
+/* After the pressure is final: accumulates the mass that leaves, and marks whole particles to be
+ * removed for it. */
 void isph_wells_take(struct isph *s, double dt);
 
 #endif

@@ -1,4 +1,4 @@
-/* Fluxes through the faces of soil to the outside. */
+/* Fluxes through the boundary faces of the soil. */
 #include <math.h>
 
 #include "sphsolve/richards/state.h"
@@ -12,7 +12,7 @@ double richards_rain_at(const struct richards_edge *edge, double time) {
   return edge->share * given_at(edge->region, edge->region->rate, time);
 }
 
-/* Inwards, from a pressure head that is held outside. */
+/* Inward flux from a prescribed pressure head outside the face. */
 static void from_head(const struct richards *s, const struct richards_edge *edge, double head,
                       struct flux *flux) {
   const struct retention *soil = &s->soils[s->soil[edge->site]];
@@ -25,7 +25,8 @@ static void from_head(const struct richards *s, const struct richards_edge *edge
 }
 
 double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time) {
-  const double wide = s->lattice->dimensions == 2 ? s->spacing : 1; /* a 2-D rate is for a metre */
+  /* a rate in 2-D is per metre along y */
+  const double wide = s->lattice->dimensions == 2 ? s->spacing : 1;
   return edge->share * wide * given_at(edge->region, edge->region->rate, time) /
          (s->spacing * s->spacing);
 }
@@ -45,15 +46,15 @@ void richards_share_wells(struct richards *s) {
   }
 }
 
-/* At most `most`. */
+/* Limits an inward flux to `most`, m/s. */
 static void limit(struct flux *flux, double most) {
   if (flux->q > most) *flux = (struct flux){most, 0, 0};
 }
 
-/* A well holds the pressure of the air where it takes less than its rate: nothing is sucked out of
- * soil that is not full. Air takes what comes out under pressure and gives nothing but rain, as
- * much of it as soil with no water standing on it takes. What evaporates is at most what air-dry
- * soil at the face draws. */
+/* Inward flux through a boundary face. A well holds atmospheric pressure where it takes less than
+ * its rate: nothing is sucked out of unsaturated soil. A face to the air lets out what comes under
+ * pressure and takes in nothing but rain, as much of it as soil without ponding takes. Evaporation
+ * is limited to what air-dry soil at the face draws. */
 static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
                     struct flux *flux) {
   double given;
@@ -90,6 +91,6 @@ static void flux_at(const struct richards *s, const struct richards_edge *edge, 
 }
 
 void richards_edge_fluxes(struct richards *s, double time) {
-#pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_ALONE)
+#pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_SERIAL_MAX)
   for (size_t e = 0; e < s->edge_count; e++) flux_at(s, &s->edges[e], time, &s->edge_flux[e]);
 }

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* w of P and its slope. */
-static void weight_of(double p, double *w, double *slope) {
+/* w(P) and its derivative. */
+static void gravity_weight(double p, double *w, double *slope) {
   if (fabs(p) < 0.05) {
     const double square = p * p;
     *w = 0.5 + p * (1.0 / 12 - square / 720);
@@ -15,8 +15,8 @@ static void weight_of(double p, double *w, double *slope) {
   *slope = 1 / (p * p) - 0.25 / (half * half);
 }
 
-/* B of P >= 0 and its slope. B(-P) is B(P) + P. */
-static void fall_of(double p, double *b, double *slope) {
+/* B(P) (Bernoulli function) for P >= 0, and its derivative. B(-P) is B(P) + P. */
+static void bernoulli(double p, double *b, double *slope) {
   if (p < 0.05) {
     const double square = p * p;
     *b = 1 - 0.5 * p + square * (1.0 / 12 - square / 720);
@@ -28,17 +28,19 @@ static void fall_of(double p, double *b, double *slope) {
   *slope = (1 - *b - p) / more;
 }
 
-/* From where on, over |h|, a difference of heads has no, and all, digits for a mean of k by it. */
-#define NEAR 1e-4
-#define FAR 1e-2
-/* Differences of k below so much of it are rounding, as between heads next to 0. */
-#define NOISE 1e-13
+/* Relative differences of heads, over |h|: below the first they leave no digits for the mean of k
+ * by differences, from the second on all digits. */
+#define HEADS_NEAR 1e-4
+#define HEADS_FAR 1e-2
+/* Relative differences of k below this are rounding, as between heads next to 0. */
+#define K_ROUNDING 1e-13
 
-/* k_m: by the difference of F, or of heads that are nearly one by Euler and Maclaurin's rule. They
- * pass into each other, as a step of Newton's method sees any jump. */
-static double mean_of(const struct retention_state *i, const struct retention_state *j, double dh,
-                      double df, double apart) {
-  const double s = fmin(fmax((apart - NEAR) / (FAR - NEAR), 0), 1), far = s * s * (3 - 2 * s);
+/* k_m from the difference of F; or for nearly equal heads by the Euler-Maclaurin formula. The two
+ * go over smoothly, since Newton's method is sensitive to any jump. */
+static double mean_conductivity(const struct retention_state *i, const struct retention_state *j,
+                                double dh, double df, double apart) {
+  const double s = fmin(fmax((apart - HEADS_NEAR) / (HEADS_FAR - HEADS_NEAR), 0), 1),
+               far = s * s * (3 - 2 * s);
   const double near = 0.5 * (i->k + j->k) - dh / 12 * (i->slope - j->slope);
   return far > 0 ? far * df / dh + (1 - far) * near : near;
 }
@@ -48,22 +50,22 @@ void flux_in_soil(double conductivity, double distance, double pull,
                   struct flux *flux) {
   const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
   const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
-  const double mean = mean_of(i, j, dh, df, apart), sum = i->k + j->k;
-  const bool told = fabs(dk) > NOISE * sum;
-  const double rate = told && apart > 0.1 * NEAR ? dk / (mean * dh)
-                      : sum > 0                  ? (i->slope + j->slope) / sum
-                                                 : 0;
+  const double mean = mean_conductivity(i, j, dh, df, apart), sum = i->k + j->k;
+  const bool differs = fabs(dk) > K_ROUNDING * sum;
+  const double rate = differs && apart > 0.1 * HEADS_NEAR ? dk / (mean * dh)
+                      : sum > 0                           ? (i->slope + j->slope) / sum
+                                                          : 0;
   double mean_i = 0.5 * i->slope, mean_j = 0.5 * j->slope, rate_i = 0, rate_j = 0;
-  if (told && apart > FAR) {
+  if (differs && apart > HEADS_FAR) {
     mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
     rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
   }
-  /* Of B(r dh) with dh < 0 the part -r dh goes to w: no derivative is then a difference of large
-   * numbers, as by heads of -1e4 m it would have no digit. k_i - k_j is k_m r dh: at rest nothing
-   * is left, to the last bit. */
+  /* For dh < 0 the part -r dh of B(r dh) is moved to w, so that no derivative is a difference of
+   * large numbers; with heads of -1e4 m it would have no correct digit. k_i - k_j is k_m r dh: at
+   * rest the flux is exactly zero. */
   double along, rest, along_slope, rest_slope;
-  weight_of(pull * distance * rate, &along, &along_slope);
-  fall_of(fabs(rate * dh), &rest, &rest_slope);
+  gravity_weight(pull * distance * rate, &along, &along_slope);
+  bernoulli(fabs(rate * dh), &rest, &rest_slope);
   if (dh < 0) along -= 1, rest_slope = -rest_slope;
   const double w = pull * along, turn = pull * pull * distance * dk * along_slope;
   flux->q = conductivity * mean * (dh / distance + pull * (rest + rate * dh * along));
@@ -73,7 +75,7 @@ void flux_in_soil(double conductivity, double distance, double pull,
                              pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
 }
 
-#define ROUNDS 100
+#define ITERATIONS_MAX 100
 
 void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
                         double distance, double pull, const struct retention_state *i,
@@ -81,10 +83,10 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
   const double half = 0.5 * distance;
   struct retention_state at_i, at_j;
   struct flux one, two;
-  /* More goes in than out below `low`, and less above `high`. */
+  /* The interface gains water for heads below `low`, and loses water above `high`. */
   double low = fmin(i->h, j->h) - distance * fabs(pull),
          high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
-  for (int round = 0; round < ROUNDS; round++) {
+  for (int round = 0; round < ITERATIONS_MAX; round++) {
     retention_at(soil_i, h, &at_i);
     retention_at(soil_j, h, &at_j);
     flux_in_soil(soil_i->conductivity[axis], half, pull, i, &at_i, &one);
@@ -96,7 +98,7 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
       high = h;
     double next = fall < 0 ? h - open / fall : NAN;
     if (!(next > low && next < high)) {
-      /* Between -1e4 m and 0 the middle of the logarithms is the one to try. */
+      /* Between -1e4 m and 0 bisect the logarithms. */
       next = low < -1e-6 && high < -1e-12 ? -sqrt(low * high) : 0.5 * (low + high);
     }
     if (fabs(next - h) <= 1e-14 * fmax(fabs(h), 1e-6) || open == 0) break;

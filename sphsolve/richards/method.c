@@ -1,4 +1,4 @@
-/* Method richards: water in soil that need not be full of it (docs/physics/richards.md). */
+/* Method richards: water in variably saturated soil (docs/physics/richards.md). */
 #include "sphsolve/richards/method.h"
 
 #include <math.h>
@@ -9,11 +9,12 @@
 #include "sphsolve/output/step_log.h"
 #include "sphsolve/richards/output.h"
 
-/* Of what full soil's flux by gravity would change: rounding. */
-#define AT_REST 1e-10
+/* Share of the rate at which gravity-driven flux in saturated soil changes a water content; slower
+ * changes are rounding. */
+#define RATE_ROUNDING 1e-10
 
-/* The next instant that a step has to end at: tables turn there, snapshots are due, the run ends.
- */
+/* The next time at which a step has to end: where a table has a point, a snapshot is due, or the
+ * run ends. */
 static double next_instant(const struct richards *s, const struct recorder *recorder) {
   const struct scene *scene = s->scene;
   double next = fmin(scene->end_time, recorder_next_snapshot(recorder));
@@ -25,9 +26,9 @@ static double next_instant(const struct richards *s, const struct recorder *reco
   return next > s->time ? next : scene->end_time;
 }
 
-/* Whether all that is still to come is below the tolerance: tables have ended, water moves slower
- * by as much than it has, and if it went on so as long again no water content would change by more.
- * Or it has not moved at all. */
+/* Whether the flow is steady: tables have ended, the rate of change is below the tolerance times
+ * its largest value so far, and over another period as long as the run so far no water content
+ * would change by more than the tolerance. Or nothing has moved. */
 static bool is_steady(const struct richards *s) {
   const struct scene *scene = s->scene;
   if (!(scene->steady_tolerance > 0) || s->step == 0) return false;
@@ -35,30 +36,31 @@ static bool is_steady(const struct richards *s) {
     const struct time_table *table = &scene->regions[r].table;
     if (table->count > 0 && s->time < table->time[table->count - 1]) return false;
   }
-  if (s->rate_most < AT_REST * s->fastest) return true;
+  if (s->rate_most < RATE_ROUNDING * s->fastest) return true;
   return s->rate * s->time < scene->steady_tolerance &&
          s->rate < scene->steady_tolerance * s->rate_most;
 }
 
-/* The first multiple of the interval after a time; 0, which is always due, for an interval of 0. */
+/* The first multiple of the interval after a time; for an interval of 0 it is 0, which is always
+ * due. */
 static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* Less than this share of its rate, and a well is told of. */
-#define BROUGHT 0.99
+/* Share of its rate below which a well is warned of. */
+#define WELL_RATE_SHARE 0.99
 
-/* Warns, once, of a well to which the soil does not bring its rate. */
-static void look_at_wells(const struct richards *s, bool *told) {
-  for (size_t r = 0; r < s->scene->region_count && !*told; r++) {
+/* Warns, once, of a well whose rate the soil does not yield. */
+static void warn_of_wells(const struct richards *s, bool *warned) {
+  for (size_t r = 0; r < s->scene->region_count && !*warned; r++) {
     const struct region *well = &s->scene->regions[r];
     double asked = 0, given = 0;
     if (well->type != REGION_WELL || well->first != r) continue;
     for (size_t e = 0; e < s->edge_count; e++)
       if (s->edges[e].region == well)
         asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q;
-    *told = given < BROUGHT * asked;
-    if (*told)
+    *warned = given < WELL_RATE_SHARE * asked;
+    if (*warned)
       log_warning("%s:%d: t = %.4g s: the soil brings %.0f %% of this well's rate: the water table "
                   "has come down to it; give a lower one, or a drain of a head",
                   s->scene->path, well->line, s->time, 100 * given / asked);
@@ -69,7 +71,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double interval = recorder_row_interval(recorder), dt = 0;
-  bool told = false;
+  bool warned = false;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   if (isnan(interval)) interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, interval) : 0;
@@ -93,7 +95,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
     if (last) break;
     TRY(richards_advance(s, next_instant(s, recorder), &dt));
     step_log_limit(recorder_step_log(recorder), "water content");
-    look_at_wells(s, &told);
+    warn_of_wells(s, &warned);
     char note[96];
     snprintf(note, sizeof note, "t %.4g s, dt %.3g s", s->time, dt);
     recorder_progress(recorder, s->time / scene->end_time, note);

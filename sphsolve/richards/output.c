@@ -7,8 +7,8 @@
 #include "common/memory.h"
 #include "common/units.h"
 
-/* Sites around a point, two along each axis that is used, with weights that add up to 1 where all
- * are soil. */
+/* Sites of soil around a point, two along each used axis, with interpolation weights that add up to
+ * 1. Returns their number. */
 static int around(const struct richards *s, const double point[3], uint32_t site[8],
                   double weight[8]) {
   const struct lattice *l = s->lattice;
@@ -36,7 +36,7 @@ static int around(const struct richards *s, const double point[3], uint32_t site
   return n;
 }
 
-/* By the total head, which is even where water rests. */
+/* Interpolates the total head, which is uniform where water is at rest. */
 double richards_head_at(const struct richards *s, const double point[3]) {
   uint32_t site[8];
   double weight[8], total = 0;
@@ -56,7 +56,7 @@ double richards_level_at(const struct richards *s, const double point[3]) {
   for (size_t k = 0; k < l->size[2]; k++, at[2] += l->spacing[2]) {
     const double h = richards_head_at(s, at);
     if (isnan(h)) {
-      if (!isnan(below)) break; /* the top of the soil */
+      if (!isnan(below)) break; /* top of the soil */
       continue;
     }
     if (h < 0) {
@@ -68,7 +68,7 @@ double richards_level_at(const struct richards *s, const double point[3]) {
   return pull > 0 && !isnan(below) ? at[2] - l->spacing[2] + below / pull : NAN;
 }
 
-/* Darcy velocities of the sites, the mean of the fluxes through both faces along each axis. */
+/* Darcy velocities of the sites: the mean of the fluxes through both faces along each axis. */
 static void velocities(const struct richards *s, double (*velocity)[3]) {
   memset(velocity, 0, s->count * sizeof *velocity);
   for (size_t f = 0; f < s->face_count; f++) {
@@ -83,7 +83,8 @@ static void velocities(const struct richards *s, double (*velocity)[3]) {
   }
 }
 
-/* m^3/s along the axis through a plane, linear between the layers of faces beside it. */
+/* Flux through a plane, m^3/s along the axis, interpolated linearly between the layers of faces
+ * beside it. */
 static double plane_flux(const struct richards *s, const struct flux_plane *plane) {
   double sum = 0;
   const struct lattice *l = s->lattice;
@@ -111,7 +112,8 @@ static bool is_sink(const struct region *region) {
   return region->type == REGION_WELL || region->type == REGION_DRAIN;
 }
 
-/* Regions that have columns: the first box of an inflow, a rain, a well or a drain. */
+/* Whether a region has columns in the history: the first box of an inflow, a rain, a well or a
+ * drain. */
 static bool is_source(const struct richards *s, size_t r) {
   const struct region *region = &s->scene->regions[r];
   return region->first == r &&
@@ -166,7 +168,7 @@ cleanup:
   return status;
 }
 
-/* m^3/s inwards through the faces of a region. */
+/* Inward flux through the faces of a region, m^3/s. */
 static double flow_of(const struct richards *s, size_t r) {
   double sum = 0;
   for (size_t e = 0; e < s->edge_count; e++)
@@ -174,7 +176,7 @@ static double flow_of(const struct richards *s, size_t r) {
   return sum * s->spacing * s->spacing;
 }
 
-/* Of the soil that fills most around a point. */
+/* Water content at a point with the given pressure head, for the soil of the nearest site. */
 static double water_content_at(const struct richards *s, const double point[3], double head) {
   uint32_t site[8];
   double weight[8];
@@ -188,7 +190,8 @@ static double water_content_at(const struct richards *s, const double point[3], 
   return state.theta;
 }
 
-/* z + P/(rho g), m, by the scene's own gravity; h is over that of 9.80665 m/s^2. */
+/* Total head z + P/(rho g), m, with the scene's own gravity; the pressure head h is relative to
+ * 9.80665 m/s^2. */
 static double total_head(const struct richards *s, double h, double z) {
   const double pull = -s->pull[2];
   return pull > 0 ? z + h / pull : h + pull * z;
@@ -219,7 +222,7 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
     least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
   }
   extra[c++] = water;
-  extra[c++] = water - s->start - richards_came(s);
+  extra[c++] = water - s->start - richards_net_inflow(s);
   extra[c++] = s->seeped;
   extra[c++] = least;
   extra[c++] = most;
@@ -288,7 +291,7 @@ cleanup:
   return status;
 }
 
-/* What a run goes on from, in one order for writing and reading. */
+/* The numbers and arrays of a checkpoint, in one order for writing and reading. */
 #define NUMBERS 8
 static double *number_at(struct richards *s, int k) {
   double *const numbers[NUMBERS] = {&s->time, &s->next_dt, &s->start, &s->seeped,
@@ -312,7 +315,7 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
   struct richards *of = (struct richards *)s; /* only read */
   double numbers[NUMBERS];
   const int64_t counts[6] = {s->step,         s->iterations, s->iterations_total,
-                             s->linear_total, s->refused,    s->crawled};
+                             s->linear_total, s->refused,    s->short_steps};
   TRY(recorder_checkpoint_begin(recorder, &file));
   for (int k = 0; k < ARRAYS; k++) {
     const char *name;
@@ -349,7 +352,7 @@ enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
   for (int k = 0; k < NUMBERS; k++) *number_at(s, k) = numbers[k];
   TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 6, counts));
   s->step = counts[0], s->iterations = (int)counts[1], s->iterations_total = counts[2];
-  s->linear_total = counts[3], s->refused = counts[4], s->crawled = counts[5];
+  s->linear_total = counts[3], s->refused = counts[4], s->short_steps = counts[5];
 cleanup:
   memory_free(&data);
   return status;

@@ -1,4 +1,4 @@
-/* What method richards will take: memory, steps, time. */
+/* Forecast of the cost of method richards: memory, steps, time. */
 #include <math.h>
 #include <stdio.h>
 
@@ -10,12 +10,14 @@ enum status richards_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Seconds of one core a site and step, by dimensions: a step is some six rounds of Newton's method,
- * and in more dimensions each takes iterations of the linear solver. */
+/* Seconds on one core per site and step, by the number of dimensions: a step takes about six Newton
+ * iterations, each of which needs iterations of the linear solver if there is more than one
+ * dimension. */
 static const double SECONDS_PER_STEP[] = {2e-6, 4e-6, 6e-6};
-/* What a snapshot gathers a site before it is written. */
+/* Bytes per site that a snapshot collects before it is written. */
 #define SNAPSHOT_BYTES 80
-/* A front takes so many steps to pass a site; the first steps, from nothing on, are some more. */
+/* Steps in which a front passes a site, and additional steps at the start, from a very short first
+ * one. */
 #define STEPS_PER_SITE 3.0
 #define STEPS_AT_FIRST 40.0
 

@@ -1,5 +1,5 @@
-/* Scenes that method richards cannot do: each ends before the run with one line that says why, and
- * what would work. */
+/* Rejects scenes that method richards cannot solve: each ends before the run with a one-line
+ * message that says why, and what would work. */
 #include <math.h>
 
 #include "common/ranks.h"
@@ -74,7 +74,8 @@ static enum status check_region(const struct scene *scene, const struct region *
   return STATUS_OK;
 }
 
-/* A well or a drain stands in soil: it holds the middle of some site, and of soil alone. */
+/* A well or a drain has to be in soil: it contains the centre of at least one site, and of sites of
+ * soil only. */
 static enum status check_well(const struct effect_context *context, const struct region *whole) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;

@@ -4,8 +4,9 @@
 
 #include "common/memory.h"
 
-/* Steps of the table of F in ln(alpha |h|): so many of width 1/n, the range over which k turns from
- * that of wet to that of dry soil. Cubic Hermite polynomials then know F to 1e-9. */
+/* Number of steps of the table of F in ln(alpha |h|) per width 1/n, the range over which k goes
+ * over from its wet to its dry asymptote. Cubic Hermite interpolation of F is then accurate to
+ * 1e-9. */
 #define STEPS_PER_TURN 32
 #define DRIEST_SATURATION 1e-60
 #define DRIEST_SUCTION 1e60 /* alpha |h| */
@@ -15,7 +16,7 @@ static double softplus(double t) {
   return t > 0 ? t + log1p(exp(-t)) : log1p(exp(t));
 }
 
-/* S, k and dk/d ln(alpha |h|) from t = n ln(alpha |h|), without differences of nearly equal
+/* S, k and dk/d ln(alpha |h|) from t = n ln(alpha |h|), avoiding differences of nearly equal
  * numbers: (1 - S^(1/m))^m = (1 + (alpha |h|)^-n)^-m. */
 static void at_suction(const struct retention *soil, double t, double *s, double *k, double *dk) {
   const double ln_s = -soil->m * softplus(t), ln_rest = -soil->m * softplus(-t);
@@ -38,8 +39,9 @@ static double k_times_suction(const struct retention *soil, double x) {
   return k * exp(x) / soil->alpha;
 }
 
-/* From the dry end on, by Gauss and Legendre's four points in each step. Beyond that end k falls as
- * |h|^-p with p = n l m + 2 n, so that what is left there is |h| k / (p - 1). */
+/* Integrates F from the dry end, by four-point Gauss-Legendre quadrature in each step. Beyond that
+ * end k falls as |h|^-p with p = n l m + 2 n, so that the rest of the integral is |h| k / (p - 1).
+ */
 enum status retention_make(const struct region *region, struct retention *soil) {
   static const double point[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
                                   0.8611363115940526};
@@ -105,7 +107,7 @@ bool retention_is_same(const struct retention *a, const struct retention *b) {
   return same;
 }
 
-/* F, or with `column` 2 what is missing of it, at x = ln(alpha |h|). */
+/* F, or with `column` 2 the difference F(0) - F, at x = ln(alpha |h|). */
 static double potential_at(const struct retention *soil, int column, double x) {
   const double at = (x - soil->first) / soil->step;
   const size_t i = at < (double)(soil->count - 2) ? (size_t)at : soil->count - 2;
@@ -142,7 +144,7 @@ void retention_at(const struct retention *soil, double h, struct retention_state
 
 double retention_head(const struct retention *soil, double saturation) {
   const double rest = -log(saturation) / soil->m;
-  /* (e^rest - 1)^(1/n), also where e^rest is beyond all numbers */
+  /* (e^rest - 1)^(1/n), also if e^rest overflows */
   const double ln = rest > 30 ? rest : log(expm1(rest));
   return fmax(-exp(ln / soil->n) / soil->alpha, soil->driest);
 }

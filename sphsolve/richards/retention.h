@@ -1,11 +1,10 @@
-/* What soil holds and lets through at a pressure head h (van Genuchten 1980, with Mualem's model of
- * 1976 for the conductivity):
+/* Water retention and relative conductivity of a soil at a pressure head h (van Genuchten 1980,
+ * with Mualem's model of 1976 for the conductivity):
  *   S = (1 + (alpha |h|)^n)^-m, m = 1 - 1/n                          effective saturation, h < 0
- *   k = S^l (1 - (1 - S^(1/m))^m)^2                                  K over that of full soil
+ *   k = S^l (1 - (1 - S^(1/m))^m)^2                                  K over that of saturated soil
  *   F = integral of k from -infinity to h                            Kirchhoff's transform, m
- * Or by Haverkamp et al. (1977): m = 1, and k = 1/(1 + (k_alpha |h|)^k_n) by itself.
- * With h >= 0 S = k = 1, and F rises as h does. Water content is theta_r + (theta_s - theta_r) S.
- */
+ * Or by Haverkamp et al. (1977): m = 1, and k = 1/(1 + (k_alpha |h|)^k_n) independently. For h >=
+ * 0, S = k = 1, and F increases as h does. The water content is theta_r + (theta_s - theta_r) S. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_RETENTION_H
 #define TOSUI_SPHSOLVE_RICHARDS_RETENTION_H
 
@@ -15,45 +14,48 @@
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
 
-/* alpha |h| up to which k falls in a straight line: with n < 2 its slope is infinite at h = 0 else,
- * where no Newton's method ends. Heads are the same to so much of 1/alpha. */
+/* alpha |h| up to which k falls linearly: for n < 2 its slope would be infinite at h = 0, where
+ * Newton's method would not converge. Heads are exact to that share of 1/alpha. */
 #define RETENTION_STRAIGHT 1e-3
 
 struct retention {
   double alpha, n, m, l;   /* 1/m, -, -, - */
   double k_alpha, k_n;     /* 1/m, -; 0: k is Mualem's */
-  double theta_r, theta_s; /* water content of dry and of full soil */
-  double conductivity[3];  /* m/s along x, y, z, of full soil */
-  double driest;           /* m, the lowest h that is told apart */
+  double theta_r, theta_s; /* residual and saturated water content */
+  double conductivity[3];  /* m/s along x, y, z, of saturated soil */
+  double driest;           /* m, lowest h: drier soil is not distinguished */
   /* ln F, ln (F(0) - F) and their slopes at equal steps of ln(alpha |h|). */
   size_t count;
   double first, step, full; /* full: F(0) */
-  double fall;              /* 1 - k at the first step, to which k falls in a straight line */
+  double fall;              /* 1 - k at the first step of the table, up to which k falls linearly */
   double (*table)[4];
 };
 
-/* What is needed of a place: h and the values there. */
+/* State of a place: h and the values there. */
 struct retention_state {
   double h, theta, capacity; /* d theta / d h, 1/m */
   double k, slope;           /* k and dk/dh */
   double potential, missing; /* F; F(0) - F, below 0 under pressure */
 };
 
-/* Of a region of soil with a retention curve. Free with retention_free. */
+/* Tabulates the soil of a region with a retention curve. Free with retention_free. */
 enum status retention_make(const struct region *region, struct retention *soil);
 void retention_free(struct retention *soil);
-/* F of i less that of j: of wet soil by what is missing, so that no digits are lost. */
+/* Difference of F, i minus j; for wet soil from the differences to F(0), so that no digits are
+ * lost. */
 static inline double retention_fall(const struct retention_state *i,
                                     const struct retention_state *j) {
   const bool dry = i->potential < i->missing && j->potential < j->missing;
   return dry ? i->potential - j->potential : j->missing - i->missing;
 }
-/* Whether two soils are one. */
+/* Whether two soils have the same properties. */
 bool retention_is_same(const struct retention *a, const struct retention *b);
 
+/* Evaluates the state of the soil at pressure head h, m. */
 void retention_at(const struct retention *soil, double h, struct retention_state *state);
 /* The head at which the effective saturation is S, 0 < S < 1. */
 double retention_head(const struct retention *soil, double saturation);
+/* Effective saturation at a water content. */
 static inline double retention_saturation(const struct retention *soil, double theta) {
   return (theta - soil->theta_r) / (soil->theta_s - soil->theta_r);
 }

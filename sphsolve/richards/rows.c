@@ -5,8 +5,8 @@
 
 #include "common/memory.h"
 
-#define MOST_ITERATIONS 2000
-#define KEPT 0.98 /* of what has no place, on the diagonal */
+#define ITERATIONS_MAX 2000
+#define FILL_IN_SHARE 0.98 /* share of dropped fill-in that is added to the diagonal */
 
 enum status rows_allocate(size_t count, size_t entries, struct rows *r) {
   enum status status = STATUS_OK;
@@ -31,7 +31,7 @@ void rows_free(struct rows *r) {
   for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
 }
 
-/* Where a row has a column, or its end. */
+/* Index of the entry of a row and column; the end of the row if there is none. */
 static size_t entry(const struct rows *r, size_t row, size_t column) {
   size_t k = r->start[row];
   while (k < r->start[row + 1] && r->column[k] != column) k++;
@@ -52,14 +52,14 @@ static bool factorise(struct rows *r) {
         if (at < r->start[below + 1])
           r->factor[at] -= l * r->factor[u];
         else
-          r->factor[r->diagonal[r->column[u]]] -= KEPT * l * r->factor[u];
+          r->factor[r->diagonal[r->column[u]]] -= FILL_IN_SHARE * l * r->factor[u];
       }
     }
   }
   return true;
 }
 
-/* y of L U y = x. */
+/* Solves L U y = x. */
 static void precondition(const struct rows *r, const double *x, double *y) {
   for (size_t i = 0; i < r->count; i++) {
     double sum = x[i];
@@ -89,11 +89,11 @@ static double dot(size_t n, const double *x, const double *y) {
   return sum;
 }
 
-/* Preconditioned from the right, so that all products are of residuals, which are water contents;
+/* Right-preconditioned, so that all scalar products are of residuals, which are water contents;
  * heads of dry soil may be 1e40 times larger than those of wet soil. */
 bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, int64_t *iterations) {
   const size_t n = r->count;
-  double *rest = r->vector[0], *shadow = r->vector[1], *p = r->vector[2], *v = r->vector[3],
+  double *residual = r->vector[0], *shadow = r->vector[1], *p = r->vector[2], *v = r->vector[3],
          *t = r->vector[4], *y = r->vector[5], *z = r->vector[6];
   const double wanted = tolerance * sqrt(dot(n, b, b));
   double rho = 1, alpha = 1, omega = 1;
@@ -101,28 +101,28 @@ bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, in
   memset(x, 0, n * sizeof *x);
   memset(p, 0, n * sizeof *p);
   memset(v, 0, n * sizeof *v);
-  memcpy(rest, b, n * sizeof *rest);
+  memcpy(residual, b, n * sizeof *residual);
   memcpy(shadow, b, n * sizeof *shadow);
-  for (int round = 0; round < MOST_ITERATIONS; round++) {
-    if (sqrt(dot(n, rest, rest)) <= wanted) return true;
-    const double next = dot(n, shadow, rest), beta = next / rho * alpha / omega;
+  for (int round = 0; round < ITERATIONS_MAX; round++) {
+    if (sqrt(dot(n, residual, residual)) <= wanted) return true;
+    const double next = dot(n, shadow, residual), beta = next / rho * alpha / omega;
     rho = next;
-    for (size_t i = 0; i < n; i++) p[i] = rest[i] + beta * (p[i] - omega * v[i]);
+    for (size_t i = 0; i < n; i++) p[i] = residual[i] + beta * (p[i] - omega * v[i]);
     precondition(r, p, y);
     apply(r, y, v);
     alpha = rho / dot(n, shadow, v);
-    for (size_t i = 0; i < n; i++) rest[i] -= alpha * v[i];
-    precondition(r, rest, z);
+    for (size_t i = 0; i < n; i++) residual[i] -= alpha * v[i];
+    precondition(r, residual, z);
     apply(r, z, t);
     const double square = dot(n, t, t);
-    omega = square > 0 ? dot(n, t, rest) / square : 0;
+    omega = square > 0 ? dot(n, t, residual) / square : 0;
     for (size_t i = 0; i < n; i++) {
       x[i] += alpha * y[i] + omega * z[i];
-      rest[i] -= omega * t[i];
+      residual[i] -= omega * t[i];
     }
     ++*iterations;
     if (!isfinite(alpha) || !isfinite(omega)) return false;
-    if (omega == 0) return sqrt(dot(n, rest, rest)) <= wanted;
+    if (omega == 0) return sqrt(dot(n, residual, residual)) <= wanted;
   }
   return false;
 }

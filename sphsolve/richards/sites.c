@@ -1,4 +1,4 @@
-/* From a scene to its sites of soil, the faces between them and those to the outside. */
+/* Builds the sites of soil of a scene, the faces between them and the boundary faces. */
 #include <math.h>
 #include <string.h>
 
@@ -18,7 +18,7 @@ static const struct region *region_of(const struct richards *s, size_t site) {
   return &s->scene->regions[s->lattice->region[site] - 1];
 }
 
-/* Regions of the same soil share one. */
+/* Builds the soils; regions with the same properties share one. */
 static enum status find_soils(struct richards *s, uint16_t *of_region) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
@@ -42,7 +42,7 @@ cleanup:
   return status;
 }
 
-/* The site beyond a face of one, or the lattice's count where there is none. */
+/* The site beyond a face of site `at`, or the lattice's count if there is none. */
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
   const struct lattice *l = s->lattice;
   const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
@@ -52,7 +52,7 @@ static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
   return low ? at + (n - 1) * stride[axis] : at - (n - 1) * stride[axis];
 }
 
-/* Share of the face of a site at `x` across `axis` that lies in a box. */
+/* Share of the face of a site at `x`, normal to `axis`, that lies in a box. */
 static double share_of(const struct richards *s, const double x[3], int axis, const double box[6]) {
   double share = 1;
   for (int a = 0; a < 3; a++) {
@@ -64,8 +64,8 @@ static double share_of(const struct richards *s, const double x[3], int axis, co
   return share;
 }
 
-/* The inflow that stands before a face on a side of the domain: the one that covers its middle, or,
- * of given fluxes, the most of it. */
+/* The inflow region at a boundary face on a side of the domain: the one that covers its centre or,
+ * for given fluxes, most of it. */
 static const struct region *inflow_at(const struct richards *s, const double x[3], int axis,
                                       bool low, double *share) {
   const struct region *found = NULL;
@@ -83,7 +83,7 @@ static const struct region *inflow_at(const struct richards *s, const double x[3
   return found;
 }
 
-/* The rain on a face that looks up, if nothing stands above it. */
+/* The rain on an upper face, if nothing is above it. */
 static const struct region *rain_at(const struct richards *s, size_t at, const double x[3],
                                     double *share) {
   for (size_t above = beyond(s, at, 2, false); above != s->lattice->count;
@@ -99,15 +99,15 @@ static const struct region *rain_at(const struct richards *s, size_t at, const d
   return found;
 }
 
-/* The face of site i at one side: between two sites, or to the outside; with `count` set it is only
- * counted. */
+/* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
+ * only counted. */
 static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
   double x[3] = {0}, share = 0;
   if (next != l->count && l->kind[next] == SITE_WALL) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
-    if (low || next == at) return; /* each once */
+    if (low || next == at) return; /* each only once */
     if (!count)
       s->faces[s->face_count] =
           (struct richards_face){.i = (uint32_t)i, .j = s->number[next], .axis = (uint8_t)axis};
@@ -140,7 +140,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   s->edge_count++;
 }
 
-/* The well or drain that holds a site, if any. */
+/* Adds the well or drain that contains a site, if any. */
 static void add_well(struct richards *s, size_t i, bool count) {
   double x[3];
   richards_place(s, i, x);
@@ -178,7 +178,8 @@ static size_t entry_of(const struct rows *rows, size_t row, uint32_t column) {
   return k;
 }
 
-/* The matrix: a row a site, an entry for itself and for each site beside it, rising. */
+/* Sets up the matrix: a row for each site, with entries for itself and each neighbouring site, in
+ * increasing order. */
 static enum status make_rows(struct richards *s) {
   enum status status = STATUS_OK;
   struct rows *rows = &s->rows;
@@ -188,7 +189,8 @@ static enum status make_rows(struct richards *s) {
     rows->start[s->faces[f].i + 1]++, rows->start[s->faces[f].j + 1]++;
   for (size_t i = 0; i < s->count; i++) rows->start[i + 1] += rows->start[i];
   for (size_t i = 0; i < s->count; i++) rows->column[rows->start[i]] = (uint32_t)i;
-  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows->start[i] + 1; /* filled to */
+  /* end of the entries so far */
+  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows->start[i] + 1;
   for (size_t f = 0; f < s->face_count; f++)
     for (int side = 0; side < 2; side++) {
       const uint32_t i = side ? s->faces[f].j : s->faces[f].i,
@@ -208,7 +210,8 @@ cleanup:
   return status;
 }
 
-/* Water at rest under a level, one pressure head, or one water content. */
+/* Initial pressure head of a site: water at rest below a level, a uniform pressure head, or a
+ * uniform water content. */
 static double head_at_start(const struct richards *s, size_t i) {
   const struct region *region = region_of(s, s->site[i]);
   const struct retention_curve *given = &region->retention;
@@ -222,9 +225,10 @@ static double head_at_start(const struct richards *s, size_t i) {
   return fmax(h, soil->driest);
 }
 
-/* A step's error in water content, over that between dry and full soil. */
+/* Tolerance of a step's error in water content, over the range between residual and saturated. */
 #define TOLERANCE 5e-3
-/* The first step moves that share of it at most, at the flux of full soil under gravity. */
+/* Share of that range by which the first step changes a water content at most, at the
+ * gravity-driven flux of saturated soil. */
 #define FIRST_STEP 1e-4
 
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
@@ -253,8 +257,8 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   add_faces(s, false);
   TRY(make_rows(s));
-  double **const arrays[] = {&s->h,      &s->water, &s->before, &s->wanted, &s->first,
-                             &s->second, &s->open,  &s->size,   &s->change};
+  double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
+                             &s->second, &s->residual, &s->term_size, &s->change};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
     TRY(memory_allocate(arrays[k], s->count, sizeof(double), "water in soil"));
   TRY(memory_allocate(&s->now, s->count, sizeof *s->now, "water in soil"));
@@ -289,9 +293,9 @@ void richards_free(struct richards *s) {
   memory_free(&s->faces);
   memory_free(&s->edges);
   rows_free(&s->rows);
-  double **const arrays[] = {&s->h,          &s->water,   &s->before, &s->wanted,  &s->first,
-                             &s->second,     &s->open,    &s->change, &s->entered, &s->rained,
-                             &s->edge_first, &s->ran_off, &s->size};
+  double **const arrays[] = {&s->h,          &s->water,    &s->before,   &s->target,  &s->first,
+                             &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,
+                             &s->edge_first, &s->ran_off,  &s->term_size};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
   memory_free(&s->now);
   memory_free(&s->from);

@@ -1,10 +1,10 @@
-/* Water in soil that is not full, on the fixed sites of a lattice (Richards 1931), kept in the form
- * that conserves mass (Celia, Bouloutas, Zarba 1990):
+/* Water in variably saturated soil on the fixed sites of a lattice (Richards 1931), in the mixed
+ * form, which conserves mass (Celia, Bouloutas, Zarba 1990):
  *   d theta(h)/dt = div K(h) (grad h - p)        p: gravity over 9.80665 m/s^2, as a vector
- * Sites that lie in no soil take no part. On sites that never move the sum over neighbours that
- * Brookshaw (1985) and Cleary and Monaghan (1999) write for div K grad is, with the six nearest
- * ones, a sum of fluxes through the faces between sites (flux.h): what leaves one site enters the
- * next, to the last bit. */
+ * Sites without soil take no part. On sites that do not move, the sum over neighbours that
+ * Brookshaw (1985) and Cleary and Monaghan (1999) use for div K grad becomes, with the six nearest
+ * neighbours, a sum of fluxes through the faces between sites (flux.h): what leaves one site enters
+ * the next, exactly. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_STATE_H
 #define TOSUI_SPHSOLVE_RICHARDS_STATE_H
 
@@ -16,102 +16,111 @@
 #include "sphsolve/richards/rows.h"
 
 #define SITE_NONE UINT32_MAX
-#define RICHARDS_ALONE 1000 /* so few sites are one thread's work */
+#define RICHARDS_SERIAL_MAX 1000 /* up to so many sites are processed by one thread */
 
-/* Between two sites, i the lower along its axis. */
+/* A face between two sites, i the lower along its axis. */
 struct richards_face {
   uint32_t i, j;
   uint8_t axis;
   bool soils_differ;
-  size_t ij, ji; /* entries of the matrix */
+  size_t ij, ji; /* the entries of the matrix in rows i and j */
 };
 
 enum richards_edge_kind {
-  EDGE_AIR,      /* lets water out where it would be under pressure, and rain in */
-  EDGE_HEAD,     /* water of a level outside, air above it */
-  EDGE_PRESSURE, /* a pressure head that is held */
-  EDGE_FLUX,     /* a flux inwards, below 0 as much of it as the soil can give */
-  EDGE_WELL,     /* within a well: its share of the rate, as far as pressure brings it */
-  EDGE_DRAIN     /* within a drain: what holds its head, and none inwards */
+  EDGE_AIR,      /* to the air: lets water out that is under pressure, and rain in */
+  EDGE_HEAD,     /* water outside up to a level, air above it */
+  EDGE_PRESSURE, /* a prescribed pressure head */
+  EDGE_FLUX,     /* a prescribed inward flux; if negative, limited by what the soil can give */
+  EDGE_WELL,     /* in a well: its share of the rate, as far as the pressure yields it */
+  EDGE_DRAIN     /* in a drain: the outflow that holds its head, and no inflow */
 };
 
-/* A face of a site to the outside; or, in a well or a drain, one within it, across no axis. */
+/* A boundary face of a site; or, in a well or a drain, its exchange with the site, normal to no
+ * axis. */
 struct richards_edge {
   uint32_t site;
   uint8_t axis;
-  bool low; /* at the low side of its site */
+  bool low; /* on the low side of its site */
   enum richards_edge_kind kind;
-  const struct region *region; /* inflow that stands there, or rain that falls; NULL: neither */
-  double share;                /* of the face that it covers; of a well's rate */
-  double z;                    /* m, of its middle */
+  const struct region *region; /* its inflow, rain, well or drain; NULL: none */
+  double share; /* share of the face that the region covers; in a well, of its rate */
+  double z;     /* m, of its centre */
 };
 
 struct richards {
   const struct scene *scene;
   const struct lattice *lattice;
-  double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2 */
+  double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2, along each axis */
   size_t count, face_count, edge_count, soil_count;
   struct retention *soils;
-  uint32_t *site;   /* [count] of the lattice */
-  uint32_t *number; /* [lattice->count] of a site here, or SITE_NONE */
-  uint16_t *soil;   /* [count] */
+  uint32_t *site;   /* [count]: index in the lattice */
+  uint32_t *number; /* [lattice->count]: index of a site here, or SITE_NONE */
+  uint16_t *soil;   /* [count]: index of its soil */
   struct richards_face *faces;
   struct richards_edge *edges;
 
-  double *h, *water; /* [count] m; what each site holds by all that has come and gone, m^3/m^3 */
+  /* [count]: pressure head, m; water content from the balance of fluxes, m^3/m^3 */
+  double *h, *water;
   double time, next_dt;
   int64_t step;
-  /* 1/s: largest change of a water content, over that between dry and full, in the last step, in
-   * any, and what full soil's flux by gravity could do to a site. */
+  /* Rates of change of a water content over the range between residual and saturated, 1/s: the
+   * largest in the last step, the largest in any step, and that by the gravity-driven flux of
+   * saturated soil. */
   double rate, rate_most, fastest;
 
-  struct retention_state *now;  /* [count] at h */
-  struct retention_state *from; /* [count] where a round of Newton's method begins */
-  struct flux *face_flux;       /* [faces] m/s along the axis */
-  struct flux *edge_flux;       /* [edges] m/s inwards; di: by h of the site */
-  double *before, *wanted; /* [count] of a step: h at its start; water content a stage leads from */
-  double *first, *second;  /* [count] d theta/dt of its stages by the fluxes, 1/s */
-  double *edge_first;      /* [edges] m/s inwards in the first stage */
-  double *open, *size;     /* [count] what Newton's method has left; terms that make it up */
+  struct retention_state *now;  /* [count]: states at h */
+  struct retention_state *from; /* [count]: states at the start of a Newton iteration */
+  struct flux *face_flux;       /* [faces]: m/s along the axis */
+  struct flux *edge_flux;       /* [edges]: m/s inwards; di: derivative by h of the site */
+  /* [count]: h at the start of a step; water content from which a stage starts */
+  double *before, *target;
+  double *first, *second; /* [count]: d theta/dt of the two stages by the fluxes, 1/s */
+  double *edge_first;     /* [edges]: m/s inwards in the first stage */
+  double *residual,
+      *term_size; /* [count]: residual of Newton's method; size of the terms that make it up */
   struct rows rows;        /* the matrix of Newton's method */
-  double *change;          /* [count] */
-  int iterations;          /* of Newton's method, of the last step */
-  int64_t iterations_total, linear_total, refused, crawled; /* crawled: short steps on end */
-  double tolerance;                                         /* of a step, in water content */
+  double *change;          /* [count]: Newton step */
+  int iterations;          /* Newton iterations of the last step */
+  /* `short_steps`: number of consecutive very short steps */
+  int64_t iterations_total, linear_total, refused, short_steps;
+  double tolerance; /* of a step's error in water content */
 
   /* m^3 since the start; a 2-D scene is one spacing thick. */
-  double start;             /* of water in the soil */
-  double *entered;          /* [regions] through inflows */
-  double *rained, *ran_off; /* [regions] of rain; what the soil did not take */
-  double seeped;            /* out to the air */
-  double in, out;           /* all that came through faces inwards, and outwards */
+  double start;             /* volume of water in the soil at the start */
+  double *entered;          /* [regions]: inflow; negative: outflow */
+  double *rained, *ran_off; /* [regions]: rain; the part of it that the soil did not take */
+  double seeped;            /* seepage to the air */
+  double in, out;           /* total inward and total outward flow through boundary faces */
 };
 
+/* Sets up sites, faces and the initial heads of a scene. Free with richards_free, also after a
+ * failure. */
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s);
 void richards_free(struct richards *s);
 /* Centre of a site, m. */
 void richards_place(const struct richards *s, size_t i, double x[3]);
-/* edges.c: fluxes through the faces to the outside at a time, from the states of the sites. */
+/* edges.c: fluxes through the boundary faces at a time, from the states of the sites. */
 void richards_edge_fluxes(struct richards *s, double time);
-/* Shares out the rates of wells, for a step: evenly over their sites under pressure. */
+/* Distributes the rates of wells for a step, evenly over their sites under pressure. */
 void richards_share_wells(struct richards *s);
-/* Whether it is a face through which water leaves or enters along its axis. */
+/* Whether it is a boundary face, through which water flows along its axis. */
 static inline bool richards_is_face(const struct richards_edge *edge) {
   return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
 }
-/* What rain brings to such a face, m/s; 0 where none falls. */
+/* Flux of rain on a boundary face, m/s; 0 if there is none. */
 double richards_rain_at(const struct richards_edge *edge, double time);
 
-/* What a well takes there at most, m/s. */
+/* Largest flux that a well takes there, m/s. */
 double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
 
-/* step.c: states and all fluxes at a time, for the heads as they are. */
+/* step.c: evaluates states and all fluxes at a time, for the present heads. */
 void richards_evaluate(struct richards *s, double time);
-/* One step, not beyond `until`; `dt` is what it was. STATUS_NUMERIC where none can be taken. */
+/* Takes one step, not beyond `until`, and sets `dt` to its length. STATUS_NUMERIC if no step can be
+ * solved. */
 enum status richards_advance(struct richards *s, double until, double *dt);
-/* m^3 of water in the soil, by its heads; and what has come since the start less what has gone. */
+/* Volume of water in the soil from its heads, m^3; and net inflow since the start, m^3. */
 double richards_water(const struct richards *s);
-double richards_came(const struct richards *s);
+double richards_net_inflow(const struct richards *s);
 
 #endif

@@ -1,5 +1,5 @@
-/* One step in time: two stages of equal matrices, SDIRK2 (Alexander 1977), of order 2, which leave
- * nothing of what is stiff; each found by Newton's method. */
+/* One step in time by the two-stage method SDIRK2 (Alexander 1977), which is of order 2 and
+ * L-stable. Both stages have the same matrix coefficients; each is solved by Newton's method. */
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -7,43 +7,45 @@
 #include "sphsolve/richards/state.h"
 
 #define GAMMA 0.2928932188134524 /* 1 - 1/sqrt(2) */
-#define NEWTON_MOST 20
-#define NEWTON_MANY 10      /* beyond these the next step is no longer */
-#define OPEN_MOST 1e-11     /* of a water content */
-#define OPEN_ROUNDING 4e-15 /* of the sum of all terms */
-/* A round solves its equations to what may stay open, over ten: but no better than Newton's
- * method is as long as it has far to go, and no better than rounding lets it. */
-#define LINEAR_SHARE 0.1
-#define LINEAR_FAR 1e-3
-#define LINEAR_BEST 1e-7
-#define GROWTH_MOST 2.0
-#define SHRINK_MOST 0.25
-/* So many steps on end that are as short, against the time since the start or that in which full
- * soil fills a site, lead nowhere. */
-#define CRAWL_STEPS 500
-#define CRAWL 1e-8
-#define LEAST_STEP 1e-13 /* of the first step's or the time's scale */
+#define NEWTON_MAX 20
+#define NEWTON_SLOW 10           /* after more iterations the next step may not be longer */
+#define RESIDUAL_TOLERANCE 1e-11 /* tolerance of the residual, a water content */
+#define RESIDUAL_ROUNDING 4e-15  /* rounding of the residual, over the sum of its terms */
+/* Tolerances of the linear solver: a tenth of the residual's tolerance, but no stricter than
+ * Newton's method needs while it is far from the solution, and not below rounding. */
+#define LINEAR_TOLERANCE_SHARE 0.1
+#define LINEAR_TOLERANCE_MAX 1e-3
+#define LINEAR_TOLERANCE_MIN 1e-7
+#define STEP_GROWTH_MAX 2.0
+#define STEP_SHRINK_MIN 0.25
+/* The run is given up after so many consecutive steps shorter than the share SHORT_STEP of the time
+ * since the start, or of that in which saturated soil fills a site. */
+#define SHORT_STEPS_MAX 500
+#define SHORT_STEP 1e-8
+#define STEP_MIN 1e-13 /* over the time since the start, or over the spacing (m) */
 
-/* Newton's method changes the water content of soil that is dry, or whose balance is one of
- * storage, and the head of other soil (after Forsyth, Wu, Pruess 1995): one step takes neither far
- * into where the other is at home. */
-#define BY_WATER_BELOW 0.95
-#define WETTED_MOST 0.99
-#define DRIED_MOST 0.9
+/* Newton's method changes the water content of soil that is dry or whose balance is dominated by
+ * storage, and the head of other soil (primary variable switching, after Forsyth, Wu, Pruess 1995).
+ * These limits keep a step from going far into the range of the other variable. */
+#define SATURATION_SWITCH 0.95
+#define SATURATION_WETTED_MAX 0.99
+#define SATURATION_DRIED_MIN 0.9
 #define DRIED_SHARE 0.1
-#define NOTHING 1e-15
-#define LEAST_FALL 0.1
-/* Full soil into which all fluxes are given has no head of its own, and its matrix no inverse. With
- * so much of the diagonal as storage its head rises until faces under rain take no more. */
-#define LEAST_STORAGE 1e-9
-/* From this round on a step that makes the balance worse is halved, so many times at most. */
-#define HALVED_FROM 5
-#define HALVINGS 5
+#define SATURATION_ROUNDING 1e-15
+#define SLOPE_MIN 0.1
+/* Saturated soil with only prescribed fluxes has no unique head, and its matrix is singular. With
+ * this share of the diagonal as additional storage its head rises until faces under rain take no
+ * more. */
+#define STORAGE_MIN 1e-9
+/* From this iteration on, a Newton step that increases the residual is halved, at most so many
+ * times. */
+#define HALVING_FROM 5
+#define HALVINGS_MAX 5
 
 void richards_evaluate(struct richards *s, double time) {
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
   for (size_t i = 0; i < s->count; i++) retention_at(&s->soils[s->soil[i]], s->h[i], &s->now[i]);
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
   for (size_t f = 0; f < s->face_count; f++) {
     const struct richards_face *face = &s->faces[f];
     const struct retention *soil = &s->soils[s->soil[face->i]];
@@ -58,8 +60,8 @@ void richards_evaluate(struct richards *s, double time) {
   richards_edge_fluxes(s, time);
 }
 
-/* d theta/dt by the fluxes; `size` of the terms that add up to it. */
-static void gather(const struct richards *s, double *rate, double *size) {
+/* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
+static void sum_fluxes(const struct richards *s, double *rate, double *size) {
   const double scale = 1 / s->spacing;
   memset(rate, 0, s->count * sizeof *rate);
   memset(size, 0, s->count * sizeof *size);
@@ -79,13 +81,14 @@ static void gather(const struct richards *s, double *rate, double *size) {
   }
 }
 
-/* How a flux falls with the head that it goes to, for the matrix. At the edge of full soil, and
- * most where n < 2, the flux of two places may rise with it a little, and with the sign of a
- * diagonal Newton's method would lose its way; it then gets a share of what suction alone has. */
-static double falling(const struct richards *s, double fall, size_t site, int axis) {
-  return fall > 0 ? fall
-                  : LEAST_FALL * s->soils[s->soil[site]].conductivity[axis] * s->now[site].k /
-                        s->spacing;
+/* Derivative of a flux for the matrix, with the sign of a diffusion. At the edge of saturation,
+ * mostly for n < 2, the flux between two places may increase slightly with the head that it flows
+ * to; with that sign on the diagonal Newton's method would diverge, so that a share of the
+ * derivative by suction alone is used instead. */
+static double diffusive_slope(const struct richards *s, double fall, size_t site, int axis) {
+  return fall > 0
+             ? fall
+             : SLOPE_MIN * s->soils[s->soil[site]].conductivity[axis] * s->now[site].k / s->spacing;
 }
 
 static void assemble(struct richards *s, double dt) {
@@ -95,8 +98,8 @@ static void assemble(struct richards *s, double dt) {
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
   for (size_t f = 0; f < s->face_count; f++) {
     const struct richards_face *face = &s->faces[f];
-    const double by_i = scale * falling(s, s->face_flux[f].di, face->i, face->axis),
-                 by_j = scale * falling(s, -s->face_flux[f].dj, face->j, face->axis);
+    const double by_i = scale * diffusive_slope(s, s->face_flux[f].di, face->i, face->axis),
+                 by_j = scale * diffusive_slope(s, -s->face_flux[f].dj, face->j, face->axis);
     rows->value[rows->diagonal[face->i]] += by_i;
     rows->value[face->ij] -= by_j;
     rows->value[rows->diagonal[face->j]] += by_j;
@@ -104,72 +107,80 @@ static void assemble(struct richards *s, double dt) {
   }
   for (size_t e = 0; e < s->edge_count; e++)
     rows->value[rows->diagonal[s->edges[e].site]] += scale * fmax(-s->edge_flux[e].di, 0);
-  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + LEAST_STORAGE;
+  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + STORAGE_MIN;
 }
 
-/* The head after a change that the matrix gives; `diagonal`: of the matrix; `near`: the height over
+/* Head of a site after a Newton step `change`. `diagonal`: of the matrix; `near`: the height over
  * which gravity's share of a flux counts as much as suction's, m. */
-static double changed(const struct retention *soil, const struct retention_state *state,
-                      double diagonal, double near, double change) {
+static double updated_head(const struct retention *soil, const struct retention_state *state,
+                           double diagonal, double near, double change) {
   const double saturation = retention_saturation(soil, state->theta);
   const double range = soil->theta_s - soil->theta_r, fluxes = diagonal - state->capacity;
-  const bool dry = saturation < BY_WATER_BELOW;
+  const bool dry = saturation < SATURATION_SWITCH;
   if (state->h < 0 && (dry || state->capacity > fluxes)) {
     const double more = state->capacity * change / range;
-    if (fabs(more) < NOTHING) return state->h; /* of the driest soil rounding would change h */
+    if (fabs(more) < SATURATION_ROUNDING)
+      return state->h; /* in the driest soil rounding would change h */
     const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
-    if (dry || wanted < 1) return retention_head(soil, dry ? fmin(wanted, WETTED_MOST) : wanted);
-    /* It fills up, and what is left over flows on under pressure. */
+    if (dry || wanted < 1)
+      return retention_head(soil, dry ? fmin(wanted, SATURATION_WETTED_MAX) : wanted);
+    /* It becomes saturated, and the remaining change is under pressure. */
     const double left = diagonal * change - (soil->theta_s - state->theta);
     return fluxes > 0 ? fmax(left, 0) / fluxes : 0;
   }
-  if (state->h >= 0 && state->h + change < 0) /* below 0 storage gives water, too */
-    return fmax(state->h + change,
-                retention_head(soil, fmax(1 + fluxes * (state->h + change) / range, DRIED_MOST)));
+  if (state->h >= 0 && state->h + change < 0) /* below 0 storage contributes as well */
+    return fmax(
+        state->h + change,
+        retention_head(soil, fmax(1 + fluxes * (state->h + change) / range, SATURATION_DRIED_MIN)));
   double h = state->h + change;
   if (soil->alpha * state->h < -RETENTION_STRAIGHT && state->slope * near > 1) {
-    /* With n < 2 k falls as (alpha |h|)^(n-1): that is what changes in proportion. */
+    /* For n < 2, k falls as (alpha |h|)^(n-1), which is changed in proportion. */
     const double power = fmin(soil->n - 1, 1), ratio = 1 + power * change / state->h;
     if (ratio > 0) h = state->h * pow(ratio, 1 / power);
   }
-  return fmax(h, retention_head(soil, DRIED_MOST));
+  return fmax(h, retention_head(soil, SATURATION_DRIED_MIN));
 }
 
-/* The balance that is open at `time`, over what may stay open: the largest, and the sum of the
- * squares of all. NAN of either is none. */
-static double open_of(struct richards *s, double dt, double time, double *rate, double *squares) {
+/* Evaluates the residual of the balance at `time`. Returns the largest over its tolerance, and the
+ * sum of squares; NAN if there is no number. */
+static double find_residual(struct richards *s, double dt, double time, double *rate,
+                            double *squares) {
   double most = 0;
   richards_evaluate(s, time);
-  gather(s, rate, s->size);
+  sum_fluxes(s, rate, s->term_size);
   *squares = 0;
   for (size_t i = 0; i < s->count; i++) {
-    s->open[i] = s->wanted[i] + dt * rate[i] - s->now[i].theta;
-    const double share = fabs(s->open[i]) / (OPEN_MOST + OPEN_ROUNDING * dt * s->size[i]);
+    s->residual[i] = s->target[i] + dt * rate[i] - s->now[i].theta;
+    const double share =
+        fabs(s->residual[i]) / (RESIDUAL_TOLERANCE + RESIDUAL_ROUNDING * dt * s->term_size[i]);
     if (!(share <= most)) most = share;
-    *squares += s->open[i] * s->open[i];
+    *squares += s->residual[i] * s->residual[i];
   }
   return most;
 }
 
-/* Newton's method for theta(h) - wanted - dt div = 0 at `time`. False where it does not end. */
+/* Newton's method for theta(h) - target - dt div = 0 at `time`. Returns false if it does not
+ * converge. */
 static bool solve(struct richards *s, double dt, double time, double *rate) {
   const double near = -s->pull[2] * s->spacing;
   double squares, last;
-  double most = open_of(s, dt, time, rate, &squares);
+  double most = find_residual(s, dt, time, rate, &squares);
   for (int round = 0; !(most <= 1); round++) {
-    if (round == NEWTON_MOST || !isfinite(squares)) return false;
+    if (round == NEWTON_MAX || !isfinite(squares)) return false;
     assemble(s, dt);
-    const double linear = fmin(fmax(LINEAR_SHARE / most, LINEAR_BEST), LINEAR_FAR);
-    if (!rows_solve(&s->rows, s->open, linear, s->change, &s->linear_total)) return false;
+    const double linear =
+        fmin(fmax(LINEAR_TOLERANCE_SHARE / most, LINEAR_TOLERANCE_MIN), LINEAR_TOLERANCE_MAX);
+    if (!rows_solve(&s->rows, s->residual, linear, s->change, &s->linear_total)) return false;
     memcpy(s->from, s->now, s->count * sizeof *s->from);
     last = squares;
     for (int halving = 0;; halving++) {
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_ALONE)
+#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
       for (size_t i = 0; i < s->count; i++)
-        s->h[i] = changed(&s->soils[s->soil[i]], &s->from[i], s->rows.value[s->rows.diagonal[i]],
-                          near, ldexp(s->change[i], -halving));
-      most = open_of(s, dt, time, rate, &squares);
-      if (round < HALVED_FROM || halving == HALVINGS || squares < last || most <= 1) break;
+        s->h[i] =
+            updated_head(&s->soils[s->soil[i]], &s->from[i], s->rows.value[s->rows.diagonal[i]],
+                         near, ldexp(s->change[i], -halving));
+      most = find_residual(s, dt, time, rate, &squares);
+      if (round < HALVING_FROM || halving == HALVINGS_MAX || squares < last || most <= 1) break;
     }
     s->iterations++;
   }
@@ -187,9 +198,9 @@ static double error_of(const struct richards *s, double dt) {
   return (1 - GAMMA) * dt * most / s->tolerance;
 }
 
-/* What came through the faces to the outside, by the weights of the stages; of rates that are
- * linear in time these are exact. */
-static void keep_account(struct richards *s, double from, double dt) {
+/* Adds the flow through the boundary faces to the balance, with the weights of the stages; for
+ * rates that are linear in time these are exact. */
+static void update_balance(struct richards *s, double from, double dt) {
   const double area = s->spacing * s->spacing;
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
@@ -211,19 +222,19 @@ static void keep_account(struct richards *s, double from, double dt) {
 }
 
 static bool try_step(struct richards *s, double dt) {
-  memcpy(s->wanted, s->water, s->count * sizeof *s->wanted);
+  memcpy(s->target, s->water, s->count * sizeof *s->target);
   s->iterations = 0;
   if (!solve(s, GAMMA * dt, s->time + GAMMA * dt, s->first)) return false;
   for (size_t e = 0; e < s->edge_count; e++) s->edge_first[e] = s->edge_flux[e].q;
-  for (size_t i = 0; i < s->count; i++) s->wanted[i] += (1 - GAMMA) * dt * s->first[i];
+  for (size_t i = 0; i < s->count; i++) s->target[i] += (1 - GAMMA) * dt * s->first[i];
   return solve(s, GAMMA * dt, s->time + dt, s->second);
 }
 
-static enum status give_up(const struct richards *s, double dt) {
+static enum status no_step_found(const struct richards *s, double dt) {
   size_t worst = 0;
   double x[3];
   for (size_t i = 0; i < s->count; i++)
-    if (fabs(s->open[i]) > fabs(s->open[worst])) worst = i;
+    if (fabs(s->residual[i]) > fabs(s->residual[worst])) worst = i;
   richards_place(s, worst, x);
   return FAIL(STATUS_NUMERIC,
               "at t = %.6g s no step as long as %.2g s can be solved; it fails first at (%.4g, "
@@ -244,27 +255,28 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     const double error = found ? error_of(s, dt) : INFINITY;
     s->iterations_total += s->iterations;
     if (error <= 1) {
-      double growth = error > 0 ? 0.9 / sqrt(error) : GROWTH_MOST;
-      if (s->iterations > NEWTON_MANY) growth = fmin(growth, 1);
-      /* A step that an instant cut short says nothing against longer ones. */
-      const double next = dt * fmin(growth, GROWTH_MOST);
+      double growth = error > 0 ? 0.9 / sqrt(error) : STEP_GROWTH_MAX;
+      if (s->iterations > NEWTON_SLOW) growth = fmin(growth, 1);
+      /* A step cut short by the time at which it has to end is no reason against longer ones. */
+      const double next = dt * fmin(growth, STEP_GROWTH_MAX);
       s->next_dt = dt < s->next_dt && growth >= 1 ? fmax(next, s->next_dt) : next;
       break;
     }
     s->refused++;
     memcpy(s->h, s->before, s->count * sizeof *s->h);
-    dt *= isfinite(error) ? fmax(0.9 / sqrt(error), SHRINK_MOST) : SHRINK_MOST;
+    dt *= isfinite(error) ? fmax(0.9 / sqrt(error), STEP_SHRINK_MIN) : STEP_SHRINK_MIN;
     s->next_dt = dt;
-    if (!(dt > LEAST_STEP * fmax(s->time, s->spacing))) return give_up(s, dt);
+    if (!(dt > STEP_MIN * fmax(s->time, s->spacing))) return no_step_found(s, dt);
   }
-  s->crawled = dt < CRAWL * fmax(s->time, 1 / s->fastest) && dt < left ? s->crawled + 1 : 0;
-  if (s->crawled > CRAWL_STEPS) return give_up(s, 2 * dt);
-  keep_account(s, s->time, dt);
+  s->short_steps =
+      dt < SHORT_STEP * fmax(s->time, 1 / s->fastest) && dt < left ? s->short_steps + 1 : 0;
+  if (s->short_steps > SHORT_STEPS_MAX) return no_step_found(s, 2 * dt);
+  update_balance(s, s->time, dt);
   s->rate = 0;
   for (size_t i = 0; i < s->count; i++) {
     const struct retention *soil = &s->soils[s->soil[i]];
-    /* What Newton's method left of the balance goes on into the next step. */
-    s->water[i] = s->wanted[i] + GAMMA * dt * s->second[i];
+    /* The residual of Newton's method is carried over into the next step. */
+    s->water[i] = s->target[i] + GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
   s->rate_most = fmax(s->rate_most, s->rate);
@@ -280,7 +292,7 @@ double richards_water(const struct richards *s) {
   return sum * s->spacing * s->spacing * s->spacing;
 }
 
-double richards_came(const struct richards *s) {
+double richards_net_inflow(const struct richards *s) {
   double sum = -s->seeped;
   for (size_t r = 0; r < s->scene->region_count; r++)
     sum += s->entered[r] + s->rained[r] - s->ran_off[r];

@@ -50,7 +50,7 @@ void solute_cells_free(struct solute_cells *c) {
 WRAP(solute_cells_wrap, float)
 WRAP(solute_cells_wrap_exact, double)
 
-/* What lies between cells, in the rows beyond the sides too. */
+/* Wraps the coefficients of the faces; those at the high side of the last cells are needed, too. */
 static void wrap_faces(const struct solute_cells *c) {
   for (int a = 0; a < 3; a++) {
     solute_cells_wrap(c, c->conductance[a]);
@@ -80,7 +80,7 @@ enum status solute_cells_of_flow(const struct solute_flow *f, const int axis[3],
             (size_t)i * step[axis[0]] + (size_t)j * step[axis[1]] + (size_t)k * step[axis[2]];
         c->volume[at] = (float)(volume * (double)f->volume[from]);
         for (int a = 0; a < 3; a++) {
-          /* Between a cell and itself nothing flows. */
+          /* no flux between a cell and itself */
           if (c->n[a] == 1) continue;
           const double area = volume / width[a];
           c->conductance[a][at] = (float)(area / width[a] * (double)f->aperture[axis[a]][from]);
@@ -131,8 +131,8 @@ cleanup:
   return status;
 }
 
-/* A x of the row of cells from `at` on, added up in `y`: what leaves through the six faces. The
- * part F (b_P) / 2 of all faces adds up to 0, as the fluxes do. */
+/* Adds to `y` A x of the row of cells beginning at `at`: the flux out through the six faces. The
+ * terms F b_P of all faces add up to 0, as the fluxes do, and are omitted. */
 #define ROW(type)                                                                                  \
   const float half = (float)(0.5 * s);                                                             \
   for (int a = 0; a < 3; a++) {                                                                    \

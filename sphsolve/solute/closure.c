@@ -6,9 +6,10 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 
-/* Where cells are coarse for a flow the residual may stop shrinking. At this much D* of a sand at
- * 50 a cell differs by 1e-5 of it; the residual is counted in its error. */
-#define STALLED 1e-3
+/* On cells that are coarse for the flow the residual may stop decreasing. At this relative
+ * residual, D* of a sand at a cell Peclet number of 50 differs by 1e-5; the residual is included in
+ * the error. */
+#define RESIDUAL_STALLED 1e-3
 
 enum status solute_closure_build(const struct solute_flow *flow, int coarsenings,
                                  struct solute_closure *c) {
@@ -44,8 +45,8 @@ void solute_closure_free(struct solute_closure *c) {
   for (int a = 0; a < 3; a++) memory_free(&c->b[a]);
 }
 
-/* s <u_a> V less what leaves a cell of x_a itself: through the faces across a with the distance to
- * them, conduction and, on the cell's own place, the flow. */
+/* Source: s <u_a> V minus what leaves a cell if b is the coordinate x_a itself, relative to the
+ * cell's centre: conduction and advection through the faces across a. */
 static void set_source(struct solute_closure *c, int a, double s) {
   const struct solute_cells *cells = &c->solver.cells[0];
 #pragma omp parallel for schedule(static)
@@ -97,9 +98,10 @@ void solute_dispersion_parts(const double n[3], int dimensions, struct solute_di
   d->transverse = (trace - along) / (dimensions - 1);
 }
 
-/* Each rank has all of the flow; the directions are dealt out between them. */
-static enum status solve_own(struct solute_closure *c, double s, double tolerance,
-                             struct solute_dispersion *d) {
+/* Solves this rank's directions. Each rank has the whole flow; the directions are divided among
+ * them. */
+static enum status solve_directions(struct solute_closure *c, double s, double tolerance,
+                                    struct solute_dispersion *d) {
   enum status status = STATUS_OK;
   const size_t size = c->solver.cells[0].size;
   for (int a = 0; a < 3; a++) {
@@ -111,8 +113,8 @@ static enum status solve_own(struct solute_closure *c, double s, double toleranc
       continue;
     }
     set_source(c, a, s);
-    TRY(solute_solver_solve(&c->solver, c->source, tolerance, fmax(tolerance, STALLED), c->b[a],
-                            &iterations, &reached));
+    TRY(solute_solver_solve(&c->solver, c->source, tolerance, fmax(tolerance, RESIDUAL_STALLED),
+                            c->b[a], &iterations, &reached));
     solute_cells_wrap_exact(&c->solver.cells[0], c->b[a]);
     d->iterations += iterations;
     d->residual = fmax(d->residual, reached);
@@ -127,7 +129,7 @@ enum status solute_closure_solve(struct solute_closure *c, double diffusion, dou
   const double s = c->speed > 0 && isfinite(diffusion) ? c->speed * c->unit / diffusion : 0;
   *d = (struct solute_dispersion){0};
   solute_solver_set(&c->solver, s);
-  TRY(ranks_agree(solve_own(c, s, tolerance, d)));
+  TRY(ranks_agree(solve_directions(c, s, tolerance, d)));
   for (int a = 0; a < 3; a++)
     if (c->b[a] != NULL) ranks_sum_all(c->b[a], c->solver.cells[0].size);
   d->iterations = (int)ranks_sum(d->iterations);
@@ -136,7 +138,7 @@ enum status solute_closure_solve(struct solute_closure *c, double diffusion, dou
     for (int q = 0; q < 3; q++) {
       double *entry = &d->tensor[c->axis[p]][c->axis[q]];
       if (c->b[p] == NULL || c->b[q] == NULL)
-        *entry = p == q ? 1 : 0; /* one cell along: nothing is in the way */
+        *entry = p == q ? 1 : 0; /* one cell along this axis: unobstructed */
       else if (q < p)
         *entry = d->tensor[c->axis[q]][c->axis[p]];
       else

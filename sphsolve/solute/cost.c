@@ -11,42 +11,45 @@
 #include "sphsolve/solute/flow.h"
 #include "sphsolve/solute/walk.h"
 
-/* Bytes a cell: the flow; its cells, the coarser ones and the Krylov basis; closure variables and
- * sources (multigrid.h, closure.h). */
+/* Bytes per cell: the flow; the solver with its coarser cells and Krylov basis; closure variables
+ * and sources (multigrid.h, closure.h). */
 #define BYTES_FLOW 32.0
 #define BYTES_SOLVER 203.0
 #define BYTES_CLOSURE 32.0
-/* Processor seconds a cell of the flow and an iteration, and to read and project the flow; measured
- * on the sample sand. */
+/* Processor seconds per cell of the flow and iteration; and per cell to read and project the flow.
+ * Measured on the sample sand. */
 #define SECONDS_ITERATION 26e-9
 #define SECONDS_READ 2.5e-6
-/* Iterations of the three directions together: more where a cell's own Peclet number is large. */
-#define ITERATIONS_STILL 30.0
+/* Iterations of the three directions together, as a function of the cell Peclet number. */
+#define ITERATIONS_NO_FLOW 30.0
 #define ITERATIONS_PECLET 26.0
 #define ITERATIONS_POWER 0.75
-/* The error of resolution, times (spacing / grain size)^2, and from which Peclet number of a cell
- * it grows with that: on the sample sand 2.5 % at 19 cells a grain, 25 % at a cell's 52. */
+/* Error of resolution without flow over (spacing / grain size)^2; and the cell Peclet number above
+ * which it grows in proportion to that: on the sample sand 2.5 % at 19 cells per grain, 25 % at a
+ * cell Peclet number of 52. */
 #define ERROR_RESOLUTION 9.0
 #define ERROR_PECLET 5.0
 
-/* Processor seconds of a step of a walker in sand, half of whose cells are near a wall, and what a
- * way of one cell with the water adds to it: measured on the sample sand. */
+/* Processor seconds per step of a walker in sand, half of whose cells are near a wall, and the
+ * relative increase per cell of advection in a step: measured on the sample sand. */
 #define SECONDS_STEP 1e-7
-#define SECONDS_WAY 1.3
+#define STEP_ADVECTION_FACTOR 1.3
 
-/* Of one Peclet number on the flow's cells and on those twice as large. */
+/* Processor seconds of the walks at one Peclet number, on the flow's cells and on those twice as
+ * large. */
 static double walk_seconds(const struct solute_flow *flow, double cell_peclet, double peclet,
                            double wanted) {
   const struct walk_pace pace = solute_walk_pace(flow, cell_peclet, peclet, wanted);
-  const double way = cell_peclet > 0 ? pace.dt : 0;
-  return 1.25 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP * (1 + SECONDS_WAY * way);
+  const double advection = cell_peclet > 0 ? pace.dt : 0;
+  return 1.25 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP *
+         (1 + STEP_ADVECTION_FACTOR * advection);
 }
 
 static double iterations(double cell_peclet) {
-  return ITERATIONS_STILL + ITERATIONS_PECLET * pow(cell_peclet, ITERATIONS_POWER);
+  return ITERATIONS_NO_FLOW + ITERATIONS_PECLET * pow(cell_peclet, ITERATIONS_POWER);
 }
 
-enum status solute_say_where(const struct scene *scene, enum status status) {
+enum status solute_add_location(const struct scene *scene, enum status status) {
   if (status == STATUS_INPUT && scene->line_of[AT_FLOW] > 0)
     error_context(status, "%s:%d: flow.file", scene->path, scene->line_of[AT_FLOW]);
   return status;
@@ -55,7 +58,7 @@ enum status solute_say_where(const struct scene *scene, enum status status) {
 enum status solute_explain(const struct scene *scene, int threads, bool json) {
   enum status status = STATUS_OK;
   struct solute_flow flow = {0};
-  TRY(solute_say_where(scene, solute_flow_look(scene->flow_path, &flow)));
+  TRY(solute_add_location(scene, solute_flow_preview(scene->flow_path, &flow)));
   const double spacing = cbrt(flow.spacing[0] * flow.spacing[1] * flow.spacing[2]);
   const double given = scene->solute.length;
   const double length = isnan(given) ? flow.grain_size : given;
@@ -83,11 +86,11 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   const double by_walk =
       walks ? walk_bytes(walkers) + walk_cells_bytes(flow.count, (size_t)(flow.porosity * sites))
             : 0;
-  /* The projection takes what the closure problem does but its variables. */
+  /* The projection needs as much as the closure problem except for its variables. */
   const double bytes = PROGRAM_BYTES + BYTES_FLOW * sites +
                        fmax(closes ? by_closure : BYTES_SOLVER * padded, by_walk);
-  const double still = ERROR_RESOLUTION * pow(spacing / flow.grain_size, 2);
-  const double error = still * hypot(1, largest * spacing / length / ERROR_PECLET);
+  const double no_flow_error = ERROR_RESOLUTION * pow(spacing / flow.grain_size, 2);
+  const double error = no_flow_error * hypot(1, largest * spacing / length / ERROR_PECLET);
   if (json) {
     json_t *object =
         json_pack("{s:s, s:s, s:s, s:[i,i,i], s:f, s:f, s:f, s:f, s:i, s:f}", "scene", scene->name,
@@ -122,7 +125,7 @@ enum status solute_explain(const struct scene *scene, int threads, bool json) {
   if (closes && isfinite(error))
     printf("error      about %s %% of D* without flow, %s %% of D_L at Pe %.3g: %.3g cells across "
            "a grain; the flow's own is not in it\n",
-           percent_format(still, text), percent_format(error, moving), largest,
+           percent_format(no_flow_error, text), percent_format(error, moving), largest,
            flow.grain_size / spacing);
 cleanup:
   solute_flow_free(&flow);

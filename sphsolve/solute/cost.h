@@ -1,4 +1,4 @@
-/* What method solute will cost and how good it will be, before it runs. */
+/* Predicted cost and error of method solute. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_COST_H
 #define TOSUI_SPHSOLVE_SOLUTE_COST_H
 
@@ -7,10 +7,10 @@
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
 
-/* Reads the flow's walls and prints time, memory and error. */
+/* Reads the flow's walls and prints predicted time, memory and error. */
 enum status solute_explain(const struct scene *scene, int threads, bool json);
 
-/* Puts the line of flow.file before an input error of the flow; returns the status. */
-enum status solute_say_where(const struct scene *scene, enum status status);
+/* Prefixes an input error of the flow with the line of flow.file; returns the status. */
+enum status solute_add_location(const struct scene *scene, enum status status);
 
 #endif

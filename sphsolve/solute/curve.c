@@ -6,18 +6,21 @@
 
 #include "common/log.h"
 
-/* Of the residual, relative: D* is then known to some 1e-4, far below what the lattice leaves. */
+/* Relative residual of the closure problem: D* is then accurate to about 1e-4, far below the error
+ * of the lattice. */
 #define TOLERANCE 1e-4
 
-/* Whether the coarsest cells are fine enough at this Peclet number for the order to show. */
+/* Whether the coarsest cells are fine enough at this Peclet number to show the order of
+ * convergence. */
 static bool shows_order(const struct solute_flow *flow, const struct solute_result *r,
                         double peclet) {
   for (int a = 0; a < 3; a++)
-    if (flow->n[a] > 1 && flow->n[a] < 4 * SOLUTE_CELLS_LEAST) return false;
+    if (flow->n[a] > 1 && flow->n[a] < 4 * SOLUTE_CELLS_MIN) return false;
   return 4 * peclet * flow->spacing[0] / r->length <= SOLUTE_CELL_PECLET;
 }
 
-/* The coarsest lattice steadies the others: where it cannot be solved there are two. */
+/* The coarsest lattice only improves the extrapolation: if it cannot be solved, two lattices are
+ * used. */
 static enum status solve(struct solute_closure *closure, int lattice, double diffusion,
                          struct solute_dispersion *value) {
   const enum status status = solute_closure_solve(closure, diffusion, TOLERANCE, value);
@@ -27,7 +30,7 @@ static enum status solve(struct solute_closure *closure, int lattice, double dif
   return STATUS_OK;
 }
 
-/* `weight`: of one Peclet number, for the progress line. */
+/* Solves all cases on one lattice. `weight`: share of one case in the progress bar. */
 static enum status solve_lattice(const struct solute_flow *flow, int lattice,
                                  const struct solute_result *r, struct progress *progress,
                                  double weight, double *done, struct solute_state *state) {
@@ -39,8 +42,8 @@ static enum status solve_lattice(const struct solute_flow *flow, int lattice,
   *done += weight * *count;
   if (*count > r->count) return STATUS_OK;
   TRY(solute_closure_build(flow, lattice, &closure));
-  if (*count > 0) TRY(solute_state_take_closure(state, &closure));
-  /* First without flow, for the formation factor; then from one Peclet number to the next. */
+  if (*count > 0) TRY(solute_state_restore_closure(state, &closure));
+  /* The first case is without flow, for the formation factor; then the Peclet numbers in turn. */
   while (*count <= r->count) {
     struct solute_solved *solved = &state->solved[lattice][*count];
     const double peclet = *count == 0 ? 0 : r->peclet[*count - 1];
@@ -65,24 +68,24 @@ cleanup:
   return status;
 }
 
-static double share(double change, double value) {
+static double relative_change(double change, double value) {
   return value > 0 ? fabs(change) / value : 0;
 }
 
-/* Beyond SOLUTE_CELL_PECLET the order falls to some half (one sand at Pe 96 of a cell, the
- * physics page's), which leaves 1 / (sqrt(2) - 1) of the
- * difference of both lattices beyond the finer one, a third of which the limit has. */
-#define LAYERS_SHARE (M_SQRT2 + 1.0 - 1.0 / 3.0)
+/* Above SOLUTE_CELL_PECLET the order falls to about one half (one sand at a cell Peclet number of
+ * 96, the physics page's). The limit then lies 1 / (sqrt(2) - 1) times the difference of the two
+ * lattices beyond the finer one, of which the extrapolation includes one third. */
+#define UNRESOLVED_ERROR_FACTOR (M_SQRT2 + 1.0 - 1.0 / 3.0)
 
-/* By how much of fine - coarse the limit lies beyond fine: 1 / (2^p - 1). p, the order, is seen
- * from three lattices (Roache 1994), between 1, where cells at the contacts of grains decide, and
- * 2, that of the scheme; 2 as well where it does not show. */
-static double beyond(double fine, double coarse, double coarsest) {
+/* Distance of the limit from fine, over fine - coarse: 1 / (2^p - 1). The order p is estimated from
+ * three lattices (Roache 1994), between 1, where cells at the contacts of grains dominate, and 2,
+ * that of the scheme; 2 also if no order is seen. */
+static double extrapolation_factor(double fine, double coarse, double coarsest) {
   const double ratio = (coarse - coarsest) / (fine - coarse);
   return ratio > 0 ? 1 / (fmin(fmax(ratio, 2), 4) - 1) : 1.0 / 3.0;
 }
 
-/* The limit of the lattices. `coarsest` NULL: of two. */
+/* Extrapolated limit of the lattices. `coarsest` NULL: of two. */
 static struct solute_dispersion limit_of(const struct solute_flow *flow,
                                          const struct solute_dispersion *fine,
                                          const struct solute_dispersion *coarse,
@@ -92,30 +95,30 @@ static struct solute_dispersion limit_of(const struct solute_flow *flow,
   for (int a = 0; a < 3 && flow->speed > 0; a++) n[a] = flow->mean_velocity[a] / flow->speed;
   double along = 1.0 / 3.0, across = 1.0 / 3.0;
   if (coarsest != NULL) {
-    along = beyond(fine->longitudinal, coarse->longitudinal, coarsest->longitudinal);
-    across = beyond(fine->transverse, coarse->transverse, coarsest->transverse);
+    along = extrapolation_factor(fine->longitudinal, coarse->longitudinal, coarsest->longitudinal);
+    across = extrapolation_factor(fine->transverse, coarse->transverse, coarsest->transverse);
   }
-  /* The difference by `across`, and what is along the flow by `along`. */
-  const double more = (along - across) * (fine->longitudinal - coarse->longitudinal);
+  /* The difference is extrapolated by `across`, its part along the flow by `along`. */
+  const double extra = (along - across) * (fine->longitudinal - coarse->longitudinal);
   for (int p = 0; p < 3; p++)
     for (int q = 0; q < 3; q++)
       limit.tensor[p][q] +=
-          across * (fine->tensor[p][q] - coarse->tensor[p][q]) + more * n[p] * n[q];
+          across * (fine->tensor[p][q] - coarse->tensor[p][q]) + extra * n[p] * n[q];
   solute_dispersion_parts(n, flow->dimensions, &limit);
   return limit;
 }
 
-static double part(const struct solute_solved *solved, int across) {
+static double coefficient_of(const struct solute_solved *solved, int across) {
   if (solved == NULL) return NAN;
   return across ? solved->value.transverse : solved->value.longitudinal;
 }
 
-/* The limit of the lattices, and its error; of what was solved as number `i`, on so many. The
- * error is what the two finest differ by, and no less than a quarter of what the next two do: two
- * lattices whose walls lie elsewhere in their cells may meet by chance. */
-static void take(const struct solute_flow *flow, const struct solute_state *state, int i,
-                 double peclet, int lattices, const struct solute_result *r,
-                 struct solute_closed *out) {
+/* Sets the extrapolated limit of case `i` from `lattices` lattices, and its error. The error is the
+ * difference of the two finest lattices, and at least a quarter of that of the next two: two
+ * lattices, whose walls lie differently in their cells, may agree by chance. */
+static void set_estimate(const struct solute_flow *flow, const struct solute_state *state, int i,
+                         double peclet, int lattices, const struct solute_result *r,
+                         struct solute_closed *out) {
   const struct solute_solved *fine = &state->solved[SOLUTE_FINE][i],
                              *coarse = lattices > 1 ? &state->solved[SOLUTE_COARSE][i] : NULL,
                              *coarsest = lattices > 2 ? &state->solved[SOLUTE_COARSEST][i] : NULL;
@@ -129,13 +132,15 @@ static void take(const struct solute_flow *flow, const struct solute_state *stat
   const double value[2] = {limit.longitudinal, limit.transverse};
   double error[2] = {0};
   for (int t = 0; t < 2; t++) {
-    double change = part(fine, t) - part(coarse, t);
+    double change = coefficient_of(fine, t) - coefficient_of(coarse, t);
     if (coarsest != NULL)
-      change = fmax(fabs(change), 0.25 * fabs(part(coarse, t) - part(coarsest, t)));
-    out->resolution[t] =
-        share(change, value[t]) * (cell_peclet > SOLUTE_CELL_PECLET ? LAYERS_SHARE : 1.0);
-    /* Of what the flow adds to conduction, as much as the projection changed the flow. */
-    out->projection[t] = flow->correction * fmin(1, share(fmax(value[t] - 1, 0), value[t]));
+      change =
+          fmax(fabs(change), 0.25 * fabs(coefficient_of(coarse, t) - coefficient_of(coarsest, t)));
+    out->resolution[t] = relative_change(change, value[t]) *
+                         (cell_peclet > SOLUTE_CELL_PECLET ? UNRESOLVED_ERROR_FACTOR : 1.0);
+    /* For the part of the value in excess of conduction: the relative change by the projection. */
+    out->projection[t] =
+        flow->correction * fmin(1, relative_change(fmax(value[t] - 1, 0), value[t]));
     out->solver = fine->value.residual;
     out->sample[t] = fine->sample.error[t], out->repeats[t] = fine->sample.repeats[t];
     error[t] = sqrt(pow(out->resolution[t], 2) + pow(out->projection[t], 2) + pow(out->solver, 2));
@@ -148,14 +153,14 @@ static void take(const struct solute_flow *flow, const struct solute_state *stat
 enum status solute_curve_by_closure(const struct solute_flow *flow, struct solute_state *state,
                                     struct solute_result *r) {
   enum status status = STATUS_OK;
-  static const double weight[SOLUTE_LATTICES] = {8, 1,
-                                                 0.125}; /* cells of one, to those of coarse */
+  /* cells, relative to those of the coarse lattice */
+  static const double weight[SOLUTE_LATTICES] = {8, 1, 0.125};
   struct progress progress;
-  struct solute_closed still;
+  struct solute_closed no_flow;
   double done = 0, all = 0;
   int lattices = SOLUTE_LATTICES;
   for (int a = 0; a < 3; a++)
-    while (flow->n[a] > 1 && lattices > 1 && flow->n[a] < SOLUTE_CELLS_LEAST << (lattices - 2))
+    while (flow->n[a] > 1 && lattices > 1 && flow->n[a] < SOLUTE_CELLS_MIN << (lattices - 2))
       lattices--;
   solute_correlation_lengths(flow, r->correlation);
   for (int l = 0; l < lattices; l++) all += weight[l] * (r->count + 1);
@@ -164,12 +169,12 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
     TRY(solve_lattice(flow, l, r, &progress, weight[l], &done, state));
   r->by_closure = true;
   for (int i = 0; i < r->count; i++)
-    take(flow, state, i + 1, r->peclet[i], lattices, r, &r->closure[i]);
-  take(flow, state, 0, 0, lattices, r, &still);
-  r->tortuosity = 1 / still.value.longitudinal;
+    set_estimate(flow, state, i + 1, r->peclet[i], lattices, r, &r->closure[i]);
+  set_estimate(flow, state, 0, 0, lattices, r, &no_flow);
+  r->tortuosity = 1 / no_flow.value.longitudinal;
   r->formation = r->tortuosity / flow->porosity;
-  r->formation_error = still.value.longitudinal_error;
-  r->formation_sample = still.sample[0];
+  r->formation_error = no_flow.value.longitudinal_error;
+  r->formation_sample = no_flow.sample[0];
 cleanup:
   progress_end(&progress);
   return status;

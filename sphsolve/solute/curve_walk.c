@@ -9,11 +9,11 @@
 #include "sphsolve/solute/flow.h"
 
 #define SEED 20230723u
-#define MOST_STEPS 65536.0
-/* D_T / D, for the time in which walkers spread across the box: measured on the sample sand. */
-#define ACROSS_STILL 0.6
-#define ACROSS_PECLET 0.04
-#define FIRST_LOOK 64u /* intervals before the first verdict */
+#define STEPS_MAX 65536.0
+/* D_T / D, for the time in which walkers spread across the box; measured on the sample sand. */
+#define TRANSVERSE_NO_FLOW 0.6
+#define TRANSVERSE_PER_PECLET 0.04
+#define FIRST_EVALUATION 64u /* intervals before the first evaluation */
 
 struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
                                   double wanted) {
@@ -22,23 +22,24 @@ struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_pe
     if ((flow->dimensions == 3 || a != 1) &&
         !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
       widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
-  return walk_pace(cell_peclet, widest, ACROSS_STILL + ACROSS_PECLET * peclet, wanted);
+  return walk_pace(cell_peclet, widest, TRANSVERSE_NO_FLOW + TRANSVERSE_PER_PECLET * peclet,
+                   wanted);
 }
 
-/* `expected`: steps. */
+/* Walks at one Peclet number until done. `expected`: number of steps, for the progress bar. */
 static enum status walk_once(const struct walk_cells *cells, const struct walk_settings *settings,
                              double peclet, double expected, struct progress *progress, double done,
                              double weight, struct solute_state *state,
                              struct walk_record *record) {
   enum status status = STATUS_OK;
-  static struct walk walk; /* as large as a small stack */
+  static struct walk walk; /* too large for a small stack */
   struct walk_verdict verdict;
-  uint64_t next = FIRST_LOOK;
+  uint64_t next = FIRST_EVALUATION;
   char note[80], error[32];
   bool found;
   memset(&walk, 0, sizeof walk);
   snprintf(note, sizeof note, "Pe %.3g", peclet);
-  TRY(solute_state_take_walk(state, cells, &walk, &found));
+  TRY(solute_state_restore_walk(state, cells, &walk, &found));
   if (!found) TRY(walk_begin(cells, settings, &walk));
   while (next <= walk.moments.intervals) next += next / 4;
   for (;;) {
@@ -59,14 +60,15 @@ cleanup:
   return status;
 }
 
-static void take(const struct walk_record *record, struct solute_walked *out) {
+static void set_estimate(const struct walk_record *record, struct solute_walked *out) {
   const struct walk_verdict *v = &record->verdict;
   *out = (struct solute_walked){.value = {NAN, NAN, NAN, NAN},
                                 .settled = record->settled,
                                 .steps = record->steps,
                                 .walkers = record->walkers};
   if (v->lag < 0) return;
-  /* Errors of very small coefficients are relative to more than these; here to themselves. */
+  /* The errors of very small coefficients refer to a larger unit (walk_error_unit); here they are
+   * converted to errors relative to the coefficients. */
   const double along = walk_error_unit(v->longitudinal) / fabs(v->longitudinal);
   const double across = walk_error_unit(v->transverse) / fabs(v->transverse);
   out->value = (struct solute_estimate){
@@ -77,7 +79,8 @@ static void take(const struct walk_record *record, struct solute_walked *out) {
   out->asymptotics[1] = across * v->transverse_drift;
 }
 
-/* One coefficient's. A difference that its standard error could be is no difference. */
+/* Extrapolates one coefficient; returns the relative shift. A difference within its standard error
+ * is given little weight. */
 static double move_to_limit(double *value, double *error, double coarse, double coarse_error,
                             double ratio) {
   const double change = coarse / *value - 1;
@@ -98,7 +101,8 @@ void solute_walk_limit(struct solute_estimate *fine, const struct solute_estimat
                                 coarse->transverse_error, ratio);
 }
 
-/* `weight`: of one Peclet number, for the progress line. */
+/* Walks on one lattice at all Peclet numbers. `weight`: share of one of them in the progress
+ * bar. */
 static enum status walk_lattice(const struct solute_flow *flow, int lattice,
                                 const struct solute_result *r, struct progress *progress,
                                 double weight, double *done, struct solute_state *state) {
@@ -115,7 +119,7 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
     struct walk_settings settings = {.peclet = r->peclet[i] * flow->spacing[0] / r->length,
                                      .direction = {0, 0, 1},
                                      .tolerance = r->wanted,
-                                     .most_steps = MOST_STEPS,
+                                     .most_steps = STEPS_MAX,
                                      .seed = SEED + (uint32_t)i};
     for (int a = 0; a < 3 && flow->speed > 0; a++)
       settings.direction[a] = flow->mean_velocity[a] / flow->speed;
@@ -126,7 +130,7 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
     TRY(walk_once(&cells, &settings, r->peclet[i], expected, progress, *done, weight, state,
                   record));
     struct solute_walked *w = &state->walked[lattice][i];
-    take(record, w);
+    set_estimate(record, w);
     ++*count;
     w->seconds = clock_processor_seconds() - started;
     log_verbose("walk: cells of %.3g m, Pe %.3g: D_L/D %.4g +- %s %%, D_T/D %.4g +- %s %%; "
@@ -144,27 +148,28 @@ cleanup:
 enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_state *state,
                                  struct solute_result *r) {
   enum status status = STATUS_OK;
-  struct solute_flow half = {0};
+  struct solute_flow coarse_flow = {0};
   struct progress progress;
-  bool twice = true;
+  bool has_coarse = true;
   double done = 0;
   for (int a = 0; a < 3; a++)
-    twice = twice && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_LEAST);
-  progress_start(&progress, "walk", NULL, r->count * (twice ? 1.25 : 1));
-  if (twice) {
-    TRY(solute_flow_coarsen(flow, &half));
-    TRY(walk_lattice(&half, SOLUTE_COARSE, r, &progress, 0.25, &done, state));
+    has_coarse = has_coarse && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_MIN);
+  progress_start(&progress, "walk", NULL, r->count * (has_coarse ? 1.25 : 1));
+  if (has_coarse) {
+    TRY(solute_flow_coarsen(flow, &coarse_flow));
+    TRY(walk_lattice(&coarse_flow, SOLUTE_COARSE, r, &progress, 0.25, &done, state));
   }
   TRY(walk_lattice(flow, SOLUTE_FINE, r, &progress, 1, &done, state));
   r->by_walk = true;
   const double ratio =
-      twice ? pow((double)flow->count / (double)half.count, 1.0 / flow->dimensions) : NAN;
+      has_coarse ? pow((double)flow->count / (double)coarse_flow.count, 1.0 / flow->dimensions)
+                 : NAN;
   r->record = state->record[SOLUTE_FINE];
   for (int i = 0; i < r->count; i++) {
     const struct solute_walked *coarse = &state->walked[SOLUTE_COARSE][i];
     r->walk[i] = state->walked[SOLUTE_FINE][i];
     if (!r->walk[i].settled) r->status = "steps";
-    if (!twice) { /* not known */
+    if (!has_coarse) { /* no error of resolution */
       r->walk[i].resolution[0] = r->walk[i].resolution[1] = NAN;
       continue;
     }
@@ -173,6 +178,6 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
   }
 cleanup:
   progress_end(&progress);
-  solute_flow_free(&half);
+  solute_flow_free(&coarse_flow);
   return status;
 }

@@ -7,9 +7,9 @@
 #include "sphsolve/solute/flow_internal.h"
 #include "sphsolve/solute/multigrid.h"
 
-/* The projection's residual, of the divergence before it; and of the fluxes, which are kept to
- * fewer digits: what is less is their rounding. */
-#define PROJECTED 1e-7
+/* Residual of the projection, relative to the initial divergence or, if that is larger, to the
+ * fluxes: these are stored in single precision, and smaller values are rounding. */
+#define PROJECTION_RESIDUAL 1e-7
 
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
   enum status status = STATUS_OK;
@@ -73,13 +73,14 @@ static uint32_t root_of(uint32_t *parent, uint32_t at) {
   return at;
 }
 
-/* Water carried by a pore of less than this share of the mean velocity: none. */
-#define STILL 1e-3
-/* Channels that are apart all carry the mean velocity, or a solute never finds it. */
-#define ALIKE 0.02
+/* A pore whose velocity is less than this fraction of the mean velocity counts as without flow. */
+#define STAGNANT_FRACTION 1e-3
+/* Largest relative difference of the mean velocities of separate channels; with different
+ * velocities dispersion never becomes Fickian. */
+#define CHANNEL_VELOCITY_TOLERANCE 0.02
 
-/* Closes the cells of pores that are joined by no face to what flows. At rest all stay but those
- * below a thousandth of the pores. */
+/* Closes the cells of pores that no face connects to the flowing ones. Without flow, only pores of
+ * less than a thousandth of the pore volume are closed. */
 static enum status close_isolated(struct solute_flow *f) {
   enum status status = STATUS_OK;
   uint32_t *parent = NULL;
@@ -116,9 +117,9 @@ static enum status close_isolated(struct solute_flow *f) {
   }
   for (size_t at = 0; at < f->count; at++) {
     const uint32_t root = root_of(parent, (uint32_t)at);
-    const bool still =
-        f->speed > 0 ? !(fabs(sum[root]) > STILL * volume[root]) : !(volume[root] > STILL * pores);
-    if (!still) continue;
+    const bool stagnant = f->speed > 0 ? !(fabs(sum[root]) > STAGNANT_FRACTION * volume[root])
+                                       : !(volume[root] > STAGNANT_FRACTION * pores);
+    if (!stagnant) continue;
     closed += (double)f->volume[at];
     f->volume[at] = 0;
     for (int a = 0; a < 3; a++) f->aperture[a][at] = 0, f->velocity[a][at] = 0;
@@ -126,8 +127,9 @@ static enum status close_isolated(struct solute_flow *f) {
   f->isolated = pores > 0 ? closed / pores : 0;
   solute_flow_measure(f);
   for (size_t at = 0; at < f->count && f->speed > 0; at++)
-    if (root_of(parent, (uint32_t)at) == at && volume[at] > STILL * pores &&
-        sum[at] > STILL * volume[at] && fabs(sum[at] / volume[at] - 1) > ALIKE && closed < pores &&
+    if (root_of(parent, (uint32_t)at) == at && volume[at] > STAGNANT_FRACTION * pores &&
+        sum[at] > STAGNANT_FRACTION * volume[at] &&
+        fabs(sum[at] / volume[at] - 1) > CHANNEL_VELOCITY_TOLERANCE && closed < pores &&
         volume[at] < 0.999 * (pores - closed))
       TRY_FAIL(STATUS_INPUT,
                "the pores are channels that never meet, one with %.3g of the mean velocity: a "
@@ -140,7 +142,7 @@ cleanup:
   return status;
 }
 
-/* velocity -= the gradient of the potential whose Laplacian is the divergence. */
+/* Projection: velocity -= the gradient of the potential whose Laplacian is the divergence. */
 static enum status project(struct solute_flow *f) {
   enum status status = STATUS_OK;
   static const int axis[3] = {0, 1, 2};
@@ -163,8 +165,8 @@ static enum status project(struct solute_flow *f) {
         divergence += source[at] * source[at];
       }
   const double rounding = divergence > 0 ? sqrt(flux / divergence) : 0;
-  const double enough = PROJECTED * fmax(1, rounding);
-  TRY(solute_solver_solve(&solver, source, enough, enough, potential, &iterations, &reached));
+  const double tolerance = PROJECTION_RESIDUAL * fmax(1, rounding);
+  TRY(solute_solver_solve(&solver, source, tolerance, tolerance, potential, &iterations, &reached));
   solute_cells_wrap_exact(c, potential);
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)
@@ -188,8 +190,8 @@ cleanup:
   return status;
 }
 
-/* Whether layer i of the pores along an axis is that of n - 1 - i, but for rounding, and layers
- * differ at all. */
+/* Whether the pores in layers i and n - 1 - i along an axis are the same, up to rounding, and vary
+ * along the axis at all. */
 static bool is_mirrored(const struct solute_flow *f, int axis) {
   double difference = 0, change = 0, sum = 0;
   for (int k = 0; k < f->n[2]; k++)
@@ -199,9 +201,9 @@ static bool is_mirrored(const struct solute_flow *f, int axis) {
         const double here = (double)f->volume[solute_flow_at(f, i, j, k)];
         x[axis] = f->n[axis] - 1 - x[axis];
         difference += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
-        x[axis] = (f->n[axis] - x[axis]) % f->n[axis]; /* that after (i, j, k) */
+        x[axis] = (f->n[axis] - x[axis]) % f->n[axis]; /* the layer after (i, j, k) */
         change += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
-        sum += fmin(here, 1 - here); /* cells that walls cut */
+        sum += fmin(here, 1 - here); /* cells cut by walls */
       }
   return difference < 0.01 * sum && change > 0.01 * sum;
 }

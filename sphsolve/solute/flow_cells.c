@@ -1,18 +1,19 @@
-/* What walls leave of cells and faces: the distance is taken as that to a plane normal to its
- * gradient, at its mean over the cell or face: d + h^2/24 of its second derivatives, which puts the
- * share of a bent wall right (else spheres of 5 spacings' radius are 1 % too large). */
+/* Open parts of cells and faces. The wall is taken as a plane normal to the gradient of the
+ * distance, at the mean distance over the cell or face: d + h^2/24 times its second derivatives,
+ * which corrects for curved walls (without this term, spheres with a radius of 5 spacings are 1 %
+ * too large). */
 #include <math.h>
 
 #include "sphsolve/geometry/plane_cut.h"
 #include "sphsolve/solute/flow_internal.h"
 
-/* The least component of a normal that counts: below it the plane stands straight. */
-#define STRAIGHT 1e-3
-/* The most that a wall bends in a spacing. */
-#define SHARPEST 0.3
+/* Smallest component of a normal that is resolved, relative to the largest length. */
+#define NORMAL_MIN 1e-3
+/* Largest second difference of the distance by curvature, in spacings. */
+#define SECOND_DIFFERENCE_MAX 0.3
 
-/* Integral of max(0, x) times x^(power - 1) / (power - 1)! over a square, by its corners: of the
- * area (power 2) and of the distance (power 3). */
+/* Sum over the corners of a square that gives the integral of the Heaviside function of x (power 2:
+ * the area) or of max(0, x) (power 3: the distance) for a linear x. */
 static double corner_sum(double highest, double m0, double m1, int power) {
   const double at[4] = {highest, highest - m0, highest - m1, highest - m0 - m1};
   double sum = 0;
@@ -23,7 +24,7 @@ static double corner_sum(double highest, double m0, double m1, int power) {
 
 void solute_face_open(double d, double m0, double m1, double *area, double *moment) {
   const double unit = fmax(fmax(fabs(d), fabs(m0)), fabs(m1));
-  m0 = fmax(fabs(m0), STRAIGHT * unit), m1 = fmax(fabs(m1), STRAIGHT * unit);
+  m0 = fmax(fabs(m0), NORMAL_MIN * unit), m1 = fmax(fabs(m1), NORMAL_MIN * unit);
   const double reach = 0.5 * (m0 + m1);
   *area = d >= reach ? 1 : d <= -reach ? 0 : 0.5;
   *moment = d >= reach ? d : 0;
@@ -32,7 +33,7 @@ void solute_face_open(double d, double m0, double m1, double *area, double *mome
   *moment = fmax(corner_sum(d + reach, m0, m1, 3), 0);
 }
 
-/* Gradient of the distance at a cell's centre, without a unit. */
+/* Gradient of the distance at a cell's centre (dimensionless). */
 static void gradient(const struct solute_flow *f, const int x[3], double g[3]) {
   for (int a = 0; a < 3; a++) {
     int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
@@ -43,32 +44,33 @@ static void gradient(const struct solute_flow *f, const int x[3], double g[3]) {
   }
 }
 
-/* To length 1; where two walls meet it may be anything shorter, and is left as the mean of both. */
+/* Normalises to length 1. Where two walls meet the gradient may be much shorter; it is then left as
+ * the mean of both. */
 static void normalise(double g[3]) {
   const double length = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
   for (int a = 0; a < 3 && length > 0.5; a++) g[a] /= length;
 }
 
-/* Second difference of the distance along an axis, m; that of a ridge, where walls are equally
- * near, is no wall's. */
-static double bend(const struct solute_flow *f, const int x[3], int axis) {
+/* Second difference of the distance along an axis, m, limited: that on a ridge between two equally
+ * near walls is not a curvature. */
+static double second_difference(const struct solute_flow *f, const int x[3], int axis) {
   int up[3] = {x[0], x[1], x[2]}, down[3] = {x[0], x[1], x[2]};
   up[axis]++, down[axis]--;
   const double second = (double)f->distance[solute_flow_at(f, up[0], up[1], up[2])] +
                         (double)f->distance[solute_flow_at(f, down[0], down[1], down[2])] -
                         2 * (double)f->distance[solute_flow_at(f, x[0], x[1], x[2])];
-  const double most = SHARPEST * f->spacing[axis];
+  const double most = SECOND_DIFFERENCE_MAX * f->spacing[axis];
   return fmin(fmax(second, -most), most);
 }
 
 static float cell_open(const struct solute_flow *f, const int x[3]) {
   double g[3], m[3], sum = 0;
   double d = (double)f->distance[solute_flow_at(f, x[0], x[1], x[2])];
-  for (int a = 0; a < 3; a++) d += bend(f, x, a) / 24;
+  for (int a = 0; a < 3; a++) d += second_difference(f, x, a) / 24;
   gradient(f, x, g);
   normalise(g);
   double least = 0;
-  for (int a = 0; a < 3; a++) least = fmax(least, STRAIGHT * f->spacing[a]);
+  for (int a = 0; a < 3; a++) least = fmax(least, NORMAL_MIN * f->spacing[a]);
   for (int a = 0; a < 3; a++) {
     m[a] = fmax(fabs(g[a]) * f->spacing[a], least);
     sum += m[a];
@@ -77,8 +79,8 @@ static float cell_open(const struct solute_flow *f, const int x[3]) {
   return (float)plane_box_below(m, 0.5 + d / sum);
 }
 
-/* The distance at the middle between two centres, of third order where the distance is smooth. */
-static double between(const float d[4]) {
+/* Interpolates the distance half-way between two centres, to third order where it is smooth. */
+static double interpolate_midway(const float d[4]) {
   const double mean = 0.5 * ((double)d[1] + (double)d[2]);
   const double low = (double)d[0] - 2 * (double)d[1] + (double)d[2];
   const double high = (double)d[1] - 2 * (double)d[2] + (double)d[3];
@@ -104,7 +106,9 @@ static float face_open(const struct solute_flow *f, const int x[3], int axis) {
   normalise(g);
   const int p = (axis + 1) % 3, q = (axis + 2) % 3;
   const double mean =
-      between(d) + (bend(f, x, p) + bend(f, low, p) + bend(f, x, q) + bend(f, low, q)) / 48;
+      interpolate_midway(d) + (second_difference(f, x, p) + second_difference(f, low, p) +
+                               second_difference(f, x, q) + second_difference(f, low, q)) /
+                                  48;
   solute_face_open(mean, g[p] * f->spacing[p], g[q] * f->spacing[q], &area, &moment);
   return area < 1e-4 ? 0 : (float)area;
 }

@@ -2,10 +2,10 @@
 
 #include "sphsolve/solute/flow_internal.h"
 
-/* To half as many cells along one axis, rounded up: an odd number gives cells of a little less than
- * twice the length, whose faces lie within cells of the fine flow. There its flux along the axis is
- * linear in the place (that of a cell whose other fluxes pass it evenly: Pollock 1988), so that
- * what flows into a coarse cell flows out of it. */
+/* Coarsens to half as many cells along one axis, rounded up. For an odd number the coarse cells are
+ * a little less than twice as long, and their faces lie within cells of the fine flow. There the
+ * flux along the axis varies linearly with the position (as in a cell with uniform fluxes through
+ * its other faces: Pollock 1988), so that the coarse fluxes are divergence-free. */
 static enum status coarsen_along(const struct solute_flow *fine, int axis, struct solute_flow *c) {
   enum status status = STATUS_OK;
   int n[3] = {fine->n[0], fine->n[1], fine->n[2]};

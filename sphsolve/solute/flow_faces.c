@@ -1,17 +1,18 @@
 /* Volume fluxes through faces from the velocities of sites. Between two sites in the fluid the
- * velocity of a face is the mean of theirs. Where the wall is near, the velocity falls to 0 with
- * the distance d to it: then u / d is what varies slowly, and the flux is u / d times the integral
- * of the distance over the open part of the face. */
+ * velocity of a face is their mean. Near the wall the velocity decreases to 0 with the wall
+ * distance d: there u / d varies slowly, and the flux is u / d times the integral of the distance
+ * over the open part of the face. */
 #include <math.h>
 
 #include "sphsolve/solute/flow_internal.h"
 
-/* Sites nearer to the wall than this share of a spacing say nothing of u / d. */
-#define NEAR 0.1
+/* Sites nearer to the wall than this fraction of a spacing are not used for u / d. */
+#define WALL_DISTANCE_MIN 0.1
 
-/* Mean of u / d, 1/s, over the sites beside the face, else over those around. */
+/* Mean of u / d, 1/s, over the two sites at the face; if both are too near the wall, over those
+ * around. */
 static double slope(const struct solute_flow *f, const float *sites, const int x[3], int axis) {
-  const double near = NEAR * f->spacing[axis];
+  const double near = WALL_DISTANCE_MIN * f->spacing[axis];
   for (int ring = 0; ring < 2; ring++) {
     double sum = 0, weights = 0;
     for (int s = 0; s < (ring ? 18 : 2); s++) {
@@ -30,24 +31,25 @@ static double slope(const struct solute_flow *f, const float *sites, const int x
   return 0;
 }
 
-/* Velocity of a site along the axis, as the mean over the plane of its cell across it: h^2/24 of
- * the second differences more (else the mean of a parabola over N sites is wrong by 1/(2 N^2)).
- * Where a site beside it is in grain the parabola is 0 at the wall between. */
+/* Velocity of a site along the axis, averaged over the cross-section of its cell: the site value
+ * plus h^2/24 times the second derivatives across the axis (without this term the mean of a
+ * parabola over N sites has an error of 1/(2 N^2)). If a site beside it is in grain, the parabola
+ * is 0 at the wall between the two. */
 static double site_mean(const struct solute_flow *f, const float *sites, const int x[3], int axis) {
   const size_t a = (size_t)axis, at = solute_flow_at(f, x[0], x[1], x[2]);
   const double u = (double)sites[3 * at + a], d = (double)f->distance[at];
   double mean = u;
   for (int t = 1; t < 3; t++) {
-    double change[2], way[2]; /* to the sites beside it; in spacings */
+    double change[2], apart[2]; /* of velocity, and distance in spacings, to the sites beside it */
     for (int side = 0; side < 2; side++) {
       int y[3] = {x[0], x[1], x[2]};
       y[(axis + t) % 3] += side ? 1 : -1;
       const size_t there = solute_flow_at(f, y[0], y[1], y[2]);
       const double other = (double)f->distance[there];
-      way[side] = other > 0 ? 1 : fmax(d / (d - other), NEAR);
+      apart[side] = other > 0 ? 1 : fmax(d / (d - other), WALL_DISTANCE_MIN);
       change[side] = (other > 0 ? (double)sites[3 * there + a] : 0) - u;
     }
-    mean += 2 * (change[0] / way[0] + change[1] / way[1]) / (way[0] + way[1]) / 24;
+    mean += 2 * (change[0] / apart[0] + change[1] / apart[1]) / (apart[0] + apart[1]) / 24;
   }
   return mean;
 }

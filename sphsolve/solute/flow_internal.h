@@ -1,4 +1,4 @@
-/* The steps from distances and velocities to a flow in finite volumes. */
+/* Steps from wall distances and velocities to a flow in finite volumes. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_FLOW_INTERNAL_H
 #define TOSUI_SPHSOLVE_SOLUTE_FLOW_INTERNAL_H
 
@@ -6,10 +6,10 @@
 
 #include "sphsolve/solute/flow.h"
 
-/* Sets n, count, spacing and dimensions and allocates the arrays, all 0. */
+/* Sets n, count, spacing and dimensions and allocates the arrays, initialised to 0. */
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *flow);
 
-/* Index of the cell (i, j, k); each may lie one beyond the box, which is periodic. */
+/* Index of the cell (i, j, k); each index may exceed the periodic box by one. */
 static inline size_t solute_flow_at(const struct solute_flow *f, int i, int j, int k) {
   const int *n = f->n;
   i = i < 0 ? i + n[0] : i >= n[0] ? i - n[0] : i;
@@ -18,20 +18,21 @@ static inline size_t solute_flow_at(const struct solute_flow *f, int i, int j, i
   return ((size_t)k * (size_t)n[1] + (size_t)j) * (size_t)n[0] + (size_t)i;
 }
 
-/* volume and aperture from distance: planes normal to its gradient (flow_cells.c). */
+/* Sets volume and aperture from distance: the wall as a plane normal to its gradient
+ * (flow_cells.c). */
 void solute_flow_cut(struct solute_flow *flow);
 
-/* What the cut of a face leaves open, and the integral of the distance over it, for a plane at the
- * signed distance d (m) from the face's centre; m0 and m1: the normal's two components along the
- * face times the spacings (m, of any sign). Shares of the face's area. */
+/* Open area of a face, and the integral of the distance over it, for a wall plane at the signed
+ * distance d (m) from the centre of the face; m0, m1: the two components of the normal along the
+ * face times the spacings (m, of any sign). Both are relative to the area of the face. */
 void solute_face_open(double d, double m0, double m1, double *area, double *moment);
 
-/* velocity from those of the sites, [nz][ny][nx][3], m/s, 0 in walls (flow_faces.c). */
+/* Sets the face fluxes from site velocities, [nz][ny][nx][3], m/s, 0 in walls (flow_faces.c). */
 void solute_flow_fluxes(struct solute_flow *flow, const float *sites);
 
-/* Means, porosity and grain size, from volume, aperture and velocity. */
+/* Computes means, porosity and grain size from volume, aperture and velocity. */
 void solute_flow_measure(struct solute_flow *flow);
-/* Closes what no flow passes, makes the fluxes free of divergence, and finds the means. */
+/* Closes pores without flow, makes the fluxes divergence-free, and computes the means. */
 enum status solute_flow_finish(struct solute_flow *flow);
 
 #endif

@@ -9,7 +9,7 @@
 
 #define IMAGE "/VTKHDF/PointData/"
 
-/* What the record of the run says of it. */
+/* Reads the record of the run, and checks that its flow can carry a solute. */
 static enum status read_record(const char *path, struct solute_flow *f, uint64_t *flow) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -24,7 +24,7 @@ static enum status read_record(const char *path, struct solute_flow *f, uint64_t
              "%s: a run of method %s; a solute is carried by the flow of method stokes, on its "
              "lattice: run the flow again with --set 'scene.method=\"stokes\"'",
              path, method);
-  /* In such soil a solute would have another porosity and diffusion than in open pores. */
+  /* In such soil a solute has a different porosity and diffusion coefficient than in open pores. */
   if (h5_exists(file, "/run/micro"))
     TRY_FAIL(STATUS_INPUT,
              "%s: the flow goes through soil with pores below the voxel, in which method solute "
@@ -106,6 +106,6 @@ enum status solute_flow_read(const char *run_file, struct solute_flow *flow) {
   return read_flow(run_file, true, flow);
 }
 
-enum status solute_flow_look(const char *run_file, struct solute_flow *flow) {
+enum status solute_flow_preview(const char *run_file, struct solute_flow *flow) {
   return read_flow(run_file, false, flow);
 }

@@ -1,4 +1,4 @@
-/* Method solute: what a flow carries that is solved already. */
+/* Method solute: transport of a solute by a flow that is already solved. */
 #include <math.h>
 #include <stdio.h>
 
@@ -15,7 +15,7 @@
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/result.h"
 
-/* Those of the scene, or that of the flow as it is. */
+/* Sets the Peclet numbers: those of the scene, or that of the flow as it is. */
 static enum status set_peclet(const struct scene *scene, const struct solute_flow *flow,
                               struct solute_result *result) {
   const double d = scene->solute.diffusion;
@@ -35,8 +35,8 @@ static enum status set_peclet(const struct scene *scene, const struct solute_flo
   return STATUS_OK;
 }
 
-/* Of two ways that know a coefficient the one that knows it better. */
-static void take_best(struct solute_result *r) {
+/* Reports the estimate with the smaller error where both methods give a coefficient. */
+static void choose_best(struct solute_result *r) {
   for (int i = 0; i < r->count; i++) {
     struct solute_estimate *best = &r->best[i];
     const struct solute_estimate *walk = &r->walk[i].value;
@@ -51,8 +51,8 @@ static void take_best(struct solute_result *r) {
   }
 }
 
-/* Says it where an error is asked for and not reached. */
-static void tell_missed(const struct scene *scene, const struct solute_result *r) {
+/* Warns if an error was asked for and not reached. */
+static void warn_of_missed_error(const struct scene *scene, const struct solute_result *r) {
   const double wanted = scene->solute.error;
   int missed = 0, worst = 0;
   double most = 0;
@@ -60,7 +60,7 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
   for (int i = 0; i < r->count; i++) {
     const double error = fmax(r->best[i].longitudinal_error,
                               walk_error_unit(r->best[i].transverse) > r->best[i].transverse
-                                  ? 0 /* next to nothing, as across a slit */
+                                  ? 0 /* practically 0, as across a slit */
                                   : r->best[i].transverse_error);
     missed += error > wanted;
     if (error > most) most = error, worst = i;
@@ -71,9 +71,9 @@ static void tell_missed(const struct scene *scene, const struct solute_result *r
                 missed, r->count, 100 * wanted, r->peclet[worst], percent_format(most, text));
 }
 
-/* Where cells are too large for the closure problem. */
-static void tell_cells(const struct scene *scene, const struct solute_flow *flow,
-                       const struct solute_result *r) {
+/* Warns if the cells are too large for the closure problem. */
+static void warn_of_large_cells(const struct scene *scene, const struct solute_flow *flow,
+                                const struct solute_result *r) {
   for (int i = 0; i < r->count && scene->solute.way == SOLUTE_CLOSURE; i++) {
     const double cell = r->peclet[i] * flow->spacing[0] / r->length;
     if (cell <= SOLUTE_CELL_PECLET) continue;
@@ -109,7 +109,7 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   TRY(memory_allocate(&state, 1, sizeof *state, "what is found so far"));
   TRY(solute_state_begin(scene, prefix, resume, state));
   interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
-  TRY(solute_say_where(scene, solute_flow_read(scene->flow_path, &flow)));
+  TRY(solute_add_location(scene, solute_flow_read(scene->flow_path, &flow)));
   TRY(set_peclet(scene, &flow, &result));
   if (flow.mirrored)
     log_warning("%s: the sample is its own mirror image along the flow, which brings every "
@@ -122,9 +122,9 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
               flow.correction);
   if (scene->solute.way != SOLUTE_WALK) TRY(solute_curve_by_closure(&flow, state, &result));
   if (scene->solute.way != SOLUTE_CLOSURE) TRY(solute_curve_by_walk(&flow, state, &result));
-  take_best(&result);
-  tell_cells(scene, &flow, &result);
-  tell_missed(scene, &result);
+  choose_best(&result);
+  warn_of_large_cells(scene, &flow, &result);
+  warn_of_missed_error(scene, &result);
   result.wall_time = clock_seconds() - state->started;
   TRY(solute_result_write(scene, &flow, &result, prefix, command_line));
   checkpoint_remove(prefix);
@@ -139,7 +139,7 @@ cleanup:
   return status;
 }
 
-/* It is asked for by name, or by the flow that a scene names. */
+/* Never chosen automatically: it is selected by name, or by a scene that names a flow. */
 static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   (void)context, (void)why;
   return false;

@@ -8,7 +8,7 @@
 
 #define BASIS 30
 #define ROUNDS 20
-#define SWEEPS 1 /* before and after the coarser cells */
+#define SWEEPS 1 /* before and after the coarse correction */
 #define SWEEPS_COARSEST 8
 
 #define FOR_ROWS(c)                                                                                \
@@ -19,7 +19,8 @@ static bool flows(const struct solute_solver *solver, int level) {
   return solver->s > 0 && solver->cells[level].flux[0] != NULL;
 }
 
-/* Where the row (j, k) lies among the coarser cells (multigrid_row_prolong). */
+/* Index of the coarse row in which the row (j, k) lies, and offsets to its neighbours
+ * (multigrid_row_prolong). */
 static size_t coarse_row(const struct solute_cells *coarse, int j, int k, ptrdiff_t steps[2]) {
   steps[0] = (j & 1 ? 1 : -1) * (ptrdiff_t)coarse->stride[1];
   steps[1] = (k & 1 ? 1 : -1) * (ptrdiff_t)coarse->stride[2];
@@ -54,7 +55,8 @@ void solute_solver_set(struct solute_solver *solver, double s) {
   for (int l = 0; l + 1 < solver->level_count; l++) set_share(solver, l);
 }
 
-/* Copies of one plane's rims, and of the whole plane where it is the first or the last. */
+/* Updates the ghost cells at the rims of one plane, and of the whole plane if it is the first or
+ * last. */
 static void wrap_plane(const struct solute_cells *c, int k, float *x) {
   const size_t s1 = c->stride[1], s2 = c->stride[2];
   const size_t nx = (size_t)c->n[0], ny = (size_t)c->n[1], nz = (size_t)c->n[2];
@@ -69,7 +71,7 @@ static void wrap_plane(const struct solute_cells *c, int k, float *x) {
   if (k + 1 == c->n[2]) memcpy(x, plane, s2 * sizeof *x);
 }
 
-/* One pass through the planes in the order of the flow. */
+/* One relaxation sweep through the planes in the direction of the flow. */
 static void sweep(const struct solute_solver *solver, int level, const float *rest, float *x) {
   const struct solute_cells *c = &solver->cells[level];
   const float *inverse = solver->inverse[level];
@@ -89,7 +91,7 @@ static void sweep(const struct solute_solver *solver, int level, const float *re
   }
 }
 
-/* rest - A' x of the cycle's operator. */
+/* Defect rest - A' x with the cycle's operator. */
 static void defect(const struct solute_solver *solver, int level, const float *rest, const float *x,
                    float *out) {
   const struct solute_cells *c = &solver->cells[level];
@@ -99,7 +101,7 @@ static void defect(const struct solute_solver *solver, int level, const float *r
                        solute_cells_at(c, 0, j, k), solver->inverse[level], rest, x, out);
 }
 
-/* Sums of the defect over the cells of each coarser one. */
+/* Restriction: sums over the fine cells of each coarse cell. */
 static void restrict_sum(const struct solute_cells *f, const struct solute_cells *c, const float *x,
                          float *y) {
 #pragma omp parallel for schedule(static)
@@ -115,7 +117,7 @@ static void restrict_sum(const struct solute_cells *f, const struct solute_cells
       }
 }
 
-/* x += the coarser correction, interpolated. */
+/* Prolongation: x += the interpolated coarse correction. */
 static void prolong_add(const struct solute_solver *solver, int level, float *x) {
   const struct solute_cells *c = &solver->cells[level];
 #pragma omp parallel for schedule(static)
@@ -230,7 +232,7 @@ enum status solute_solver_solve(struct solute_solver *s, const double *source, d
     solute_cells_residual(c, s->s, source, b, s->krylov.basis);
     *reached = stokes_krylov_norm(&s->krylov, s->krylov.basis) / scale;
     if (*reached <= tolerance) return STATUS_OK;
-    if (!(*reached < 0.9 * before)) break; /* it gets no better */
+    if (!(*reached < 0.9 * before)) break; /* no further progress */
     before = *reached;
     *iterations +=
         stokes_krylov_correct(&s->krylov, fmax(0.5 * tolerance / *reached, 1e-4), b, &shrunk);

@@ -12,7 +12,7 @@ static enum status write_number(struct h5_file *file, const char *name, double v
   return h5_write_attribute(file, "/solute", name, H5_F64, 1, &value);
 }
 
-/* /solute/GROUP/NAME over the Peclet numbers: member `offset` of each of `items`. */
+/* Writes /solute/NAME over the Peclet numbers: the member at `offset` of each of `items`. */
 static enum status write_column(struct h5_file *file, const char *name, int count,
                                 const void *items, size_t size, size_t offset) {
   double values[SOLUTE_PECLET_MAX];
@@ -24,7 +24,8 @@ static enum status write_column(struct h5_file *file, const char *name, int coun
   return h5_write(file, path, H5_F64, 1, dims, values, false);
 }
 
-/* The estimate at `offset` of each of `items`, to /solute/GROUP; `group` is "" or ends in '/'. */
+/* Writes the estimate at `offset` of each of `items` to /solute/GROUP; `group` is "" or ends in
+ * '/'. */
 static enum status write_estimates(struct h5_file *file, const char *group, int count,
                                    const void *items, size_t size, size_t offset) {
   static const struct {
@@ -72,7 +73,7 @@ cleanup:
   return status;
 }
 
-/* h / U, or h^2 / D without flow, s. */
+/* Time unit of a walk, s: h / U, or h^2 / D without flow. */
 static double time_unit(const struct solute_flow *flow, const struct solute_result *r, int i) {
   const double h = flow->spacing[0];
   return r->peclet[i] > 0 && flow->speed > 0 ? h / flow->speed : h * h / r->diffusion;

@@ -6,12 +6,12 @@
 #include "common/units.h"
 #include "sphsolve/solute/result.h"
 
-/* D_L / U, m; NAN without flow. */
+/* Dispersivity D_L / U, m; NAN without flow. `over_diffusion`: D_L / D. */
 static double dispersivity(const struct solute_result *r, int i, double over_diffusion) {
   return r->peclet[i] > 0 ? over_diffusion * r->length / r->peclet[i] : NAN;
 }
 
-/* By how much another sample may differ; known where the closure problem was solved. */
+/* Relative uncertainty due to the size of the sample; known if the closure problem was solved. */
 static double sample_error(const struct solute_result *r, int i, int across) {
   return r->by_closure ? r->closure[i].sample[across] : NAN;
 }
@@ -89,7 +89,7 @@ enum status solute_result_print_json(const struct scene *scene, const struct sol
   return STATUS_OK;
 }
 
-/* "8.322 +- 1.2 %" */
+/* Prints like "8.322 +- 1.2". */
 static void print_value(double value, double error) {
   if (isfinite(error))
     printf("  %10.4g +- %-7.2g", value, 100 * error);
@@ -112,7 +112,7 @@ static void print_row(const struct solute_result *r, int i, const struct solute_
   if (r->peclet[i] > 0) printf("  %.3g", dispersivity(r, i, e->longitudinal));
 }
 
-/* Of the box along the mean flow, m. */
+/* Length of the box along the mean flow, m. */
 static double flow_length(const struct solute_flow *flow) {
   double length = 0;
   for (int a = 0; a < 3; a++)

@@ -1,24 +1,26 @@
-/* Chance. What is a mean over the sample is known by how it varies within it: the box is cut into
- * blocks, whose sums of what makes D* (closure.h: |grad phi|^2) vary about it. That holds for
- * conduction and for most of D_T. D_L at high Peclet numbers hangs on few things: on how much
- * faster the water is, on the mean over the length of the box, in one column along the flow than in
- * another. In waves k across the flow,
- *   D_L holds the sum over k of C_k = -Re(u'_k conj(b_k)) / D,   u', b: means over columns.
- * Each wave is one draw from the soil, whose square is as uncertain as it is large (a complex
- * normal amplitude: standard deviation = mean, so that C_k^2 / 2 is expected to be its variance).
+/* Statistical error. The uncertainty of a mean over the sample follows from its variation within
+ * the sample: the box is divided into blocks, and the variance of the mean is estimated from their
+ * sums of the integrand of D* (closure.h: |grad phi|^2). This holds for conduction and for most of
+ * D_T. D_L at high Peclet numbers depends on few quantities: the differences of the water's
+ * velocity, averaged over the length of the box, between columns along the flow. In terms of waves
+ * k across the flow it contains
+ *   the sum over k of C_k = -Re(u'_k conj(b_k)) / D,   u', b: means over columns.
+ * Each wave is one random realisation, whose square is as uncertain as it is large (a complex
+ * normal amplitude: standard deviation = mean, so that C_k^2 / 2 is an estimate of its variance).
  *
- * Repeating. Water in a larger sample would leave its fast column after a while; here it enters the
- * same one again, box after box. Of a velocity with the spectrum S(k), carried with U and spread
- * with D_T, D_L is the sum over the wave numbers q = 2 pi n / W along the flow of
+ * Periodicity. Water in a larger sample would leave its fast column after a while; here it enters
+ * the same one again in each period. For a velocity with the spectrum S(k), advected with U and
+ * spread with D_T, D_L is the sum over the wave numbers q = 2 pi n / W along the flow of
  *   S D_T k^2 / ((U q)^2 + (D_T k^2)^2) = (S W / 2 U) coth(r),   r = W D_T k^2 / (2 U),
- * of which n = 0, the columns, is 1 / r; in an endless soil, the integral over q, it is S W / (2 U)
- * (Koch, Brady 1987, J. Fluid Mech. 180, 387, for the integral). So each wave is too large by
+ * of which the term n = 0, the columns, is 1 / r; in an infinite soil, the integral over q, it is
+ * S W / (2 U) (Koch, Brady 1987, J. Fluid Mech. 180, 387, for the integral). Each wave is therefore
+ * too large by
  *   C_k r (coth(r) - 1).
- * A box that is its own mirror image along the flow brings every streamline back: all C_k is too
- * much.
+ * In a box that is its own mirror image along the flow every streamline returns to its place: then
+ * all of C_k is in excess.
  *
- * Sides. Where a sample that is no mirror image meets itself its pores do not fit: over a length in
- * which the velocity forgets itself, D* is not the soil's. */
+ * Sides. Where a sample that is not mirrored adjoins its periodic copy the pores do not match: over
+ * one correlation length of the velocity, D* is not that of the soil. */
 #include "sphsolve/solute/sample_size.h"
 
 #include <math.h>
@@ -28,22 +30,22 @@
 #include "common/memory.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define WAVES 16   /* across, along each axis: shorter ones carry little */
-#define BLOCKS 4   /* along each axis */
-#define ALONG 0.9  /* cosine of the flow to the axis of its columns */
-#define WAYS 4     /* what is transformed: along the solver's three axes and along the flow */
-#define WAY_FLOW 3 /* the last of them */
+#define WAVES 16 /* wave numbers across the flow, along each axis: shorter waves are negligible */
+#define BLOCKS 4 /* along each axis */
+#define AXIS_COSINE_MIN 0.9 /* smallest cosine of the angle between the flow and its main axis */
+#define DIRECTIONS 4     /* directions that are transformed: the solver's three axes and the flow */
+#define DIRECTION_FLOW 3 /* the last of them */
 enum { ROW = 2 * WAVES + 1 };
 
-/* Of columns along the flow: the sum of u' and the mean of b over the pores, for each way. */
+/* Columns along the flow: the sum of u' and the mean of b over the pores, for each direction. */
 struct columns {
   int n[2];
-  double *flux[WAYS], *mean[WAYS];
+  double *flux[DIRECTIONS], *mean[DIRECTIONS];
   double volume; /* of all pores */
 };
 
 static void columns_free(struct columns *c) {
-  for (int w = 0; w < WAYS; w++) {
+  for (int w = 0; w < DIRECTIONS; w++) {
     memory_free(&c->flux[w]);
     memory_free(&c->mean[w]);
   }
@@ -54,13 +56,13 @@ static enum status columns_find(const struct solute_closure *closure, struct col
   const struct solute_cells *cells = &closure->solver.cells[0];
   *c = (struct columns){.n = {cells->n[0], cells->n[1]}};
   const size_t count = (size_t)c->n[0] * (size_t)c->n[1];
-  for (int w = 0; w < WAYS; w++) {
+  for (int w = 0; w < DIRECTIONS; w++) {
     TRY(memory_allocate(&c->flux[w], count, sizeof(double), "columns of the flow"));
     TRY(memory_allocate(&c->mean[w], count, sizeof(double), "columns of the flow"));
   }
   for (int j = 0; j < c->n[1]; j++)
     for (int i = 0; i < c->n[0]; i++) {
-      double flux[WAYS] = {0}, mean[WAYS] = {0}, volume = 0;
+      double flux[DIRECTIONS] = {0}, mean[DIRECTIONS] = {0}, volume = 0;
       for (int k = 0; k < cells->n[2]; k++) {
         const size_t at = solute_cells_at(cells, i, j, k);
         const int x[3] = {i, j, k};
@@ -74,12 +76,13 @@ static enum status columns_find(const struct solute_closure *closure, struct col
               closure->mean[a] * own;
           const double b = closure->b[a][at] * own;
           flux[a] += u, mean[a] += b;
-          flux[WAY_FLOW] += closure->mean[a] * u, mean[WAY_FLOW] += closure->mean[a] * b;
+          flux[DIRECTION_FLOW] += closure->mean[a] * u,
+              mean[DIRECTION_FLOW] += closure->mean[a] * b;
         }
       }
       const size_t at = (size_t)j * (size_t)c->n[0] + (size_t)i;
       c->volume += volume;
-      for (int w = 0; w < WAYS; w++) {
+      for (int w = 0; w < DIRECTIONS; w++) {
         c->flux[w][at] = flux[w];
         c->mean[w][at] = volume > 0 ? mean[w] / volume : 0;
       }
@@ -89,8 +92,8 @@ cleanup:
   return status;
 }
 
-/* The waves -WAVES .. WAVES along the first axis, 0 .. WAVES along the second, of `values`:
- * real, imaginary. */
+/* Fourier components of `values` (real, imaginary): waves -WAVES .. WAVES along the first axis, 0
+ * .. WAVES along the second. */
 static void transform(const int n[2], const double *values, double wave[WAVES + 1][ROW][2]) {
   const double turn = 6.283185307179586;
   memset(wave, 0, sizeof(double) * (WAVES + 1) * ROW * 2);
@@ -112,44 +115,44 @@ static void transform(const int n[2], const double *values, double wave[WAVES + 
   }
 }
 
-/* C_k of one wave and its opposite, longitudinal and transverse. */
-static void wave_share(double flux[WAYS][2], double mean[WAYS][2], double scale, int dimensions,
-                       double share[2]) {
-  double each[WAYS];
-  for (int w = 0; w < WAYS; w++)
+/* C_k of a wave and its opposite together, longitudinal and transverse. */
+static void wave_share(double flux[DIRECTIONS][2], double mean[DIRECTIONS][2], double scale,
+                       int dimensions, double share[2]) {
+  double each[DIRECTIONS];
+  for (int w = 0; w < DIRECTIONS; w++)
     each[w] = -scale * (flux[w][0] * mean[w][0] + flux[w][1] * mean[w][1]);
-  share[0] = each[WAY_FLOW];
-  share[1] = (each[0] + each[1] + each[2] - each[WAY_FLOW]) / (dimensions - 1);
+  share[0] = each[DIRECTION_FLOW];
+  share[1] = (each[0] + each[1] + each[2] - each[DIRECTION_FLOW]) / (dimensions - 1);
 }
 
-/* Variance of D* by chance, and what is too much of it, both from the waves. */
+/* Adds the statistical variance of D*, and its excess due to periodicity, from the waves. */
 static enum status add_waves(const struct solute_closure *closure, double s,
                              const struct solute_dispersion *d, const bool images[3],
                              double variance[2], double repeats[2]) {
   enum status status = STATUS_OK;
   const struct solute_cells *cells = &closure->solver.cells[0];
   struct columns c = {0};
-  double(*wave)[WAVES + 1][ROW][2] = NULL; /* of fluxes, then of means */
+  double(*wave)[WAVES + 1][ROW][2] = NULL; /* of the fluxes, then of the means */
   double side[3] = {0}, step[2];
   TRY(columns_find(closure, &c));
-  TRY(memory_allocate(&wave, 2 * WAYS, sizeof *wave, "waves across the flow"));
-  for (int w = 0; w < WAYS; w++) {
+  TRY(memory_allocate(&wave, 2 * DIRECTIONS, sizeof *wave, "waves across the flow"));
+  for (int w = 0; w < DIRECTIONS; w++) {
     transform(c.n, c.flux[w], wave[w]);
-    transform(c.n, c.mean[w], wave[WAYS + w]);
+    transform(c.n, c.mean[w], wave[DIRECTIONS + w]);
   }
   for (int a = 0; a < 3; a++)
     for (int i = 0; i < cells->n[a]; i++) side[a] += cells->width[a][i];
   for (int a = 0; a < 2; a++) step[a] = 6.283185307179586 / side[a];
   const double scale = 2 * s / ((double)c.n[0] * (double)c.n[1] * c.volume);
-  /* Waves (p, q) and (-p, q) of a mirror image are one draw. */
+  /* In a mirrored box the waves (p, q) and (-p, q) are not independent. */
   const bool paired = images[closure->axis[0]] || images[closure->axis[1]];
   for (int q = 0; q <= WAVES && 2 * q < c.n[1]; q++)
     for (int p = -WAVES; p <= WAVES; p++) {
       if (2 * abs(p) >= c.n[0] || (q == 0 && p <= 0)) continue;
-      double flux[WAYS][2], mean[WAYS][2], share[2];
-      for (int w = 0; w < WAYS; w++) {
+      double flux[DIRECTIONS][2], mean[DIRECTIONS][2], share[2];
+      for (int w = 0; w < DIRECTIONS; w++) {
         memcpy(flux[w], wave[w][q][p + WAVES], sizeof flux[w]);
-        memcpy(mean[w], wave[WAYS + w][q][p + WAVES], sizeof mean[w]);
+        memcpy(mean[w], wave[DIRECTIONS + w][q][p + WAVES], sizeof mean[w]);
       }
       wave_share(flux, mean, scale, closure->dimensions, share);
       const double k2 = pow(p * step[0], 2) + pow(q * step[1], 2);
@@ -166,8 +169,8 @@ cleanup:
   return status;
 }
 
-/* Variance of D* by chance, from the sums over blocks: those of what makes D* less D* times the
- * pores in them. */
+/* Adds the statistical variance of D* from the sums over blocks of its integrand minus D* times
+ * their pore volume. */
 static void add_blocks(const struct solute_closure *closure, const struct solute_dispersion *d,
                        const bool images[3], double variance[2]) {
   const struct solute_cells *cells = &closure->solver.cells[0];
@@ -202,7 +205,8 @@ static void add_blocks(const struct solute_closure *closure, const struct solute
       }
   for (int b = 0; b < all; b++)
     for (int t = 0; t < 2; t++) square[t] += sum[b][t] * sum[b][t];
-  /* Blocks of a mirror image come in pairs that are one draw; one cell is one block. */
+  /* In a mirrored box blocks come in pairs that are not independent; an axis with one cell is not
+   * divided. */
   double pairs = 1;
   for (int a = 0; a < 3; a++) {
     if (cells->n[a] > 1) blocks *= BLOCKS;
@@ -223,7 +227,7 @@ enum status solute_sample_size(const struct solute_closure *closure, double diff
   *sample = (struct solute_sample){{NAN, NAN}, {NAN, NAN}};
   for (int a = 0; a < 3; a++)
     if (cells->n[a] > 1 && cells->n[a] < BLOCKS) return STATUS_OK;
-  if (s > 0 && fabs(closure->mean[2]) < ALONG) return STATUS_OK;
+  if (s > 0 && fabs(closure->mean[2]) < AXIS_COSINE_MIN) return STATUS_OK;
   if (s > 0) TRY(add_waves(closure, s, d, images, variance, repeats));
   add_blocks(closure, d, images, variance);
   double sides = 0;

@@ -16,7 +16,7 @@
 
 #define GROUP "/solute_state"
 
-/* Structures as they stand in memory, by name. */
+/* Parts of the state that are stored as in memory, with their paths in the file. */
 struct block {
   const char *path;
   void *data;
@@ -42,7 +42,7 @@ static void frame_path(char path[64], int lattice, int peclet) {
   snprintf(path, 64, GROUP "/frames-%d-%d", lattice, peclet);
 }
 
-/* The tracks and pictures of the walks that are over. */
+/* Saves tracks and histograms of the completed walks. */
 static enum status save_tracks(const struct solute_state *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   for (int l = 0; l < SOLUTE_LATTICES; l++)
@@ -121,7 +121,7 @@ static enum status load(struct solute_state *s) {
   }
   for (int l = 0; l < SOLUTE_LATTICES; l++)
     for (int i = 0; i < SOLUTE_PECLET_MAX; i++) {
-      s->record[l][i].track = NULL; /* of that process */
+      s->record[l][i].track = NULL; /* pointer of the process that saved it */
       s->record[l][i].frame = NULL;
     }
   for (int l = 0; l < SOLUTE_LATTICES; l++)
@@ -218,7 +218,7 @@ cleanup:
   return status;
 }
 
-enum status solute_state_take_closure(struct solute_state *s, struct solute_closure *c) {
+enum status solute_state_restore_closure(struct solute_state *s, struct solute_closure *c) {
   enum status status = STATUS_OK;
   double *b = NULL;
   if (s->from == NULL) return STATUS_OK;
@@ -240,8 +240,8 @@ cleanup:
   return status;
 }
 
-enum status solute_state_take_walk(struct solute_state *s, const struct walk_cells *cells,
-                                   struct walk *walk, bool *found) {
+enum status solute_state_restore_walk(struct solute_state *s, const struct walk_cells *cells,
+                                      struct walk *walk, bool *found) {
   enum status status = STATUS_OK;
   *found = s->from != NULL && h5_exists(s->from, GROUP "/walk");
   if (*found) TRY(walk_load(s->from, GROUP "/walk", cells, walk));

@@ -1,5 +1,5 @@
-/* What a run of method solute has found so far, and its checkpoints: a run that goes on from one
- * is, bit for bit, the run that never ended. */
+/* Intermediate results of a run of method solute, and its checkpoints: a resumed run gives bitwise
+ * the same results as one without interruption. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_STATE_H
 #define TOSUI_SPHSOLVE_SOLUTE_STATE_H
 
@@ -11,46 +11,49 @@
 #include "sphsolve/solute/result.h"
 #include "sphsolve/solute/sample_size.h"
 
-/* The flow's own cells, those taken two by two by two, and those once more (for the order of the
- * closure problem alone). */
+/* The flow's own cells, those coarsened once, and those coarsened twice (used only for the order of
+ * convergence of the closure problem). */
 enum { SOLUTE_FINE, SOLUTE_COARSE, SOLUTE_COARSEST, SOLUTE_LATTICES };
 
-/* What one lattice gave for one Peclet number. */
+/* Result of the closure problem on one lattice at one Peclet number. */
 struct solute_solved {
   struct solute_dispersion value;
-  struct solute_sample sample; /* of the flow's own cells alone */
+  struct solute_sample sample; /* on the flow's own cells only */
   double seconds;
 };
 
 struct solute_state {
-  const struct scene *scene; /* NULL: nothing is ever saved */
+  const struct scene *scene; /* NULL: no checkpoints */
   const char *prefix;
   uint64_t flow_hash;
-  double started, last; /* clock_seconds: less what was spent before it was gone on; when saved */
-  /* By lattice, of those in the order of the Peclet numbers so many; the closure problem has first
-   * that without flow. */
+  double started, last; /* clock_seconds: start, minus the time spent before resuming; last save */
+  /* Number of results on each lattice, in the order of the Peclet numbers; the closure problem
+   * begins with the case without flow. */
   int solved_count[SOLUTE_LATTICES], walked_count[SOLUTE_LATTICES];
   struct solute_solved solved[SOLUTE_LATTICES][SOLUTE_PECLET_MAX + 1];
   struct solute_walked walked[SOLUTE_LATTICES][SOLUTE_PECLET_MAX];
   struct walk_record record[SOLUTE_LATTICES][SOLUTE_PECLET_MAX];
-  struct h5_file *from; /* what is gone on from; NULL: nothing, or all of it is read */
+  struct h5_file *from; /* checkpoint to resume from; NULL: none, or completely read */
 };
 
-/* Refuses to write over checkpoints of others. With `resume` from PREFIX.ckpt.hdf where there is
- * one of this scene and flow. All are collective. Free with solute_state_free. */
+/* Starts or, with `resume`, continues from PREFIX.ckpt.hdf if it belongs to this scene and flow.
+ * Refuses to overwrite checkpoints of other runs. All functions are collective. Free with
+ * solute_state_free. */
 enum status solute_state_begin(const struct scene *scene, const char *prefix, bool resume,
                                struct solute_state *state);
 void solute_state_free(struct solute_state *state);
 
-/* Whether the interval is over or an end is asked for. */
+/* Whether a checkpoint is due: the interval has passed, or an interrupt was requested. */
 bool solute_state_due(const struct solute_state *state);
-/* With what is at hand, or NULL. Fails (STATUS_INTERRUPTED) when an end is asked for. */
+/* Saves a checkpoint with the closure problem or walk in progress (or NULL). Returns
+ * STATUS_INTERRUPTED after an interrupt. */
 enum status solute_state_save(struct solute_state *state, const struct solute_closure *closure,
                               struct walk *walk);
-/* Takes up what was at hand when it was saved, if anything was: the closure variables; the walk,
- * else *found is false. */
-enum status solute_state_take_closure(struct solute_state *state, struct solute_closure *closure);
-enum status solute_state_take_walk(struct solute_state *state, const struct walk_cells *cells,
-                                   struct walk *walk, bool *found);
+/* Restore the closure variables, or the walk, that were in progress when the checkpoint was saved;
+ * *found: whether there was a walk. */
+enum status solute_state_restore_closure(struct solute_state *state,
+                                         struct solute_closure *closure);
+enum status solute_state_restore_walk(struct solute_state *state, const struct walk_cells *cells,
+                                      struct walk *walk, bool *found);
 
 #endif

@@ -7,32 +7,34 @@
 #include "common/ranks.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define WALK_FLIGHT 1.0  /* first spacings: the longest flight, and a cell at most */
-#define WALK_CARRIED 0.5 /* the longest mean displacement by the water in a step */
-/* The slowest wave across a box of width W fades in W^2 / (4 pi^2 D_T): twice that. */
-#define MEMORY 0.05
-/* Variance of a coefficient times the number of its displacements; how many of each walker a result
- * waits for. */
+#define FLIGHT_MAX 1.0    /* longest flight, first spacings; and one cell at most */
+#define ADVECTION_MAX 0.5 /* longest mean advection in a step, first spacings */
+/* Memory of the walkers over W^2 / D_T: the slowest wave across a box of width W decays in W^2 / (4
+ * pi^2 D_T); twice that. */
+#define MEMORY_FACTOR 0.05
+/* Variance of a coefficient times the number of its displacements; and the number of displacements
+ * of each walker that a result is based on. */
 #define DISPLACEMENTS_VARIANCE 6.0
-#define DISPLACEMENTS_EACH 4.0
-#define LEAST_WALKERS 4096
+#define DISPLACEMENTS_PER_WALKER 4.0
+#define WALKERS_MIN 4096
 
 size_t walk_walkers(double tolerance) {
   const double displacements = DISPLACEMENTS_VARIANCE / pow(0.4 * tolerance, 2);
-  const double groups = ceil(fmax(displacements / DISPLACEMENTS_EACH, LEAST_WALKERS) / WALK_GROUPS);
+  const double groups =
+      ceil(fmax(displacements / DISPLACEMENTS_PER_WALKER, WALKERS_MIN) / WALK_GROUPS);
   return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
 }
 
 static double time_step(double peclet, double flight) {
   const double diffusion = peclet > 0 ? 1 / peclet : 1, dt = flight * flight / (6 * diffusion);
-  return peclet > 0 ? fmin(dt, WALK_CARRIED) : dt;
+  return peclet > 0 ? fmin(dt, ADVECTION_MAX) : dt;
 }
 
-/* Two displacements of each walker at least, over the first lag of 32, 64 ... steps that is long
- * enough. */
+/* At least two displacements of each walker over the first lag, of 32, 64 ... steps, that exceeds
+ * the memory. */
 struct walk_pace walk_pace(double peclet, double widest, double across, double wanted) {
-  struct walk_pace pace = {.dt = time_step(peclet, WALK_FLIGHT)};
-  const double memory = MEMORY * widest * widest * (peclet > 0 ? peclet : 1) / across;
+  struct walk_pace pace = {.dt = time_step(peclet, FLIGHT_MAX)};
+  const double memory = MEMORY_FACTOR * widest * widest * (peclet > 0 ? peclet : 1) / across;
   const double each = DISPLACEMENTS_VARIANCE / pow(0.4 * wanted, 2) / (double)walk_walkers(wanted);
   pace.steps = WALK_INTERVAL * exp2(ceil(log2(fmax(memory / pace.dt / WALK_INTERVAL, 1))));
   pace.steps *= fmax(2, each);
@@ -46,15 +48,15 @@ double walk_bytes(size_t walkers) {
 }
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
-  /* Corners and bricks of all cells; then the search for the surface (walk_surface.c), and after it
-   * a record and a place of each cell that is open. */
+  /* Corners and bricks of all cells; in addition, first the search for the surface
+   * (walk_surface.c), then a record and an index of each open cell. */
   return (sizeof(int16_t) + sizeof(struct walk_brick) / 64.0) * (double)cells +
          fmax(4 * sizeof(float) * (double)cells,
               (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores);
 }
 
-/* A cell, and a place in it, until the place is in the pore: even over it. */
-static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
+/* Draws a cell and a position in it until the position is in the pore: a uniform distribution. */
+static bool place_walker(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   for (uint32_t draw = 0; draw < 1u << 20; draw++) {
     uint32_t word[4];
     walk_draw(w->id, draw, seed, word);
@@ -68,9 +70,9 @@ static bool place(const struct walk_cells *c, uint32_t seed, struct walker *w) {
   return false;
 }
 
-/* Where each walker is, and how fast; the number of those in grain. Cells and spots of walkers to
- * come are fetched ahead. */
-static size_t look(const struct walk *walk, struct walk_spot *spots) {
+/* Records the position and velocity of each walker; returns the number of walkers in grain. Cells
+ * and spots of the walkers that follow are prefetched. */
+static size_t record_spots(const struct walk *walk, struct walk_spot *spots) {
   enum { AHEAD = 16 };
   const double *e = walk->settings.direction;
   const struct walk_cells *c = walk->cells;
@@ -109,7 +111,7 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
   *walk = (struct walk){.cells = cells, .settings = *settings};
   struct walk_settings *s = &walk->settings;
   if (s->walkers == 0) s->walkers = walk_walkers(s->tolerance);
-  if (!(s->flight > 0)) s->flight = WALK_FLIGHT;
+  if (!(s->flight > 0)) s->flight = FLIGHT_MAX;
   for (int a = 0; a < 3; a++) s->flight = fmin(s->flight, 1 / (double)cells->stretch[a]);
   if (s->walkers >= UINT32_MAX)
     return FAIL(STATUS_INPUT, "%zu walkers are more than can be counted", s->walkers);
@@ -136,11 +138,11 @@ enum status walk_begin(const struct walk_cells *cells, const struct walk_setting
 #pragma omp parallel for schedule(static) reduction(&& : placed)
   for (size_t w = 0; w < m->count; w++) {
     walk->walkers[w].id = (uint32_t)(m->first + w);
-    placed = place(cells, s->seed, &walk->walkers[w]) && placed;
+    placed = place_walker(cells, s->seed, &walk->walkers[w]) && placed;
   }
   if (ranks_any(!placed))
     TRY_FAIL(STATUS_INPUT, "no pore to walk in: the flow's cells are all but closed");
-  look(walk, m->start);
+  record_spots(walk, m->start);
 cleanup:
   if (status != STATUS_OK) walk_end(walk);
   return status;
@@ -156,8 +158,8 @@ void walk_end(struct walk *walk) {
   walk_moments_free(&walk->moments);
 }
 
-/* Walkers of a brick beside each other: its cells are fetched once for all of them. By counting,
- * stable. */
+/* Sorts the walkers by brick (counting sort, stable), so that its cells are fetched only once for
+ * all of them. */
 static enum status sort(struct walk *walk) {
   enum status status = STATUS_OK;
   uint32_t *first = NULL;
@@ -174,8 +176,8 @@ cleanup:
   return status;
 }
 
-double walk_passed(const struct walk *walk, const double direction[3], const struct walk_spot *spot,
-                   size_t w) {
+double walk_displacement(const struct walk *walk, const double direction[3],
+                         const struct walk_spot *spot, size_t w) {
   const struct walk_spot *start = &walk->moments.start[w];
   double sum = 0;
   for (int a = 0; a < 3; a++)
@@ -184,16 +186,16 @@ double walk_passed(const struct walk *walk, const double direction[3], const str
   return sum;
 }
 
-/* First passages since the last look, taken as if walkers had moved evenly between. */
-static void pass_planes(struct walk *walk) {
+/* Sets first passages since the last sample, assuming uniform motion in between. */
+static void record_passages(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
   const double end = (double)walk->steps * walk->dt, interval = WALK_INTERVAL * walk->dt;
   const struct walk_spot *before =
       walk->moments.lags > 0 ? walk->moments.from[0] : walk->moments.start;
 #pragma omp parallel for schedule(static)
   for (size_t w = 0; w < walk->moments.count; w++) {
-    const double to = walk_passed(walk, walk->settings.direction, &walk->now[w], w),
-                 from = walk_passed(walk, walk->settings.direction, &before[w], w);
+    const double to = walk_displacement(walk, walk->settings.direction, &walk->now[w], w),
+                 from = walk_displacement(walk, walk->settings.direction, &before[w], w);
     for (int p = 0; p < WALK_PLANES; p++)
       if (to >= walk->plane[p] && !(walk->passage[p][w] > 0))
         walk->passage[p][w] =
@@ -206,13 +208,13 @@ enum status walk_advance(struct walk *walk) {
   const size_t count = walk->moments.count;
   TRY(sort(walk));
   walk_steps(walk->cells, &walk->step, walk->walkers, count, walk->steps, WALK_INTERVAL,
-             &walk->kept);
+             &walk->rejected);
   walk->steps += WALK_INTERVAL;
-  const size_t lost = (size_t)ranks_sum((double)look(walk, walk->now));
+  const size_t lost = (size_t)ranks_sum((double)record_spots(walk, walk->now));
   if (lost > 0)
     TRY_FAIL(STATUS_NUMERIC, "%zu of %zu walkers are in grain after %llu steps", lost,
              walk->settings.walkers, (unsigned long long)walk->steps);
-  pass_planes(walk);
+  record_passages(walk);
   if (walk->moments.intervals < WALK_TRACK)
     for (size_t w = 0; w < count && walk->moments.first + w < WALK_TRACKED; w++)
       for (int a = 0; a < 3; a++)
@@ -226,21 +228,21 @@ cleanup:
 }
 
 int walk_lags(const struct walk *walk, struct walk_lag lags[WALK_LAGS]) {
-  static struct walk_moments all; /* as large as a small stack */
-  all = walk->moments;            /* each group is one rank's; 0 on the others */
+  static struct walk_moments all; /* too large for a small stack */
+  all = walk->moments;            /* each group belongs to one rank; 0 on the others */
   ranks_sum_all(&all.sums[0][0][0], sizeof all.sums / sizeof(double));
   return walk_moments_lags(&all, walk->settings.direction, walk->cells->dimensions, walk->diffusion,
                            WALK_INTERVAL * walk->dt, (double)walk->step.time, lags);
 }
 
-/* For the longest distance across the flow, time units at D_T = D. */
+/* Memory for the longest distance across the flow, time units at D_T = D. */
 static double memory(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   double widest = 0;
   for (int a = 0; a < 3; a++)
     if ((c->dimensions == 3 || a != 1) && fabs(walk->settings.direction[a]) < 0.9)
       widest = fmax(widest, c->n[a] / (double)c->stretch[a]);
-  return MEMORY * widest * widest / walk->diffusion;
+  return MEMORY_FACTOR * widest * widest / walk->diffusion;
 }
 
 bool walk_done(const struct walk *walk, struct walk_verdict *verdict) {

@@ -7,13 +7,13 @@
 #include "sphsolve/solute/walk_slope.h"
 #include "sphsolve/solute/walk_surface.h"
 
-#define FARTHEST 32000 /* of a slope or a distance in its unit: what 16 bits hold */
+#define INTEGER_MAX 32000 /* largest slope or distance in its unit, to fit 16 bits */
 
 static size_t at(const int n[3], const int x[3]) {
   return ((size_t)x[2] * (size_t)n[1] + (size_t)x[1]) * (size_t)n[0] + (size_t)x[0];
 }
 
-/* Place of the cell `step` (-2 .. 2) from x, around the box. */
+/* Index of the cell at (i, j, k), -2 .. 2 each, from x, with periodic wrapping. */
 static inline size_t around(const int n[3], const int x[3], int i, int j, int k) {
   const int step[3] = {i, j, k};
   int y[3];
@@ -24,19 +24,20 @@ static inline size_t around(const int n[3], const int x[3], int i, int j, int k)
   return at(n, y);
 }
 
-/* From m/s to cells along the axis per time unit. */
+/* Factor from m/s to cells along the axis per time unit. */
 static float unit_along(const struct solute_flow *f, int axis) {
   return (float)(f->spacing[0] / (f->spacing[axis] * (f->speed > 0 ? f->speed : 1)));
 }
 
-/* Distances of all cells' low corners in units of `unit` m, no further than 16 bits hold. */
+/* Computes the distances of the low corners of all cells in units of `unit` m, limited to 16
+ * bits. */
 static enum status find_corners(const struct solute_flow *f, double unit, int16_t *corners) {
   enum status status = STATUS_OK;
   float *distance = NULL;
   TRY(memory_allocate(&distance, f->count, sizeof *distance, "distances of corners"));
   TRY(walk_surface_find(f, distance));
   for (size_t c = 0; c < f->count; c++)
-    corners[c] = (int16_t)lrint(fmin(fmax((double)distance[c] / unit, -FARTHEST), FARTHEST));
+    corners[c] = (int16_t)lrint(fmin(fmax((double)distance[c] / unit, -INTEGER_MAX), INTEGER_MAX));
 cleanup:
   memory_free(&distance);
   return status;
@@ -74,9 +75,10 @@ static void make_velocity(const struct solute_flow *f, const int x[3], float slo
     }
 }
 
-/* A cell takes part when water is in it, or when a corner of it lies in the pore of one that does:
- * the surface of the walkers and the cuts of the flow differ by a little. */
-static bool takes_part(const struct solute_flow *f, const int16_t *corners, const int x[3]) {
+/* Whether walkers may enter a cell: it contains water, or one of its corners lies in the pore and
+ * it adjoins a cell with water. The surface of the walkers and the cuts of the flow differ
+ * slightly. */
+static bool is_used(const struct solute_flow *f, const int16_t *corners, const int x[3]) {
   if (f->volume[at(f->n, x)] > 0) return true;
   bool corner = false, near = false;
   for (int c = 0; c < 8 && !corner; c++) corner = corner_of(f, corners, x, c) > 0;
@@ -85,7 +87,7 @@ static bool takes_part(const struct solute_flow *f, const int16_t *corners, cons
   return near;
 }
 
-/* The cell of a bit in a brick; false: beyond the box. */
+/* The cell of a bit in a brick; false: outside the box. */
 static bool cell_of(const struct walk_cells *cells, size_t brick, int bit, int x[3]) {
   size_t block = brick / 64;
   for (int a = 0; a < 3; a++) {
@@ -96,14 +98,14 @@ static bool cell_of(const struct walk_cells *cells, size_t brick, int bit, int x
   return x[0] < cells->n[0] && x[1] < cells->n[1] && x[2] < cells->n[2];
 }
 
-/* Which cells are open and which are cut. */
+/* Marks the open and the cut cells, and numbers the open ones. */
 static void fill_bricks(const struct solute_flow *f, const int16_t *corners,
                         struct walk_cells *cells) {
 #pragma omp parallel for schedule(static)
   for (size_t b = 0; b < cells->bricks; b++)
     for (int bit = 0; bit < 64; bit++) {
       int x[3];
-      if (!cell_of(cells, b, bit, x) || !takes_part(f, corners, x)) continue;
+      if (!cell_of(cells, b, bit, x) || !is_used(f, corners, x)) continue;
       struct walk_brick *brick = &cells->brick[b];
       brick->open |= (uint64_t)1 << bit;
       bool cut = false;
@@ -163,10 +165,10 @@ enum status walk_cells_make(const struct solute_flow *f, struct walk_cells *cell
   if (f->dimensions == 2) cells->stretch[1] = 1; /* nothing varies along y */
   if (padded > INT32_MAX)
     return FAIL(STATUS_INPUT, "a walk counts at most %d cells, not %.0f", INT32_MAX, padded);
-  /* A distance of two diagonals is far from any wall. */
-  const double unit = 2 * diagonal / FARTHEST;
+  /* Largest distance stored: two diagonals of a cell, beyond which no wall matters. */
+  const double unit = 2 * diagonal / INTEGER_MAX;
   cells->distance_unit = (float)(unit / f->spacing[0]);
-  cells->slope_unit = steepest(f) / FARTHEST;
+  cells->slope_unit = steepest(f) / INTEGER_MAX;
   TRY(memory_allocate(&corners, f->count, sizeof *corners, "distances of corners"));
   TRY(memory_allocate(&cells->brick, cells->bricks, sizeof *cells->brick, "bricks of cells"));
   TRY(find_corners(f, unit, corners));

@@ -1,4 +1,4 @@
-/* All bits of a walk, to go on from. */
+/* Saves and restores the complete state of a walk. */
 #include <stdio.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@ cleanup:
   return status;
 }
 
-/* Each walker is one rank's; its places are 0 on the others. */
+/* Each walker belongs to one rank; its positions are 0 on the others. */
 enum status walk_sum_track(struct walk *w) {
   enum status status = STATUS_OK;
   const size_t count = (size_t)3 * WALK_TRACKED * WALK_TRACK;
@@ -36,7 +36,7 @@ cleanup:
   return status;
 }
 
-/* One array of a walk: `words` 32-bit words for each walker, whatever they stand for. */
+/* One array of a walk: `words` 32-bit words per walker, of any type. */
 struct part {
   char name[16];
   void *data;
@@ -68,15 +68,15 @@ static enum status save_numbers(struct h5_file *file, const char *group, const s
   const struct walk_settings *s = &w->settings;
   const double numbers[8] = {s->peclet,    s->direction[0], s->direction[1], s->direction[2],
                              s->tolerance, s->flight,       s->most_steps,   0};
-  int64_t kept[2] = {(int64_t)w->kept.carried, (int64_t)w->kept.flown};
-  ranks_sum_whole(kept, 2);
+  int64_t rejected[2] = {(int64_t)w->rejected.advections, (int64_t)w->rejected.flights};
+  ranks_sum_whole(rejected, 2);
   const uint64_t counts[8] = {s->walkers,
                               s->seed,
                               w->steps,
                               w->moments.intervals,
                               (uint64_t)w->moments.lags,
-                              (uint64_t)kept[0],
-                              (uint64_t)kept[1],
+                              (uint64_t)rejected[0],
+                              (uint64_t)rejected[1],
                               w->cells->count};
   TRY(h5_write_attribute(file, group, "numbers", H5_F64, 8, numbers));
   TRY(h5_write_attribute(file, group, "counts", H5_U64, 8, counts));
@@ -84,7 +84,7 @@ cleanup:
   return status;
 }
 
-/* What all ranks have together: sums of groups, places of the tracked walkers. */
+/* Saves what is summed over all ranks: sums of groups, positions of the tracked walkers. */
 static enum status save_shared(struct h5_file *file, const char *group, struct walk *w) {
   enum status status = STATUS_OK;
   double *sums = NULL;
@@ -102,7 +102,7 @@ static enum status save_shared(struct h5_file *file, const char *group, struct w
   walk_frames_sum(w);
   snprintf(path, sizeof path, "%.255s/frames", group);
   TRY(h5_write(file, path, H5_U32, 1, frames, w->frame, true));
-  for (size_t i = 0; i < WALK_TRACKED; i++) /* again 0 where it is another rank's */
+  for (size_t i = 0; i < WALK_TRACKED; i++) /* set to 0 again where it belongs to another rank */
     for (int t = 0; t < WALK_TRACK && i - w->moments.first >= w->moments.count; t++)
       memset(w->track[t][i], 0, sizeof w->track[t][i]);
 cleanup:
@@ -132,8 +132,8 @@ cleanup:
   return status;
 }
 
-/* Of the walkers of a file, in any order, those of this rank. */
-static enum status take_own(const struct walker *all, struct walk *w) {
+/* Selects from the walkers of a file, in any order, those of this rank. */
+static enum status select_own(const struct walker *all, struct walk *w) {
   size_t count = 0;
   for (size_t i = 0; i < w->settings.walkers; i++) {
     if (all[i].id - w->moments.first >= w->moments.count) continue;
@@ -157,7 +157,7 @@ static enum status load_part(struct h5_file *file, const char *group, struct wal
   if (part->data != w->walkers)
     memcpy(part->data, data + w->moments.first * dims[1],
            w->moments.count * dims[1] * sizeof *data);
-  else if (take_own((const struct walker *)(const void *)data, w) != STATUS_OK)
+  else if (select_own((const struct walker *)(const void *)data, w) != STATUS_OK)
     TRY_FAIL(STATUS_INPUT, "%s: %s misses walkers; start afresh", h5_path(file), path);
 cleanup:
   memory_free(&data);
@@ -200,8 +200,8 @@ cleanup:
   return status;
 }
 
-/* What the moves take as given: walkers stand in cells that are, in the pore. */
-static bool sound(const struct walk *walk) {
+/* Checks what the moves rely on: walkers are in existing cells, in the pore. */
+static bool is_valid(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   for (size_t i = 0; i < walk->moments.count; i++) {
     const struct walker *w = &walk->walkers[i];
@@ -239,14 +239,14 @@ enum status walk_load(struct h5_file *file, const char *group, const struct walk
                                          .seed = (uint32_t)counts[1]};
   TRY(walk_begin(cells, &settings, walk));
   walk->steps = counts[2], walk->moments.intervals = counts[3];
-  if (ranks_own() == 0) walk->kept = (struct walk_kept){counts[5], counts[6]};
+  if (ranks_own() == 0) walk->rejected = (struct walk_rejected){counts[5], counts[6]};
   for (int k = 0; k < (int)counts[4]; k++, walk->moments.lags++)
     TRY(memory_allocate(&walk->moments.from[k], walk->moments.count, sizeof *walk->moments.from[k],
                         "places of walkers"));
   const size_t count = parts_of(walk, part);
   for (size_t p = 0; p < count; p++) TRY(load_part(file, group, walk, &part[p]));
   TRY(load_shared(file, group, walk));
-  if (!sound(walk))
+  if (!is_valid(walk))
     TRY_FAIL(STATUS_INPUT, "%s: walkers are not where the flow has pores; start afresh",
              h5_path(file));
 cleanup:

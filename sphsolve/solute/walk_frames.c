@@ -1,5 +1,5 @@
-/* Pictures of the plume: where walkers are from where they began, at times that double. A solute
- * that began at one point would be there, on the mean over all such points. */
+/* Histograms of the plume: displacements of the walkers from their starts, at times that double.
+ * They are the mean distribution of a solute released at a point, over all such points. */
 #include <math.h>
 #include <string.h>
 
@@ -7,7 +7,7 @@
 #include "common/ranks.h"
 #include "sphsolve/solute/walk.h"
 
-/* A direction across the flow: of the axes the one most across it. */
+/* A direction across the flow: the normal part of the axis that is most transverse. */
 static void direction_across(const struct walk *walk, double across[3]) {
   const double *e = walk->settings.direction;
   int axis = 2;
@@ -22,8 +22,8 @@ static void direction_across(const struct walk *walk, double across[3]) {
 }
 
 static void place_of(const struct walk *walk, size_t w, const double across[3], double place[2]) {
-  place[0] = walk_passed(walk, walk->settings.direction, &walk->now[w], w);
-  place[1] = walk_passed(walk, across, &walk->now[w], w);
+  place[0] = walk_displacement(walk, walk->settings.direction, &walk->now[w], w);
+  place[1] = walk_displacement(walk, across, &walk->now[w], w);
 }
 
 void walk_frames_take(struct walk *walk) {
@@ -57,7 +57,7 @@ void walk_frames_take(struct walk *walk) {
   }
 }
 
-/* Counts of all ranks to the first; 0 on the others. */
+/* Adds the counts of all ranks on the first rank, and sets them to 0 on the others. */
 void walk_frames_sum(struct walk *walk) {
   for (int f = 0; f < walk->frames && ranks_count() > 1; f++)
     for (int j = 0; j < WALK_ACROSS_BINS; j++) {

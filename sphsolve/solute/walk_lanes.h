@@ -1,5 +1,5 @@
-/* Sixteen walkers side by side: the same steps as walk_move.h, without branches, so that the
- * compiler makes vectors of the loops. The arithmetic is the same to the bit. */
+/* Sixteen walkers at a time: the same steps as in walk_move.h, without branches, so that the
+ * compiler can vectorise the loops. The results are bitwise the same. */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_LANES_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_LANES_H
 
@@ -9,7 +9,7 @@
 
 #define LANES 16
 
-/* struct walker, by columns. */
+/* struct walker as a structure of arrays. */
 struct walk_lanes {
   float x[3][LANES];
   int32_t wrapped[3][LANES], cell[3][LANES], number[LANES];
@@ -34,9 +34,9 @@ WALK_HOT struct walker lanes_take(const struct walk_lanes *g, int l) {
                          .id = g->id[l]};
 }
 
-/* Four words, from the word `first` on, of the records of sixteen cells, by columns: word first + w
- * of each in word[w]. Cells l, l + 4, l + 8, l + 12 make a row, and each quarter of the four rows
- * is turned by itself. */
+/* Transposes four words of the records of sixteen cells: word first + w of each cell into word[w].
+ * Cells l, l + 4, l + 8, l + 12 make a row, and each quarter of the four rows is transposed
+ * separately. */
 WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LANES], int first,
                             int32_t word[4][LANES]) {
   typedef int32_t quarter __attribute__((vector_size(16)));
@@ -68,7 +68,7 @@ WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LAN
   for (int w = 0; w < 4; w++) memcpy(word[w], &t[w], sizeof t[w]);
 }
 
-/* walk_velocity at x in the cells. */
+/* walk_velocity at x in the cells, for all lanes. */
 WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LANES],
                              float x[3][LANES], float u[3][LANES]) {
   int32_t word[12][LANES] __attribute__((aligned(64)));
@@ -101,7 +101,8 @@ WALK_HOT void lanes_velocity(const struct walk_cells *c, const int32_t number[LA
   }
 }
 
-/* Which walkers stand in grain, a bit each: walk_in_pore, false where there is no cell. */
+/* Walkers located in grain, one bit each: the opposite of walk_in_pore; also set where there is no
+ * cell. */
 WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_lanes *g) {
   int32_t word[4][LANES] __attribute__((aligned(64)));
   int32_t number[LANES], grain[LANES];
@@ -131,8 +132,8 @@ WALK_HOT uint32_t lanes_in_grain(const struct walk_cells *c, const struct walk_l
   return mask;
 }
 
-/* walk_settle after a move; the cells found are fetched for the next turn. Those who stayed in
- * their cell are not looked up again. */
+/* walk_settle after a move; prefetches the new cells for the next step. Only walkers that left
+ * their cell are looked up. */
 WALK_HOT void lanes_settle(const struct walk_cells *c, struct walk_lanes *g) {
   int32_t left[LANES] = {0};
   uint32_t address[LANES], mask = 0;

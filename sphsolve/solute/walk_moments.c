@@ -6,10 +6,10 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 
-#define LEAST_WAYS 2          /* of each walker, for a lag to count */
-#define LEAST_COEFFICIENT 0.1 /* of D: errors of less, as across a slit, are relative to this */
-#define LEAST_SPREAD 0.5      /* D_T / D below which walls, not slowness, hold walkers together */
-#define CONFIDENCE 2.0        /* standard errors: 95 % with 64 groups */
+#define DISPLACEMENTS_MIN 2 /* fewest displacements of each walker for a lag to be used */
+#define COEFFICIENT_MIN 0.1 /* of D: errors of smaller coefficients are relative to this */
+#define SPREAD_MIN 0.5      /* least D_T / D in the memory: below it walls confine walkers */
+#define CONFIDENCE 2.0      /* standard errors: 95 % with 64 groups */
 
 size_t walk_group_start(size_t walkers, int group) {
   return walkers * (size_t)group / WALK_GROUPS;
@@ -37,7 +37,7 @@ static void displacement_between(const struct walk_moments *m, const struct walk
                                        ((double)to->x[a] - (double)from->x[a]));
 }
 
-static void add_ways(struct walk_moments *m, int lag, const struct walk_spot *now) {
+static void add_displacements(struct walk_moments *m, int lag, const struct walk_spot *now) {
   struct walk_spot *from = m->from[lag];
 #pragma omp parallel for schedule(static)
   for (int g = m->group[0]; g < m->group[1]; g++) {
@@ -69,18 +69,18 @@ enum status walk_moments_add(struct walk_moments *m, const struct walk_spot *now
       memcpy(m->from[lag], m->start, m->count * sizeof *m->start);
       m->lags++;
     }
-    add_ways(m, lag, now);
+    add_displacements(m, lag, now);
   }
 cleanup:
   return status;
 }
 
-/* Second moments of a group about the mean of all, along the flow and across, and each. */
+/* Second moments of a group about the overall mean: along the flow, across it, and all six. */
 struct moment {
   double along, across, product[6];
 };
 
-static double ways_of_group(const struct walk_moments *m, int lag, int g) {
+static double displacements_of_group(const struct walk_moments *m, int lag, int g) {
   const size_t walkers = walk_group_start(m->walkers, g + 1) - walk_group_start(m->walkers, g);
   return (double)walkers * (double)(m->intervals >> lag);
 }
@@ -118,18 +118,20 @@ static void mean_displacement(const struct walk_moments *m, int lag, double disp
   }
 }
 
-static void judge_lag(const struct walk_moments *m, int k, const double e[3], int dimensions,
-                      double diffusion, double interval, struct walk_lag *lag) {
+static void evaluate_lag(const struct walk_moments *m, int k, const double e[3], int dimensions,
+                         double diffusion, double interval, struct walk_lag *lag) {
   double along[WALK_GROUPS], across[WALK_GROUPS], product[6][WALK_GROUPS], mean[3], before[3];
   const double span = 2 * diffusion * interval * (double)((uint64_t)1 << k);
-  const double share = k > 0 ? 0.5 : 1; /* of the lag over which the moment's growth is taken */
+  const double share = k > 0 ? 0.5 : 1; /* part of the lag in which the growth is taken */
   mean_displacement(m, k, mean);
   if (k > 0) mean_displacement(m, k - 1, before);
   for (int g = 0; g < WALK_GROUPS; g++) {
-    struct moment now = moment_of(m->sums[k][g], ways_of_group(m, k, g), mean, e, dimensions);
+    struct moment now =
+        moment_of(m->sums[k][g], displacements_of_group(m, k, g), mean, e, dimensions);
     struct moment half = {0};
     if (k > 0)
-      half = moment_of(m->sums[k - 1][g], ways_of_group(m, k - 1, g), before, e, dimensions);
+      half =
+          moment_of(m->sums[k - 1][g], displacements_of_group(m, k - 1, g), before, e, dimensions);
     along[g] = (now.along - half.along) / (share * span);
     across[g] = (now.across - half.across) / (share * span);
     for (int i = 0; i < 6; i++) product[i][g] = (now.product[i] - half.product[i]) / (share * span);
@@ -139,27 +141,29 @@ static void judge_lag(const struct walk_moments *m, int k, const double e[3], in
   for (int i = 0; i < 6; i++) mean_of(product[i], &lag->tensor[i], &lag->tensor_error[i]);
 }
 
-/* Flights of one length let a wave of number q fade by <cos(q.flight)> = 1 - x + .3 x^2 in a step,
- * x = D q^2 dt, where diffusion does by exp(-x). A velocity that walkers lose by diffusion alone,
- * as between plane walls, then gives per wave 1 / (1 - x + ...) summed over the steps, var(u) (1 /
- * (D q^2) - dt / 5): D_L lacks dt / 5 of the variance. 3 % of it across a slit of 6 flights; next
- * to nothing where the water itself takes walkers to other velocities. */
-static void add_lacking(const double e[3], double step, double variance, struct walk_lag *lag) {
-  const double lacking = step / 5 * fmax(variance, 0);
-  lag->longitudinal += lacking;
-  for (int i = 0; i < 6; i++) lag->tensor[i] += lacking * e[i % 3] * e[i < 3 ? i : (i + 1) % 3];
+/* Flights of fixed length damp a wave of number q by <cos(q.flight)> = 1 - x + .3 x^2 in a step,
+ * x = D q^2 dt, whereas diffusion damps it by exp(-x). If the velocity of walkers decorrelates by
+ * diffusion alone, as between plane walls, each wave contributes 1 / (1 - x + ...) summed over the
+ * steps, var(u) (1 / (D q^2) - dt / 5): D_L is too small by dt / 5 times the variance. Adds this
+ * term. It is 3 % across a slit of 6 flights, and negligible where advection changes the velocity
+ * of walkers. */
+static void add_flight_correction(const double e[3], double step, double variance,
+                                  struct walk_lag *lag) {
+  const double correction = step / 5 * fmax(variance, 0);
+  lag->longitudinal += correction;
+  for (int i = 0; i < 6; i++) lag->tensor[i] += correction * e[i % 3] * e[i < 3 ? i : (i + 1) % 3];
 }
 
 int walk_moments_lags(const struct walk_moments *m, const double e[3], int dimensions,
                       double diffusion, double interval, double carried,
                       struct walk_lag lags[WALK_LAGS]) {
   int count = 0;
-  for (int k = 0; k < m->lags && m->intervals >> k >= LEAST_WAYS; k++, count++) {
+  for (int k = 0; k < m->lags && m->intervals >> k >= DISPLACEMENTS_MIN; k++, count++) {
     double displacement[3], pair = 0, along = 0, square = 0;
     struct walk_lag *lag = &lags[k];
     *lag = (struct walk_lag){.time = interval * (double)((uint64_t)1 << k),
                              .displacements = (double)m->walkers * (double)(m->intervals >> k)};
-    judge_lag(m, k, e, dimensions, diffusion, interval, lag);
+    evaluate_lag(m, k, e, dimensions, diffusion, interval, lag);
     mean_displacement(m, k, displacement);
     lag->velocity =
         (displacement[0] * e[0] + displacement[1] * e[1] + displacement[2] * e[2]) / lag->time;
@@ -170,17 +174,17 @@ int walk_moments_lags(const struct walk_moments *m, const double e[3], int dimen
     }
     const double variance = square - along * along;
     lag->correlation = variance > 0 ? (pair - along * along) / variance : 0;
-    add_lacking(e, carried, variance / diffusion, lag);
+    add_flight_correction(e, carried, variance / diffusion, lag);
   }
   return count;
 }
 
 double walk_error_unit(double coefficient) {
-  return fmax(fabs(coefficient), LEAST_COEFFICIENT);
+  return fmax(fabs(coefficient), COEFFICIENT_MIN);
 }
 
-/* Relative error of the value at `k` among those of all lags: of its statistics, and of the drift,
- * which is the change since the lag before, and what longer lags show beyond their own errors. */
+/* Relative error of the value at `k` among those of all lags: statistical, and by drift, which is
+ * the change since the preceding lag, or what longer lags show beyond their own errors. */
 static double error_at(const double *value, const double *error, int k, int count,
                        double *statistics, double *drift) {
   double change = fabs(value[k] - value[k - 1]);
@@ -200,7 +204,7 @@ struct walk_verdict walk_moments_judge(const struct walk_lag *lags, int count, d
     across[k] = lags[k].transverse, across_error[k] = lags[k].transverse_error;
   }
   for (int k = 1; k < count; k++) {
-    if (lags[k].time * fmax(across[k], LEAST_SPREAD) < memory) continue;
+    if (lags[k].time * fmax(across[k], SPREAD_MIN) < memory) continue;
     struct walk_verdict v = {.lag = k, .longitudinal = along[k], .transverse = across[k]};
     v.longitudinal_error =
         error_at(along, along_error, k, count, &v.longitudinal_statistics, &v.longitudinal_drift);

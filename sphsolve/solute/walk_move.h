@@ -1,19 +1,21 @@
-/* How one walker moves in a time step: with the water, then by diffusion. Each of the two moves
- * leaves walkers that are spread evenly over the pore spread evenly, so that none gather anywhere,
- * however long they walk:
+/* How one walker moves in a time step: advection with the water, then diffusion. Each of the two
+ * moves preserves a uniform distribution of walkers over the pore, so that none accumulate
+ * anywhere, however long they walk:
  *
  * - Diffusion: a straight flight of fixed length l = sqrt(6 D dt) in a random direction (its mean
- *   square along each axis is 2 D dt), mirrored where it meets the wall. Flights with mirrors keep
- *   volumes of place and direction whatever the shape of the wall (Liouville; billiards).
+ *   square along each axis is 2 D dt), reflected where it meets the wall. Flights with reflections
+ *   preserve the volume in the space of position and direction whatever the shape of the wall
+ *   (Liouville; billiards).
  *
- * - The water: u has no divergence, so to follow it for a time keeps volumes. In a cell that the
- *   wall cuts, the stream lines fill the whole cube, and some come up to the wall. A walker that
- * has entered grain goes on, at once and in no time, until its stream line brings it back into the
- *   pore: the map of first return, which keeps volumes in the pore as the flow does in the cubes
- *   (Kac 1947, Bull. Amer. Math. Soc. 53, 1002). The flux through each face is carried in full.
+ * - Advection: u is divergence-free, so following it for a time preserves volumes. In a cell cut by
+ *   the wall, the streamlines fill the whole cube, and some reach the wall. A walker that has
+ *   entered grain continues, within the same time step, until its streamline brings it back into
+ *   the pore: this map of first return preserves volumes in the pore as the flow does in the cubes
+ *   (Kac 1947, Bull. Amer. Math. Soc. 53, 1002). The full flux through each face is carried.
  *
- * The time step is one for all walkers: with a step that depended on the place they would gather
- * where it is short. Where the water is fast, the displacement with it is cut into parts instead.
+ * All walkers have the same time step: with a step that depended on the position they would
+ * accumulate where it is short. Where the water is fast, advection is divided into substeps
+ * instead.
  */
 #ifndef TOSUI_SPHSOLVE_SOLUTE_WALK_MOVE_H
 #define TOSUI_SPHSOLVE_SOLUTE_WALK_MOVE_H
@@ -25,25 +27,25 @@
 #include "common/variants.h"
 #include "sphsolve/solute/walk_cells.h"
 
-#define WALK_PART 0.5f     /* of a cell: the longest part of a displacement with the water */
-#define WALK_RETURNS 512   /* steps in grain after which a walker stays where it was */
-#define WALK_MIRRORS 8     /* of one flight, after which it stays too */
-#define WALK_AT_WALL 1e-4f /* first spacings: so near is at the wall */
+#define WALK_SUBSTEP_MAX 0.5f     /* longest substep of advection, cells */
+#define WALK_RETURN_STEPS_MAX 512 /* steps in grain after which the advection is rejected */
+#define WALK_REFLECTIONS_MAX 8    /* reflections of one flight after which it is rejected */
+#define WALK_AT_WALL 1e-4f        /* distance that counts as at the wall, first spacings */
 
-/* 64 bytes: one line of cache. */
+/* 64 bytes: one cache line. */
 struct walker {
-  walk_vector x;      /* from the centre of the cell, in cells: -1/2 .. 1/2; lane 3 is 0 */
+  walk_vector x;      /* offset from the centre of the cell, in cells: -1/2 .. 1/2; lane 3 is 0 */
   walk_place wrapped; /* the cell in the box */
-  walk_place cell;    /* the same in the box that repeats without end */
+  walk_place cell;    /* the cell in the unwrapped periodic box */
   int32_t number;     /* of the cell in walk_cells; -1: grain */
-  uint32_t address;   /* its brick and bit */
+  uint32_t address;   /* of the cell (walk_address) */
   uint32_t walls;     /* WALK_NEAR, WALK_CUT */
   uint32_t id;
 };
 
 enum { WALK_NEAR = 1, WALK_CUT = 2 };
 
-/* Copied into each variant of the loop; what few walkers need is left outside of it. */
+/* HOT: inlined into each variant of the loop; COLD: needed by few walkers, kept out of it. */
 #define WALK_HOT static inline __attribute__((always_inline))
 #define WALK_COLD TARGETS static __attribute__((noinline, unused))
 
@@ -51,7 +53,7 @@ WALK_HOT walk_vector walk_all(float value) {
   return (walk_vector){value, value, value, value};
 }
 
-/* Number (-1: grain) and walls of the cell at an address. */
+/* Number (-1: grain) and wall flags of the cell at an address. */
 WALK_HOT void walk_look_up(const struct walk_cells *c, uint32_t address, int32_t *number,
                            uint32_t *walls) {
   const struct walk_brick *brick = &c->brick[address / 64];
@@ -62,16 +64,16 @@ WALK_HOT void walk_look_up(const struct walk_cells *c, uint32_t address, int32_t
   *walls = (uint32_t)(brick->near >> bit & 1) | (uint32_t)(brick->cut >> bit & 1) << 1;
 }
 
-/* Finds the walker's cell from its place in the box; false: grain. */
+/* Looks up the walker's cell from its position in the box; false: grain. */
 WALK_HOT bool walk_find(const struct walk_cells *c, struct walker *w) {
   w->address = walk_address(c, w->wrapped);
   walk_look_up(c, w->address, &w->number, &w->walls);
   return w->number >= 0;
 }
 
-/* Brings x back to -1/2 .. 1/2 and the cell with it, for displacements of at most a cell (two steps
- * by rounding, in a box of one); false: that cell is grain. Without branches: whether a walker
- * leaves its cell cannot be guessed. */
+/* Brings x back to -1/2 .. 1/2 and updates the cell, for displacements of at most one cell (two
+ * steps by rounding, in a box of one cell); false: the new cell is grain. Without branches, because
+ * it is unpredictable whether a walker leaves its cell. */
 WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   const walk_place n = {c->n[0], c->n[1], c->n[2], 1};
   const walk_vector up = w->x + walk_all(0.5f);
@@ -87,8 +89,8 @@ WALK_HOT bool walk_settle(const struct walk_cells *c, struct walker *w) {
   return walk_find(c, w);
 }
 
-/* Four of the cell's counted values. Eight are read; the record is long enough. */
-WALK_HOT walk_vector walk_counted(const int16_t *from) {
+/* Converts four of the cell's integer values. Eight are read; the record is long enough. */
+WALK_HOT walk_vector walk_unpack(const int16_t *from) {
   typedef int16_t eight __attribute__((vector_size(16)));
   eight counted;
   memcpy(&counted, from, sizeof counted);
@@ -96,18 +98,18 @@ WALK_HOT walk_vector walk_counted(const int16_t *from) {
   return __builtin_convertvector((walk_place)twice >> 16, walk_vector);
 }
 
-/* Distance to the wall, first spacings, linear between the corners of the cell. */
+/* Wall distance, first spacings, trilinear between the corners of the cell. */
 WALK_HOT float walk_distance(const struct walk_cells *c, const struct walker *w) {
   if (w->number < 0) return -1;
   const int16_t *corner = c->cell[w->number].corner;
-  const walk_vector low = walk_counted(corner), high = walk_counted(corner + 4);
+  const walk_vector low = walk_unpack(corner), high = walk_unpack(corner + 4);
   const float x = w->x[0] + 0.5f, y = w->x[1] + 0.5f, z = w->x[2] + 0.5f;
   const walk_vector weight = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
   const walk_vector sum = weight * (low + walk_all(z) * (high - low));
   return c->distance_unit * ((sum[0] + sum[1]) + (sum[2] + sum[3]));
 }
 
-/* Its gradient, of length 1. */
+/* Normalised gradient of the wall distance. */
 WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, float g[3]) {
   const int16_t *d = c->cell[w->number].corner;
   const float x[3] = {w->x[0] + 0.5f, w->x[1] + 0.5f, w->x[2] + 0.5f};
@@ -127,23 +129,22 @@ WALK_COLD void walk_normal(const struct walk_cells *c, const struct walker *w, f
   for (int a = 0; a < 3; a++) g[a] *= by;
 }
 
-/* At x in a cell, cells along the axis per time unit (walk_cells.h). */
+/* Velocity at x in a cell, cells along the axis per time unit (walk_cells.h). */
 WALK_HOT walk_vector walk_velocity(const struct walk_cells *c, int32_t number, walk_vector x) {
   const struct walk_cell *cell = &c->cell[number];
-  const walk_vector low_next = walk_counted(cell->slope[0]),
-                    low_last = walk_counted(cell->slope[1]),
-                    high_next = walk_counted(cell->slope[2]),
-                    high_last = walk_counted(cell->slope[3]);
-  walk_vector low, high; /* fluxes of the faces at the walker's place along them */
+  const walk_vector low_next = walk_unpack(cell->slope[0]), low_last = walk_unpack(cell->slope[1]),
+                    high_next = walk_unpack(cell->slope[2]),
+                    high_last = walk_unpack(cell->slope[3]);
+  walk_vector low, high; /* fluxes of the faces at the walker's position along them */
   memcpy(&low, cell->face[0], sizeof low);
-  memcpy(&high, &cell->face[0][2], sizeof high); /* one too early: the record ends with them */
+  memcpy(&high, &cell->face[0][2], sizeof high); /* from one value earlier: the record ends here */
   high = __builtin_shufflevector(high, high, 1, 2, 3, 0);
   const walk_vector unit = walk_all(c->slope_unit), scaled = unit * x;
   const walk_vector next = __builtin_shufflevector(scaled, scaled, 1, 2, 0, 3);
   const walk_vector last = __builtin_shufflevector(scaled, scaled, 2, 0, 1, 3);
   low += low_next * next + low_last * last;
   high += high_next * next + high_last * last;
-  /* What the slopes of the other faces along this axis leave to it. */
+  /* The quadratic term along each axis that compensates the slopes of the other faces. */
   const walk_vector more_next = high_next - low_next, more_last = high_last - low_last;
   const walk_vector square = __builtin_shufflevector(more_last, more_last, 1, 2, 0, 3) +
                              __builtin_shufflevector(more_next, more_next, 2, 0, 1, 3);
@@ -156,9 +157,8 @@ WALK_HOT float walk_inside(float x) {
   return x < -0.5f ? -0.5f : x < 0.5f ? x : 0x1.fffffep-2f;
 }
 
-/* Moves by `move` cells. At a face that is closed, reached by the error of a part, the walker
- * stays.
- */
+/* Moves by `move` cells. If that crosses a closed face, which can result from the error of a
+ * substep, the walker stays in its cell. */
 WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vector move) {
   const struct walker from = *w;
   w->x += move;
@@ -167,28 +167,28 @@ WALK_HOT void walk_shift(const struct walk_cells *c, struct walker *w, walk_vect
   for (int a = 0; a < 3; a++) w->x[a] = walk_inside(w->x[a] + move[a]);
 }
 
-WALK_HOT float walk_most(float u, float v, float w) {
+WALK_HOT float walk_largest(float u, float v, float w) {
   const float x = fabsf(u), y = fabsf(v), z = fabsf(w), most = x > y ? x : y;
   return most > z ? most : z;
 }
 
-/* What one part of a displacement with the water takes of the time that is left, at the speed
- * `most`. */
-WALK_HOT float walk_part(float most, float left) {
-  const float part = left * WALK_PART / (most * left), half = 0.5f * left;
-  return most * left > WALK_PART ? (part < half ? part : half) : left;
+/* Length in time of the next substep of advection; `left`: remaining time, `most`: the largest
+ * velocity component, cells per time unit. */
+WALK_HOT float walk_substep(float most, float left) {
+  const float part = left * WALK_SUBSTEP_MAX / (most * left), half = 0.5f * left;
+  return most * left > WALK_SUBSTEP_MAX ? (part < half ? part : half) : left;
 }
 
 WALK_HOT bool walk_in_pore(const struct walk_cells *c, const struct walker *w) {
   return !(w->walls & WALK_CUT) || walk_distance(c, w) > 0;
 }
 
-/* The displacement with the water in as many parts as it takes, through the cubes, each by the
+/* Advection for a time, in as many substeps as needed, through the whole cubes, each by the
  * midpoint rule. */
-WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float time) {
+WALK_HOT void walk_advect(const struct walk_cells *c, struct walker *w, float time) {
   for (float left = time; left > 0;) {
     const walk_vector v = walk_velocity(c, w->number, w->x);
-    const float part = walk_part(walk_most(v[0], v[1], v[2]), left);
+    const float part = walk_substep(walk_largest(v[0], v[1], v[2]), left);
     struct walker middle = *w;
     walk_shift(c, &middle, walk_all(0.5f * part) * v);
     walk_shift(c, w, walk_all(part) * walk_velocity(c, middle.number, middle.x));
@@ -196,19 +196,19 @@ WALK_HOT void walk_follow(const struct walk_cells *c, struct walker *w, float ti
   }
 }
 
-/* On through grain. */
+/* Continues through grain until the walker is back in the pore; false: it was not. */
 WALK_COLD bool walk_return(const struct walk_cells *c, struct walker *w, float time) {
-  for (int r = 1; r < WALK_RETURNS; r++) {
-    walk_follow(c, w, time);
+  for (int r = 1; r < WALK_RETURN_STEPS_MAX; r++) {
+    walk_advect(c, w, time);
     if (walk_in_pore(c, w)) return true;
   }
   return false;
 }
 
-/* Where the flight `move` from `from`, which ends in grain, meets the wall, as a share of it; the
- * false position, with the halves of Illinois (Dowell, Jarratt 1971). */
-WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from, walk_vector move,
-                          float outside, struct walker *hit) {
+/* Fraction of the flight `move` from `from`, which ends in grain, at which it meets the wall:
+ * regula falsi with the Illinois modification (Dowell, Jarratt 1971). */
+WALK_COLD float walk_find_wall(const struct walk_cells *c, const struct walker *from,
+                               walk_vector move, float outside, struct walker *hit) {
   float low = 0, high = 1, inside = walk_distance(c, from) - WALK_AT_WALL;
   outside -= WALK_AT_WALL;
   *hit = *from;
@@ -232,12 +232,11 @@ WALK_COLD float walk_meet(const struct walk_cells *c, const struct walker *from,
   return low;
 }
 
-/* Whether the flight back, which ends with `move` and has this length in all, is mirrored as well:
- * a straight one could pass a grain's edge. Only moves that could be made both ways keep walkers
- * even.
- */
-WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker *end,
-                                 walk_vector move, float length) {
+/* Whether the reverse flight, from the end along `move` with this total length, is reflected as
+ * well: a straight one could pass the edge of a grain. Only reversible moves preserve the uniform
+ * distribution. */
+WALK_COLD bool walk_reflects_back(const struct walk_cells *c, const struct walker *end,
+                                  walk_vector move, float length) {
   float square = 0;
   for (int a = 0; a < 3; a++) square += (move[a] / c->stretch[a]) * (move[a] / c->stretch[a]);
   struct walker back = *end;
@@ -246,22 +245,22 @@ WALK_COLD bool walk_mirrors_back(const struct walk_cells *c, const struct walker
   return !(walk_distance(c, &back) > 0);
 }
 
-/* A flight that ends in grain: to the wall, mirrored there, and so on. */
-WALK_COLD bool walk_mirror(const struct walk_cells *c, struct walker *w, walk_vector move,
-                           float length) {
+/* A flight that ends in grain: to the wall, reflected there, and so on; false: rejected. */
+WALK_COLD bool walk_reflect(const struct walk_cells *c, struct walker *w, walk_vector move,
+                            float length) {
   const struct walker start = *w;
-  for (int m = 0; m < WALK_MIRRORS; m++) {
+  for (int m = 0; m < WALK_REFLECTIONS_MAX; m++) {
     const struct walker from = *w;
     w->x += move;
     walk_settle(c, w);
     const float outside = walk_distance(c, w);
     if (outside > 0) {
-      if (m == 0 || walk_mirrors_back(c, w, move, length)) return true;
+      if (m == 0 || walk_reflects_back(c, w, move, length)) return true;
       break;
     }
     struct walker hit;
     float normal[3], along = 0;
-    const float share = walk_meet(c, &from, move, outside, &hit);
+    const float share = walk_find_wall(c, &from, move, outside, &hit);
     walk_normal(c, &hit, normal);
     for (int a = 0; a < 3; a++) along += normal[a] * move[a] / c->stretch[a];
     for (int a = 0; a < 3; a++)

@@ -1,4 +1,4 @@
-/* What readers want of a walk. */
+/* Record of a walk for output. */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -26,8 +26,8 @@ enum status walk_record(struct walk *walk, struct walk_record *r) {
   r->count = walk_lags(walk, r->lags);
   r->walkers = (double)n, r->steps = (double)walk->steps;
   r->dt = walk->dt, r->flight = (double)walk->step.flight, r->interval = WALK_INTERVAL * walk->dt;
-  r->not_carried = ranks_sum((double)walk->kept.carried);
-  r->not_flown = ranks_sum((double)walk->kept.flown);
+  r->not_carried = ranks_sum((double)walk->rejected.advections);
+  r->not_flown = ranks_sum((double)walk->rejected.flights);
   TRY(memory_allocate(&sorted, n, sizeof *sorted, "times of passage"));
   for (int p = 0; p < WALK_PLANES; p++) {
     r->plane[p] = walk->plane[p];
@@ -91,8 +91,8 @@ cleanup:
   return status;
 }
 
-/* Places of the first walkers, m from the centre of the first cell, in the box that repeats without
- * end; `interval` s apart. */
+/* Writes the positions of the tracked walkers, m from the centre of the first cell, in the
+ * unwrapped periodic box, and the time between two of them, s. */
 static enum status write_tracks(struct h5_file *file, const char *group, struct walk_record *r,
                                 double length, double time) {
   enum status status = STATUS_OK;
@@ -108,8 +108,8 @@ cleanup:
   return status;
 }
 
-/* Pictures of the plume: shares of the walkers by place from where they began, and the places and
- * widths of the bins, m. */
+/* Writes the histograms of the plume: fractions of the walkers by displacement, and the lower ends
+ * and widths of the bins, m. */
 static enum status write_frames(struct h5_file *file, const char *group,
                                 const struct walk_record *r, double length, double time) {
   enum status status = STATUS_OK;

@@ -5,15 +5,17 @@
 
 #include "sphsolve/solute/flow_internal.h"
 
-/* Walls farther than this from the middle of a face, cells, are not between it and the next. */
-#define BESIDE 1.5
-/* Beyond these shares the part of a face that is open, or that is not, is a mere corner. */
-#define CORNER 0.02
-/* A wall that rises by less along a face, cells, has no direction there. */
-#define LEVEL 0.1
+/* Largest distance of a wall from the middle of a face, cells, to lie between it and the next
+ * face. */
+#define WALL_DISTANCE_MAX 1.5
+/* Smaller fractions of a face, open or closed, are treated as mere corners. */
+#define FRACTION_MIN 0.02
+/* Smallest change of the distance along a face, over the spacing, from which the wall has a
+ * direction. */
+#define RISE_MIN 0.1
 
-/* Distance to the wall, m, at the middle of the face of axis `axis` that lies `by` cells from that
- * of cell x along `across`. */
+/* Wall distance, m, at the middle of the face of axis `axis` that lies `by` cells from that of cell
+ * x along `across`. */
 static double distance_at(const struct solute_flow *f, const int x[3], int axis, int across,
                           int by) {
   int high[3] = {x[0], x[1], x[2]}, low[3];
@@ -30,17 +32,18 @@ static size_t beside(const struct solute_flow *f, const int x[3], int across, in
   return solute_flow_at(f, y[0], y[1], y[2]);
 }
 
-/* From the middle of the open face to a wall on the side `by`, cells; INFINITY: none so near. */
+/* Distance from the middle of the open face to a wall on the side `by`, cells; INFINITY: none
+ * nearby. */
 static double wall_at(const struct solute_flow *f, const int x[3], int axis, int across, int by) {
   if (f->aperture[axis][beside(f, x, across, by)] >= 1) return INFINITY;
   const double here = distance_at(f, x, axis, across, 0),
                there = distance_at(f, x, axis, across, by);
   const double wall = here > there ? here / (here - there) : INFINITY;
-  return wall <= BESIDE ? fmax(wall, 0.5) : INFINITY;
+  return wall <= WALL_DISTANCE_MAX ? fmax(wall, 0.5) : INFINITY;
 }
 
-/* Of a face without a cut: the slope in its middle of the parabola that has its mean, and on each
- * side the mean of the next face or, where a wall is between, 0 at the wall. */
+/* Slope of an uncut face: that in its middle of the parabola that has the mean of this face and, on
+ * each side, the mean of the next face or, if a wall lies between, the value 0 at the wall. */
 static double open_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
   const float *q = f->velocity[axis];
   const double here = (double)q[beside(f, x, across, 0)], low = (double)q[beside(f, x, across, -1)],
@@ -55,10 +58,10 @@ static double open_slope(const struct solute_flow *f, const int x[3], int axis, 
   return isinf(to_low) ? -slope : slope;
 }
 
-/* Of a face that the wall cuts. Linear over all of it, with this mean: along the wall's normal so
- * steep that nothing passes what lies in grain, and the open part passes all of the flux. The flux
- * is 0 at the centroid of the part in grain, which lies beyond the wall; nearer to the wall walkers
- * see a little more water than there is, and less in the middle. */
+/* Slope of a face cut by the wall. The flux is linear over the whole face, with the given mean, and
+ * along the normal of the wall so steep that the part in grain passes no net flux and the open part
+ * all of it. The flux is 0 at the centroid of the part in grain, which lies beyond the wall; near
+ * the wall walkers therefore have a little too much velocity, and too little in the middle. */
 static double cut_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
   const size_t at = solute_flow_at(f, x[0], x[1], x[2]);
   const double q = (double)f->velocity[axis][at], d = distance_at(f, x, axis, across, 0);
@@ -68,11 +71,11 @@ static double cut_slope(const struct solute_flow *f, const int x[3], int axis, i
     m[t] = 0.5 * (distance_at(f, x, axis, along, 1) - distance_at(f, x, axis, along, -1));
   }
   const double own = m[(across - axis + 3) % 3 - 1], rise = fabs(m[0]) + fabs(m[1]);
-  if (rise < LEVEL * f->spacing[across]) return 0;
+  if (rise < RISE_MIN * f->spacing[across]) return 0;
   solute_face_open(d, m[0], m[1], &area, &moment);
-  if (area > CORNER && area < 1 - CORNER && moment > area * d)
+  if (area > FRACTION_MIN && area < 1 - FRACTION_MIN && moment > area * d)
     return own * q * (1 - area) / (moment - area * d);
-  return own * 2 * q / (rise * fmax((double)f->aperture[axis][at], CORNER));
+  return own * 2 * q / (rise * fmax((double)f->aperture[axis][at], FRACTION_MIN));
 }
 
 float walk_slope(const struct solute_flow *f, const int x[3], int axis, int across) {
@@ -84,7 +87,7 @@ float walk_slope(const struct solute_flow *f, const int x[3], int axis, int acro
   if (f->aperture[axis][beside(f, x, across, -1)] >= 1 &&
       f->aperture[axis][beside(f, x, across, 1)] >= 1)
     return slope;
-  /* No further than to where the flux is 0 at an edge: water at walls does not flow back. */
+  /* Limited such that the flux is at least 0 at the edges: there is no backflow at walls. */
   const float most = 2 * fabsf(f->velocity[axis][at]);
   return fminf(fmaxf(slope, -most), most);
 }

@@ -6,14 +6,15 @@
 #include "common/variants.h"
 #include "sphsolve/solute/flow_internal.h"
 
-#define ROUNDS 8 /* of moving corners; what is left shrinks in each by a third to a half */
+#define ROUNDS 8 /* of shifting corners; each reduces the rest by a third to a half */
 #define SUB 4    /* samples along each side of a cell */
 #define SAMPLES (SUB * SUB * SUB)
-#define FARTHEST 0.5 /* spacings: how far a corner's distance may be moved in all */
-#define LEAST_AREA 1 /* of a face: surface around a corner, below which it moves less */
+#define SHIFT_MAX 0.5 /* largest total shift of a corner's distance, spacings */
+#define AREA_MIN 1    /* surface around a corner, in faces, below which it is shifted less */
 
-/* From the four centres along each axis (third order; the mean of the eight around would move a
- * bent wall by 1/8 of its curvature), between those of the eight around. */
+/* Interpolates from the four centres along each axis (third order; the mean of the eight centres
+ * around would shift a curved wall by 1/8 of its curvature), limited to the range of these
+ * eight. */
 static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
   const int corner[3] = {i, j, k};
@@ -32,7 +33,7 @@ static float interpolated(const struct solute_flow *f, int i, int j, int k) {
   return (float)fmin(fmax(sum, least), most);
 }
 
-/* Of each corner at each sample. */
+/* Weight of each corner at each sample. */
 struct weights {
   float of[8][SAMPLES];
 };
@@ -48,8 +49,8 @@ static void set_weights(struct weights *weights) {
   }
 }
 
-/* Share of a cell in which the distance between its corners is positive, and how it grows with
- * them, 1/m: the surface over the volume. */
+/* Fraction of a cell in which the distance interpolated from its corners is positive, and its
+ * derivative with respect to that distance, 1/m: the surface per volume. */
 TARGETS static float share_open(const struct weights *weights, const float corner[8], float width,
                                 float *area) {
   float part[SAMPLES], partly[SAMPLES];
@@ -67,9 +68,10 @@ TARGETS static float share_open(const struct weights *weights, const float corne
   return part[0] / SAMPLES;
 }
 
-/* What each cell lacks of the flow's share, and its surface; 0 where no wall passes. */
+/* Difference of the flow's fluid fraction to that of each cell, and its surface; 0 where there is
+ * no wall. */
 static void compare(const struct solute_flow *f, const struct weights *weights,
-                    const float *corners, float width, float *lacks, float *area) {
+                    const float *corners, float width, float *deficit, float *area) {
 #pragma omp parallel for schedule(static)
   for (int k = 0; k < f->n[2]; k++)
     for (int j = 0; j < f->n[1]; j++)
@@ -82,19 +84,19 @@ static void compare(const struct solute_flow *f, const struct weights *weights,
           open += corner[c] > 0;
         }
         const float own = f->volume[at];
-        lacks[at] = area[at] = 0;
+        deficit[at] = area[at] = 0;
         if ((own <= 0 || own >= 1) && (open == 0 || open == 8)) continue;
-        lacks[at] = own - share_open(weights, corner, width, &area[at]);
+        deficit[at] = own - share_open(weights, corner, width, &area[at]);
       }
 }
 
 enum status walk_surface_find(const struct solute_flow *f, float *corners) {
   enum status status = STATUS_OK;
-  float *lacks = NULL, *area = NULL, *first = NULL;
+  float *deficit = NULL, *area = NULL, *first = NULL;
   const double across = f->dimensions == 2 ? sqrt(f->spacing[0] * f->spacing[2]) : f->spacing[1];
   const float spacing = (float)cbrt(f->spacing[0] * across * f->spacing[2]);
-  const float most = (float)FARTHEST * spacing;
-  TRY(memory_allocate(&lacks, f->count, sizeof *lacks, "pores at the surface of walkers"));
+  const float shift_max = (float)SHIFT_MAX * spacing;
+  TRY(memory_allocate(&deficit, f->count, sizeof *deficit, "pores at the surface of walkers"));
   TRY(memory_allocate(&area, f->count, sizeof *area, "surface of walkers"));
   TRY(memory_allocate(&first, f->count, sizeof *first, "distances of corners"));
 #pragma omp parallel for schedule(static)
@@ -107,23 +109,23 @@ enum status walk_surface_find(const struct solute_flow *f, float *corners) {
   struct weights weights;
   set_weights(&weights);
   for (int round = 0; round < ROUNDS; round++) {
-    compare(f, &weights, corners, spacing / SUB, lacks, area);
+    compare(f, &weights, corners, spacing / SUB, deficit, area);
 #pragma omp parallel for schedule(static)
     for (int k = 0; k < f->n[2]; k++)
       for (int j = 0; j < f->n[1]; j++)
         for (int i = 0; i < f->n[0]; i++) {
-          float lack = 0, surface = 0;
+          float total_deficit = 0, surface = 0;
           for (int c = 0; c < 8; c++) {
             const size_t cell = solute_flow_at(f, i - (c & 1), j - (c >> 1 & 1), k - (c >> 2));
-            lack += lacks[cell], surface += area[cell];
+            total_deficit += deficit[cell], surface += area[cell];
           }
           const size_t at = solute_flow_at(f, i, j, k);
-          const float to = corners[at] + lack / fmaxf(surface, LEAST_AREA / spacing);
-          corners[at] = fminf(fmaxf(to, first[at] - most), first[at] + most);
+          const float to = corners[at] + total_deficit / fmaxf(surface, AREA_MIN / spacing);
+          corners[at] = fminf(fmaxf(to, first[at] - shift_max), first[at] + shift_max);
         }
   }
 cleanup:
-  memory_free(&lacks);
+  memory_free(&deficit);
   memory_free(&area);
   memory_free(&first);
   return status;

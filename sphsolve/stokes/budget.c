@@ -4,11 +4,11 @@
 
 #include "common/memory.h"
 
-/* How well the solution keeps volume, momentum and energy, apart from the solver's residual:
- * whether the flux through each plane across the force is the same (plain sums over its sites,
- * without the parts of walls within a site), the sum of all forces on the water, and that of their
- * power. Where moving walls drive the water in circles, the planes are those across the largest
- * velocities, and the flux is compared with the sum of the velocities without signs. */
+/* Balance of volume, momentum and energy, independent of the solver's residual norm: the variation
+ * of the flux between planes across the force (plain sums over sites, without the parts of walls
+ * within a site), the net force on the water, and the net power. Where moving walls drive the water
+ * in circles, the planes are those across the axis of the largest velocities, and the flux is
+ * compared with the sum of the absolute velocities. */
 enum status stokes_balance(const struct stokes_solver *s, struct conservation *conservation) {
   enum status status = STATUS_OK;
   const struct stokes_grid *grid = &s->grid;

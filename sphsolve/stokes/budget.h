@@ -1,4 +1,4 @@
-/* The conservation budget of a steady solution. */
+/* Conservation budget of a steady solution. */
 #ifndef TOSUI_SPHSOLVE_STOKES_BUDGET_H
 #define TOSUI_SPHSOLVE_STOKES_BUDGET_H
 

@@ -1,5 +1,5 @@
-/* The constants were measured on sand models of 60 to 240 sites a side and on the exact cases of
- * verify_stokes. */
+/* Predicted cost of a solve. The constants were measured on sand models of 60 to 240 sites a side
+ * and on the exact cases of verify_stokes. */
 #include "sphsolve/stokes/cost.h"
 
 #include <math.h>
@@ -7,45 +7,53 @@
 
 #include "sphsolve/stokes/solver/rows.h"
 
-/* Iterations until k is within e of its limit, the same for lattices of any size:
+/* Number of iterations until the relative error of k is below e; it does not depend on the size of
+ * the lattice:
  *   ITERATIONS_FIRST - ITERATIONS_DECADE log10(e),
- * 21 to 1e-3 and 31 to 1e-4; times STRAIGHT between straight walls, times ADAMI with those walls.
- * The error of k goes with the square of the residual. */
+ * i.e. 21 for e = 1e-3 and 31 for e = 1e-4. Multiplied by STRAIGHT_WALL_FACTOR for pores with
+ * straight walls and by ADAMI_WALL_FACTOR for Adami walls. The error of k is proportional to the
+ * square of the residual. */
 #define ITERATIONS_DECADE 9.5
 #define ITERATIONS_FIRST (-7.0)
-#define STRAIGHT 0.5
-#define ADAMI 1.8
-/* CPU seconds per iteration: of every site, of every fluid site; and once per fluid site. */
+#define STRAIGHT_WALL_FACTOR 0.5
+#define ADAMI_WALL_FACTOR 1.8
+/* CPU seconds: per site and iteration, per fluid site and iteration, and per fluid site for the
+ * assembly. */
 #define SECONDS_SITE 30e-9
 #define SECONDS_FLUID 165e-9
 #define SECONDS_BUILD 1e-6
-/* An iteration, and to begin, take so many times as long where sites are soil with pores below
- * them. Iterations are as many: in packings of 60 and 120 sites a side with a third of it 0.7
- * to 1.4 times those with the soil closed, for k_micro/dx^2 from 1e-8 to 1. */
-#define SOIL_SECONDS 1.3
+/* Ratio of the CPU time, of an iteration and of the assembly, with soil (pores below the voxel
+ * size) to that without. The number of iterations hardly changes: in packings of 60 and 120 sites a
+ * side, one third of it soil, it is 0.7 to 1.4 times that with impermeable soil, for k_micro/dx^2
+ * from 1e-8 to 1. */
+#define SOIL_TIME_RATIO 1.3
 
 double stokes_soil_seconds(const struct lattice *l) {
-  return l->micro_porosity != NULL ? SOIL_SECONDS : 1.0;
+  return l->micro_porosity != NULL ? SOIL_TIME_RATIO : 1.0;
 }
 
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,
                          enum wall_scheme wall) {
-  const double least = goal->residual > 0.0 ? goal->residual * goal->residual : goal->mean;
-  const double count = fmax(ITERATIONS_FIRST - ITERATIONS_DECADE * log10(least), 3.0);
-  return count * (pores->straight ? STRAIGHT : 1.0) * (wall == WALL_ADAMI ? ADAMI : 1.0);
+  const double k_error = goal->residual > 0.0 ? goal->residual * goal->residual : goal->mean;
+  const double count = fmax(ITERATIONS_FIRST - ITERATIONS_DECADE * log10(k_error), 3.0);
+  return count * (pores->straight ? STRAIGHT_WALL_FACTOR : 1.0) *
+         (wall == WALL_ADAMI ? ADAMI_WALL_FACTOR : 1.0);
 }
 
 double stokes_seconds(double iterations, double sites, double fluid) {
   const char *rows = stokes_rows_best()->name;
-  const double slow = !strcmp(rows, "avx512") ? 1.0 : !strcmp(rows, "avx2") ? 1.3 : 2.5;
-  return iterations * (SECONDS_SITE * sites + SECONDS_FLUID * slow * fluid) + SECONDS_BUILD * fluid;
+  const double instruction_set_factor = !strcmp(rows, "avx512") ? 1.0
+                                        : !strcmp(rows, "avx2") ? 1.3
+                                                                : 2.5;
+  return iterations * (SECONDS_SITE * sites + SECONDS_FLUID * instruction_set_factor * fluid) +
+         SECONDS_BUILD * fluid;
 }
 
 double stokes_solver_seconds(const struct pore_shape *pores, const struct lattice *l,
                              double refined, const struct stokes_goal *goal,
                              enum wall_scheme wall) {
-  const double more = pow(refined, l->dimensions);
+  const double site_ratio = pow(refined, l->dimensions);
   return stokes_soil_seconds(l) * stokes_seconds(stokes_iterations(pores, goal, wall),
-                                                 more * (double)l->count,
-                                                 more * (double)l->fluid_count);
+                                                 site_ratio * (double)l->count,
+                                                 site_ratio * (double)l->fluid_count);
 }

@@ -1,4 +1,4 @@
-/* Method stokes: steady creeping flow, the SPH-Stokes system solved on a cascade of lattices. */
+/* Method stokes: steady creeping flow; the SPH-Stokes system is solved on a cascade of lattices. */
 #include "sphsolve/stokes/method.h"
 
 #include <math.h>
@@ -20,25 +20,25 @@
 #include "sphsolve/stokes/output.h"
 #include "sphsolve/stokes/step.h"
 
-/* Rounds without progress that a solve is given. */
-#define STALLED_MOST 20
+/* Rounds without progress after which a solve is given up. */
+#define STALLED_ROUNDS_MAX 20
 
-/* A run between its parts. */
+/* State of a run, shared by its parts. */
 struct stokes_job {
   const struct scene *scene;
   struct recorder *recorder;
   struct run_result *result;
   struct cascade cascade;
-  struct lattice lattice;     /* of the last solve */
-  bool own;                   /* it is the run's own, not to be freed */
-  struct h5_file *checkpoint; /* to go on from; NULL: none, or read */
-  long iterations;            /* of the lattices before */
-  bool kept;                  /* a checkpoint was written after the signal */
-  double diameter;            /* of its pores, m */
+  struct lattice lattice;     /* of the most recent solve */
+  bool lattice_is_base;       /* `lattice` is the scene's own (base) lattice: not freed here */
+  struct h5_file *checkpoint; /* to resume from; NULL: none, or already read */
+  long iterations;            /* total on the preceding lattices */
+  bool kept;                  /* a checkpoint was written after the interrupt signal */
+  double diameter;            /* hydraulic diameter of the pores of `lattice`, m */
   double darcy[3], reynolds, solving, pairs;
 };
 
-/* Darcy velocity in m/s, and with it the Reynolds number. */
+/* Sets the Darcy velocity (m/s) and the Reynolds number of the job from the solver's solution. */
 static void scale_darcy(struct stokes_job *job, const struct stokes_solver *s) {
   const struct fluid *fluid = &job->scene->fluid;
   const struct lattice *l = &job->lattice;
@@ -72,15 +72,15 @@ static enum status write_row(struct stokes_job *job, const struct stokes_solver 
   return recorder_row(job->recorder, &row, extra);
 }
 
-/* What is carried from round to round beside the solution. */
+/* Progress of a solve; a checkpoint stores it with the solution. */
 struct progress_state {
-  double best;
-  int stalled;
+  double best; /* smallest relative residual so far */
+  int stalled; /* rounds since `best` last fell by 10 % */
 };
 
 #define CHECKPOINT_NUMBERS 16
 
-/* Of a solve that goes on or, `solved`, of the last one that is done. */
+/* Writes a checkpoint of a solve in progress or, with `solved`, of the last completed solve. */
 static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
                                     const struct progress_state *state, bool solved) {
   enum status status = STATUS_OK;
@@ -121,7 +121,8 @@ cleanup:
   return status;
 }
 
-/* The solve that job->checkpoint holds, which is closed. *solved: it is done. */
+/* Reads the solve stored in job->checkpoint, and closes that file. *solved: the solve was
+ * complete. */
 static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver *s,
                                    struct progress_state *state, bool *solved) {
   enum status status = STATUS_OK;
@@ -174,14 +175,14 @@ cleanup:
   return status;
 }
 
-/* Whether k will be what this solve has reached if it is interrupted: only of a first lattice. Of
- * any other k is the estimate from those before it, whose error is known. */
+/* Whether an interrupted solve itself provides the reported k: only on the first lattice. On later
+ * lattices k is the estimate from the preceding ones, whose error is known. */
 static bool is_reported(const struct stokes_job *job) {
   return job->cascade.uncertainty.level_count == 0;
 }
 
-/* Rounds until converged, interrupted or stuck. *solved: it was, in the run that left the
- * checkpoint, and the balance is known. */
+/* Iterates in rounds until the solve converges, is interrupted or stalls. *solved: the checkpoint
+ * held a completed solve, whose conservation budget is known. */
 static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *solved) {
   enum status status = STATUS_OK;
   const struct stokes_goal goal = cascade_goal(&job->cascade);
@@ -197,7 +198,8 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
   }
   while (!stokes_solver_converged(s, &goal)) {
     const bool stopped = recorder_interrupted(job->recorder);
-    /* Before its first round: the coarser solution tells as much, and is written in less time. */
+    /* Interrupted before the first round: the coarser solution is as good, and is written
+     * faster. */
     if (stopped && s->iterations == 0 && coarse->grid.active_all > 0) {
       TRY(recorder_drop_row(job->recorder));
       scale_darcy(job, coarse);
@@ -225,7 +227,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
                       note);
     state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
-    if (state.stalled == STALLED_MOST) {
+    if (state.stalled == STALLED_ROUNDS_MAX) {
       char soil[STOKES_HINT];
       stokes_solver_soil_hint(s, soil);
       TRY_FAIL(STATUS_NUMERIC,
@@ -261,30 +263,32 @@ static void report_level(const struct cascade *c) {
   level_bar_show(u, to_speed);
 }
 
-/* How k of a solved lattice responds to its soil, and that part of its error. */
+/* Computes the response of k to the permeability of the soil, and its contribution to the
+ * uncertainty of k. */
 static enum status measure_soil(struct stokes_job *job, struct stokes_solver *s) {
   struct uncertainty *u = &job->cascade.uncertainty;
-  struct micropores_point *own = &job->result->micropores.own;
-  const enum status status = soil_response_measure(s, &job->lattice, own);
-  u->slope_micro = own->slope;
+  struct micropores_point *point = &job->result->micropores.own;
+  const enum status status = soil_response_measure(s, &job->lattice, point);
+  u->slope_micro = point->slope;
   const double unsure = soil_response_uncertainty(job->scene, &job->lattice.model);
-  if (unsure > 0.0) u->micro = (1.0 + SOIL_SLOPE_SMALL) * fabs(own->slope) * unsure;
+  if (unsure > 0.0) u->micro = (1.0 + SOIL_SLOPE_SMALL) * fabs(point->slope) * unsure;
   return status;
 }
 
-/* One lattice of the cascade, from its sites to its k. The solver's solution is kept by the
- * cascade, also of an interrupted solve; of interrupted work before it the last one stays. */
+/* Solves one lattice of the cascade, from its sites to its k. The cascade takes the solver's
+ * solution, also from an interrupted solve that was checkpointed; otherwise the solution of the
+ * preceding lattice remains. */
 static enum status solve_level(struct stokes_job *job, double spacing) {
   enum status status = STATUS_OK;
   struct cascade *c = &job->cascade;
   struct stokes_solver s = {0};
   struct lattice next = {0};
-  bool own, solved, built = false;
+  bool is_base, solved, built = false;
   const double started = clock_processor_seconds();
-  TRY(cascade_lattice(c, spacing, &next, &own));
-  if (!job->own) lattice_free(&job->lattice);
+  TRY(cascade_lattice(c, spacing, &next, &is_base));
+  if (!job->lattice_is_base) lattice_free(&job->lattice);
   job->lattice = next;
-  job->own = own;
+  job->lattice_is_base = is_base;
   job->diameter = hydraulic_diameter(&job->lattice);
   TRY(cascade_solver(c, &job->lattice, &s));
   built = true;
@@ -293,7 +297,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
                 job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
     status = solve(job, &s, &solved);
-    if (status == STATUS_INTERRUPTED && !job->kept) built = false; /* the coarser one is kept */
+    if (status == STATUS_INTERRUPTED && !job->kept) built = false; /* keep the coarser solution */
     if ((status == STATUS_OK && !solved) || (job->kept && is_reported(job))) {
       const enum status balanced = stokes_balance(&s, &job->result->conservation);
       if (status == STATUS_OK) status = balanced;
@@ -317,7 +321,7 @@ cleanup:
                         s.grid.slabs.start ? s.grid.slabs.imbalance : 1);
     if (!job->kept || is_reported(job))
       job->result->k_error = s.grid.active_all > 0 ? stokes_solver_mean_error(&s) : 0.0;
-    /* Last, as it leaves nothing but the solution. */
+    /* Must come last: it overwrites all of the solver but the solution. */
     const bool last = c->fixed == 0 || c->tried == c->fixed;
     if (status == STATUS_OK && s.grid.active_all > 0 && job->lattice.micro_porosity != NULL && last)
       status = measure_soil(job, &s);
@@ -327,7 +331,8 @@ cleanup:
   return status;
 }
 
-/* k is the estimate from all lattices where there is one, not the value of the finest. */
+/* The reported k is the estimate extrapolated from all lattices where there is one, not the value
+ * of the finest lattice. */
 static void set_result(struct stokes_job *job) {
   struct run_result *result = job->result;
   const struct uncertainty *u = &job->cascade.uncertainty;
@@ -338,34 +343,34 @@ static void set_result(struct stokes_job *job) {
   result->k_finest = result->k;
   result->reynolds = job->reynolds;
   if (!(u->extrapolated > 0.0 && u->finest > 0.0)) return;
-  const double own = job->kept ? result->intrinsic_permeability : u->finest;
-  if (!(own > 0.0)) return;
-  const double scale = u->extrapolated / own;
-  result->k_finest *= u->finest / own;
+  const double current = job->kept ? result->intrinsic_permeability : u->finest;
+  if (!(current > 0.0)) return;
+  const double scale = u->extrapolated / current;
+  result->k_finest *= u->finest / current;
   result->k *= scale;
   result->intrinsic_permeability *= scale;
   for (int a = 0; a < 3; a++) result->darcy_velocity[a] *= scale;
   result->reynolds *= scale;
 }
 
-/* After a signal that came beside a solve: a checkpoint from which the last lattice that is solved
- * is taken up, as it was. */
+/* After an interrupt outside a solve: writes a checkpoint with the last completed solve, from which
+ * --resume continues. */
 static enum status keep_solved(struct stokes_job *job) {
   const struct stokes_solver *s = &job->cascade.coarse;
   const struct progress_state none = {.best = INFINITY};
   error_clear();
-  /* Not read yet, the checkpoint that the run began with stands. */
+  /* If it has not been read yet, the checkpoint with which the run began stays valid. */
   if (job->checkpoint != NULL) return FAIL(STATUS_INTERRUPTED, "interrupted; go on with --resume");
   if (s->grid.active_all == 0)
     return FAIL(STATUS_INTERRUPTED, "interrupted in the set-up: there is nothing to go on from");
   const enum status status = write_checkpoint(job, s, &none, true);
   if (status != STATUS_OK) return status;
-  /* Its k is found, but not all that goes with it. */
+  /* Its k is known, but not yet all other parts of its error. */
   return FAIL(STATUS_INTERRUPTED, "interrupted in lattice %d; go on with --resume",
               job->cascade.tried);
 }
 
-/* What soil does to k. */
+/* Adds the effect of the soil on k to the result. */
 static enum status add_micropores(struct stokes_job *job) {
   struct run_result *result = job->result;
   struct micropores *m = &result->micropores;
@@ -384,7 +389,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   const char *why = "converged";
   double spacing;
   struct lattice base = *lattice;
-  struct stokes_job job = {.scene = scene, .recorder = recorder, .result = result, .own = true};
+  struct stokes_job job = {
+      .scene = scene, .recorder = recorder, .result = result, .lattice_is_base = true};
   TRY(recorder_add_column(recorder, "residual", "1", 1));
   TRY(recorder_add_column(recorder, "divergence", "1", 1));
   cascade_begin(scene, plan, &base, &job.cascade);
@@ -393,8 +399,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
     status = solve_level(&job, spacing);
   if (status == STATUS_OK) status = cascade_finish(&job.cascade);
-  /* Of a run with a time the part of the sides comes last: with it the error may be more than was
-   * wanted. */
+  /* With --time, the effect of the sides is computed last; including it, the error may exceed the
+   * one asked for, so that further lattices are solved. */
   while (status == STATUS_OK && cascade_next(&job.cascade, &spacing, &why))
     status = solve_level(&job, spacing);
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) goto cleanup;
@@ -403,7 +409,7 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (blocked) log_warning("%s: %s", scene->path, percolation_none(&base));
   if (status == STATUS_OK) result->status = blocked ? "blocked" : why;
   result->ended = strcmp(why, "converged") != 0 ? job.cascade.ended : NULL;
-  if (status == STATUS_OK && !job.own && log_level() >= LOG_VERBOSE) {
+  if (status == STATUS_OK && !job.lattice_is_base && log_level() >= LOG_VERBOSE) {
     struct throats throats;
     TRY(throats_compare(&base, &job.lattice, &throats));
     log_verbose("the last lattice closes %zu throats of the model's and opens %zu", throats.closed,
@@ -413,7 +419,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   if (status == STATUS_OK) status = add_micropores(&job);
   if (status == STATUS_OK)
     status = stokes_write_snapshot(scene, &job.lattice, &job.cascade.coarse, recorder);
-  /* Who interrupts waits: the checkpoint has the solution, and --resume leaves the snapshot. */
+  /* After an interrupt the user waits: the checkpoint has the solution, and the resumed run writes
+   * the snapshot. */
   if (status == STATUS_INTERRUPTED && !job.kept) status = keep_solved(&job);
   if (status == STATUS_INTERRUPTED) result->status = "interrupted";
   result->steps = job.iterations;
@@ -429,8 +436,8 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
 cleanup:
   h5_close(job.checkpoint);
   cascade_end(&job.cascade);
-  /* The record is of the lattice that was solved last. */
-  if (!job.own && job.lattice.count > 0) {
+  /* The caller's record describes the lattice that was solved last. */
+  if (!job.lattice_is_base && job.lattice.count > 0) {
     lattice_free(&base);
     *lattice = job.lattice;
   }
@@ -474,7 +481,7 @@ const struct method method_stokes = {.name = "stokes",
                                      .ranks_cost = stokes_ranks_cost,
                                      .wall_name = wall_name,
                                      .wall = wall,
-                                     .error_flat = 5e-6, /* what the solver leaves */
+                                     .error_flat = 5e-6, /* error left by the solver */
                                      .error_flat_why =
                                          "parallel flat walls: exact but for the solver",
                                      /* set on sands: 18 % of k at 4 sites across a

@@ -1,4 +1,5 @@
-/* What method stokes leaves in snapshots: all fluid sites, those of blocked pores at rest. */
+/* Snapshots of method stokes: all fluid sites; those in pores without through-flow have zero
+ * velocity. */
 #include "sphsolve/stokes/output.h"
 
 #include "common/hdf5_file.h"
@@ -7,7 +8,7 @@
 struct fields {
   double *points;
   float *velocity, *pressure, *density;
-  float *micro_porosity; /* NULL: no site is soil */
+  float *micro_porosity; /* NULL: the lattice has no soil */
   uint64_t *id;
 };
 
@@ -60,8 +61,9 @@ enum status stokes_write_snapshot(const struct scene *scene, const struct lattic
     }
     at++;
   }
-  /* After a signal both are left: the solution goes into a checkpoint, and --resume writes them.
-   * The image comes first, as a snapshot counts from when it is written. */
+  /* After a signal neither file is completed: the solution goes into a checkpoint, and the resumed
+   * run writes them. The image is written first, because a snapshot counts as complete as soon
+   * as it exists. */
   h5_leave_on_signal(true);
   TRY(recorder_image(recorder, lattice, 0.0, s->iterations, count, f.id, f.velocity, f.pressure));
   TRY(memory_allocate(&f.points, 3 * count, sizeof *f.points, "points of the snapshot"));

@@ -4,7 +4,8 @@
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/stokes/state.h"
 
-/* A snapshot of all fluid sites of the lattice; of the solver, grid, stencil and x are read. */
+/* Writes a snapshot of all fluid sites of the lattice. Of the solver, grid, stencil and x are
+ * read. */
 enum status stokes_write_snapshot(const struct scene *scene, const struct lattice *lattice,
                                   const struct stokes_solver *solver, struct recorder *recorder);
 

@@ -1,4 +1,4 @@
-/* What method stokes will cost and how good it will be, before it runs. */
+/* Predicted cost and error of method stokes. */
 #include <math.h>
 
 #include "common/memory.h"
@@ -41,9 +41,9 @@ enum status stokes_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Of what stokes_solver_bytes says for the sites that are solved runs take 1.01 to 1.04 times as
- * much. */
-#define SURE 0.9
+/* Lower bound of the memory of a run over stokes_solver_bytes of its solved sites. Measured runs
+ * take 1.01 to 1.04 times that value. */
+#define BYTES_LOWER_BOUND 0.9
 
 enum status stokes_bytes_least(const struct plan *plan, double *bytes) {
   enum status status = STATUS_OK;
@@ -56,8 +56,8 @@ enum status stokes_bytes_least(const struct plan *plan, double *bytes) {
   TRY(percolation_find(l, plan->context.scene->driving, false, flowing, &flows));
   for (size_t s = 0; s < l->count; s++) active += flowing[s] == PERCOLATION_FLOWS;
   if (active > 0)
-    *bytes =
-        SURE * stokes_solver_bytes((double)l->count, (double)active, l->micro_porosity != NULL);
+    *bytes = BYTES_LOWER_BOUND *
+             stokes_solver_bytes((double)l->count, (double)active, l->micro_porosity != NULL);
 cleanup:
   memory_free(&flowing);
   return status;
@@ -68,7 +68,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
   plan->dt = 0.0;
   if (l->wall_count == 0 && l->micro_porosity == NULL)
-    return STATUS_OK; /* the run says what is wrong */
+    return STATUS_OK; /* the run itself reports the error */
   const bool soil = l->micro_porosity != NULL;
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
   plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0));

@@ -1,4 +1,4 @@
-/* What method stokes costs on several ranks (docs/scaling.md). */
+/* Predicted cost of method stokes on several ranks (docs/scaling.md). */
 #include "sphsolve/stokes/method.h"
 
 #include <math.h>
@@ -7,32 +7,32 @@
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/stokes/solver/rows.h"
 
-#define SLAB_LEAST 4.0 /* planes */
-/* Of an iteration: */
-#define COARSE_SECONDS 1.4e-9 /* a site, for the levels that every rank solves */
-#define GATHERINGS 4.0        /* of a coarse level, from all to all */
-#define MESSAGES 69.0
-#define SUMS 3.8
-/* Bytes of a site: kind and distance, its unpacked fields and coarse levels, the second and all
- * after it on every rank in full. */
+#define SLAB_PLANES_MIN 4.0 /* fewest planes of a slab */
+/* Per iteration: */
+#define COARSE_SECONDS 1.4e-9 /* CPU seconds per site, for the levels that every rank solves */
+#define GATHERINGS 4.0        /* all-to-all gatherings of a coarse level */
+#define MESSAGES 69.0         /* exchanges of ghost planes */
+#define SUMS 3.8              /* global sums */
+/* Bytes per site: kind and wall distance; unpacked fields; coarse multigrid levels. The second
+ * level and all coarser ones are stored in full on every rank. */
 #define LATTICE_BYTES 5.0
 #define FIELD_BYTES 16.0
 #define COARSE_BYTES 8.0
 #define COARSER_BYTES 1.15
-#define SOIL_BYTES 8.0 /* of each lattice, where there is soil */
-/* Of a row: its start twice and its flux; of sixteen sites of it their mask. On every rank. */
+#define SOIL_BYTES 8.0 /* of every lattice of a model with soil */
+/* Bytes per row: two row starts and the flux; and one mask per sixteen sites. On every rank. */
 #define ROW_BYTES 40.0
 #define MASK_BYTES 2.0
-#define SOLUTION_BYTES 32.0 /* a fluid site of the first lattice: velocity, pressure */
-#define FLOOD_SITE 7.0      /* a site, while paths through the pores are sought, */
-#define FLOOD_FLUID 4.0     /* and again a fluid site */
-/* Of any size: stencil and sums of a solver, what the run notes of itself. */
+#define SOLUTION_BYTES 32.0 /* per fluid site of the first lattice: velocity and pressure */
+#define FLOOD_SITE 7.0      /* per site, during the percolation search, */
+#define FLOOD_FLUID 4.0     /* and in addition per fluid site */
+/* Independent of the size: stencil and sums of a solver; records of the run. */
 #define SOLVER_BYTES 80e3
 #define RUN_BYTES 200e3
 
-/* A lattice of such a spacing from the scene's own, mirrored if so. */
+/* Size of the scene's lattice resampled to a given spacing (m), mirrored if requested. */
 struct sites {
-  double count, fluid, stride, rows, planes, plane; /* stride: sites of a row, whole vectors */
+  double count, fluid, stride, rows, planes, plane; /* stride: row length in whole vectors */
 };
 
 static struct sites sites_at(const struct plan *plan, double spacing, bool mirrored) {
@@ -41,7 +41,7 @@ static struct sites sites_at(const struct plan *plan, double spacing, bool mirro
   size_t size[3], count;
   double n[3] = {0};
   if (lattice_resampled_size(l, spacing, size, &count) != STATUS_OK) {
-    error_clear(); /* too many: the run says so */
+    error_clear(); /* too many sites: the run itself reports it */
     return (struct sites){.planes = 1.0};
   }
   for (int a = 0; a < 3; a++) n[a] = (double)size[a] * (mirrored && unlike[a] ? 2.0 : 1.0);
@@ -54,34 +54,34 @@ static struct sites sites_at(const struct plan *plan, double spacing, bool mirro
                         .plane = n[0] * n[1]};
 }
 
-/* A solver without its lattice. Each slab has as many planes more on both sides as a stencil
- * reaches. */
+/* Mean bytes per rank of a solver without its lattice. Each slab stores ghost planes on both sides,
+ * as many as the stencil reaches. */
 static double solver_bytes(const struct plan *plan, const struct sites *s, double ranks) {
   const bool soil = plan->context.lattice->micro_porosity != NULL;
   const double whole = COARSER_BYTES * s->count, lattice = soil ? SOIL_BYTES : 0.0;
-  const double own = stokes_solver_bytes(s->count, s->fluid, soil) - whole -
-                     (LATTICE_BYTES + lattice) * s->count +
-                     FIELD_BYTES * (s->stride * s->rows - s->count);
+  const double divided = stokes_solver_bytes(s->count, s->fluid, soil) - whole -
+                         (LATTICE_BYTES + lattice) * s->count +
+                         FIELD_BYTES * (s->stride * s->rows - s->count);
   const double reach = floor(plan->context.support / plan->context.spacing);
-  const double slabs = fmin(ranks, floor(s->planes / SLAB_LEAST)) / ranks;
+  const double slabs = fmin(ranks, floor(s->planes / SLAB_PLANES_MIN)) / ranks;
   const double ghosts = ranks > 1.0 ? 2.0 * slabs *
                                           (reach * FIELD_BYTES * s->stride * s->rows / s->planes +
                                            2.0 * COARSE_BYTES * s->plane)
                                     : 0.0;
-  return own / ranks + whole + ghosts + SOLVER_BYTES;
+  return divided / ranks + whole + ghosts + SOLVER_BYTES;
 }
 
 static double rows_bytes(const struct sites *s) {
   return (ROW_BYTES + MASK_BYTES * s->stride / STOKES_LANES) * s->rows;
 }
 
-/* With the sides solved at such a spacing. */
+/* Mean bytes per rank while the mirrored lattice is solved at the given spacing (m). */
 static double sides_bytes(const struct plan *plan, double spacing, double ranks) {
   const struct lattice *l = plan->context.lattice;
-  const double own = plan->context.spacing;
+  const double base_spacing = plan->context.spacing;
   const double site = LATTICE_BYTES + (l->micro_porosity != NULL ? SOIL_BYTES : 0.0);
-  const struct sites first = sites_at(plan, cascade_fixed_ratios[0] * own, false);
-  const struct sites second = sites_at(plan, cascade_fixed_ratios[1] * own, false);
+  const struct sites first = sites_at(plan, cascade_fixed_ratios[0] * base_spacing, false);
+  const struct sites second = sites_at(plan, cascade_fixed_ratios[1] * base_spacing, false);
   const struct sites wrapped = sites_at(plan, spacing, false);
   const struct sites sides = sites_at(plan, spacing, true);
   const double lattices =
@@ -110,13 +110,14 @@ void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct r
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, planes = (double)l->size[2];
   const double nx = (double)l->size[0], ny = (double)l->size[1];
-  const double r = fmin(ranks, fmax(1, floor(planes / SLAB_LEAST)));
+  const double r = fmin(ranks, fmax(1, floor(planes / SLAB_PLANES_MIN)));
   cost->used = r;
-  cost->uneven = ceil(fmax(1, planes / SLAB_LEAST) / r) * r / fmax(1, planes / SLAB_LEAST);
+  cost->uneven =
+      ceil(fmax(1, planes / SLAB_PLANES_MIN) / r) * r / fmax(1, planes / SLAB_PLANES_MIN);
   cost->in_full = plan->steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
   cost->gathered = (1 - 1 / r) * sites * GATHERINGS / 64 * sizeof(float);
   cost->ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
-  cost->held = r > 1 ? cost->ghosts : 0; /* each is stored once */
+  cost->held = r > 1 ? cost->ghosts : 0; /* each ghost value is stored once */
   cost->messages = MESSAGES;
   cost->sums = SUMS;
   if (r > 1) cost->start = stokes_sides_bytes(plan, r);

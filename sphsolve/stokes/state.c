@@ -9,21 +9,21 @@
 #include "common/threads.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
-/* The basis takes what MEMORY_GOAL (bytes per site) leaves; a short one costs few iterations more.
- * SITE_BYTES: lattice 5, unpacked fields 16, coarse levels 10. ACTIVE_BYTES: operator 52, kappa 4,
- * solution 32, Krylov work vector 16, edges 4; and 16 for every vector of the basis, the first of
- * which is the residual. */
+/* The Krylov basis takes the memory that MEMORY_GOAL (bytes per site) leaves; a short basis costs
+ * few additional iterations. SITE_BYTES, per site: lattice 5, unpacked fields 16, coarse levels 10.
+ * ACTIVE_BYTES, per active site: operator 52, kappa 4, solution 32, Krylov work vector 16, edges 4;
+ * and 16 for every vector of the basis, the first of which is the residual. */
 #define MEMORY_GOAL 125.0
 #define SITE_BYTES 31.0
 #define ACTIVE_BYTES 108.0
 #define BASIS_MIN 6
 #define BASIS_MAX 24
-/* At least, where there is soil or more pore than grain: a short one costs more there, and in open
- * felts one of 3 does not converge. */
+/* Minimum size where there is soil or a porosity above 0.5: a short basis costs more iterations
+ * there, and in open felts a basis of 3 vectors does not converge. */
 #define BASIS_OPEN 8
-/* And where there is soil: two fields of the lattice and the unpacked fields of two more sums; and
- * of an active site five weights, mobility and its root, the force that links draw, permeability.
- */
+/* Additional bytes with soil. Per site: two fields of the lattice, and the unpacked fields of two
+ * more sums. Per active site: five weights, the mobility and its square root, the force defect, the
+ * permeability. */
 #define SOIL_SITE_BYTES 40.0
 #define SOIL_ACTIVE_BYTES 44.0
 int stokes_solver_basis(double sites, double active, bool soil) {
@@ -38,9 +38,11 @@ double stokes_solver_bytes(double sites, double active, bool soil) {
          (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active, soil))) * active;
 }
 
-#define SITES_A_THREAD 4000
+/* Fewest active sites per thread. */
+#define SITES_PER_THREAD_MIN 4000
 
-/* Momentum and continuity of a residual as they are weighed against each other. */
+/* Scales the momentum and continuity rows of a residual by the weights of the soil (solver/soil.h,
+ * row_scale). */
 static void scale_rows(const struct stokes_operator *op, float *y) {
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   if (op->soil == NULL) return;
@@ -64,19 +66,20 @@ static void precondition(void *system, const float *x, float *work, float *y) {
   stokes_preconditioner_apply(&s->preconditioner, x, work, y);
 }
 
-/* What the residual (r_m, r_c) adds to the flux along the force: v.(r_m / D) - p.r_c. The system is
- * nearly its own adjoint once the momentum rows are divided by D and continuity is negated, and the
- * flux along the force is the functional that belongs to its right-hand side, so that with this
- * the flux is wrong by the square of the solution's error (Pierce, Giles 2000, SIAM Review 42). Of
- * pores beside soil D holds the soil's own slip, and v is the better adjoint where that is moved:
- * without `divide` only the rows of soil are divided. */
+/* Adjoint correction of the flux along the force for the residual (r_m, r_c): v.(r_m / D) - p.r_c.
+ * The system is nearly self-adjoint once the momentum rows are divided by D and continuity is
+ * negated, and the flux along the force is the functional that belongs to its right-hand side. The
+ * error of the corrected flux is therefore of second order in the error of the solution (Pierce,
+ * Giles 2000, SIAM Review 42). At pore sites beside soil, D contains the slip at the soil surface;
+ * v is the better adjoint where that slip changes: without `divide` only the rows of soil are
+ * divided by D. */
 static double adjoint_correction(const struct stokes_solver *s, bool divide) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_grid *grid = &s->grid;
   const float *weight = s->operator.soil ? s->operator.soil->row_scale : NULL;
   double sum = 0.0;
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
-    double own = 0.0;
+    double row_sum = 0.0;
     for (size_t i = grid->row_start[row]; i < grid->row_start[row + 1]; i++) {
       double momentum = 0.0;
       for (size_t a = 0; a < axes; a++)
@@ -85,16 +88,16 @@ static double adjoint_correction(const struct stokes_solver *s, bool divide) {
       if (weight) momentum /= (double)weight[i], continuity *= (double)weight[i];
       if (divide || (s->operator.soil && s->operator.soil->relative[i]<1.0f))
         momentum /= (double)s->operator.parabola[i];
-      own += momentum - s->x[axes * n + i] * continuity;
+      row_sum += momentum - s->x[axes * n + i] * continuity;
     }
-    sum += stokes_grid_weight(grid, row) * own;
+    sum += stokes_grid_weight(grid, row) * row_sum;
   }
   return ranks_sum(sum);
 }
 
-/* The residual in double precision; `at_rest`: x is 0. */
+/* Computes the residual in double precision. `at_rest`: x is 0. */
 static void find_residual(struct stokes_solver *s, bool at_rest) {
-  /* In the second vector of the basis, from where doubles may begin. */
+  /* Work space: the second vector of the basis, from an address aligned for doubles. */
   const size_t begin = s->krylov.length + s->krylov.length % 2;
   double *component = (double *)(void *)(s->krylov.basis + begin);
   if (at_rest && s->operator.soil == NULL)
@@ -106,8 +109,8 @@ static void find_residual(struct stokes_solver *s, bool at_rest) {
   s->exact = true;
 }
 
-void stokes_solver_measure(struct stokes_solver *s, bool anew) {
-  if (anew) find_residual(s, false);
+void stokes_solver_measure(struct stokes_solver *s, bool recompute) {
+  if (recompute) find_residual(s, false);
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
   const struct stokes_operator *op = &s->operator;
   double sums[2] = {0.0}, flux[3], moved = 0.0, length = 0.0;
@@ -116,7 +119,8 @@ void stokes_solver_measure(struct stokes_solver *s, bool anew) {
   for (size_t i = 0; i < n; i++) p[i] = (float)s->x[axes * n + i];
   stokes_operator_apply_gradient(&s->operator, p, p_gradient);
   stokes_operator_flux(&s->operator, s->force, s->x, p_gradient, flux);
-  /* In steady flow the work of force and walls is dissipated: its mean is that of |grad v|^2. */
+  /* In steady flow the work of force and walls is dissipated: its mean equals that of |grad
+   * v|^2. */
   for (size_t a = 0; a < axes; a++)
     for (size_t i = 0; i < n; i++) {
       double force = s->force[s->stencil.axes[a]];
@@ -145,7 +149,7 @@ void stokes_solver_measure(struct stokes_solver *s, bool anew) {
   s->residual_now = norm / s->residual_start;
 }
 
-/* What drives the flow, and how fast: the force, or the fastest wall. */
+/* Sets the units of acceleration and velocity from the driving force and the fastest wall. */
 static enum status set_units(struct stokes_solver *s, const struct scene *scene, double nu,
                              const double driving[3]) {
   double wall = 0.0;
@@ -187,7 +191,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   TRY(stokes_grid_distribute(&s->grid, reach));
   if (active == 0) return STATUS_OK;
   const size_t length = (size_t)(lattice->dimensions + 1) * s->grid.active;
-  omp_set_num_threads(threads_for((double)s->grid.active, SITES_A_THREAD, threads));
+  omp_set_num_threads(threads_for((double)s->grid.active, SITES_PER_THREAD_MIN, threads));
   TRY(stokes_operator_build(&s->stencil, &s->grid, lattice, scene, wall, STOKES_STABILISATION,
                             s->velocity_unit, s->force, &s->operator));
   TRY(stokes_preconditioner_build(&s->operator, & s->preconditioner));

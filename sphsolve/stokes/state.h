@@ -1,6 +1,6 @@
-/* The steady Stokes system of a lattice and its solution so far (step.h improves it). Lattice
- * units: accelerations in `acceleration`, |driving| or what a moving wall imposes; velocity in
- * acceleration unit^2 / nu, pressure in rho acceleration unit. */
+/* The steady Stokes system of a lattice and its current solution (step.h improves it). Lattice
+ * units: accelerations in units of `acceleration`, which is |driving| or follows from the fastest
+ * moving wall; velocity in acceleration unit^2 / nu, pressure in rho acceleration unit. */
 #ifndef TOSUI_SPHSOLVE_STOKES_STATE_H
 #define TOSUI_SPHSOLVE_STOKES_STATE_H
 
@@ -26,47 +26,48 @@ struct stokes_solver {
   double force[3];                    /* driving / acceleration */
   bool walls_move;
   double *x;              /* [components][active] velocities, then pressure */
-  float *residual;        /* in the Krylov basis */
+  float *residual;        /* first vector of the Krylov basis */
   double residual_start;  /* norm of the right-hand side */
-  double residual_now;    /* relative */
-  double residual_before; /* and before the last round */
+  double residual_now;    /* norm of the residual over residual_start */
+  double residual_before; /* the same before the last round */
   double divergence;      /* rms of the continuity residual over rms |grad v| */
   double mean[3];         /* volume integral of the velocity / bulk volume */
-  double change;          /* of the mean in the last round, relative */
-  bool exact;             /* the residual was found from x, not carried on by the Krylov cycles */
+  double change;          /* relative change of the mean in the last round */
+  bool exact;             /* the residual was computed from x, not updated by the Krylov cycles */
   long iterations;
   double bulk_count;
 };
 
-/* With grid.active_all == 0 there is no path for the fluid and nothing to solve. `scene` (may be
- * NULL) gives walls their velocity and slip, support in m, nu in m^2/s, driving in m/s^2. */
+/* Assembles the system and its preconditioner for x = 0. If grid.active_all is 0 afterwards, there
+ * is no path for the fluid and nothing to solve. `scene` (may be NULL) gives walls their velocity
+ * and slip; support in m, nu in m^2/s, driving in m/s^2. Free with stokes_solver_free. */
 enum status stokes_solver_build(const struct lattice *lattice, const struct scene *scene,
                                 double support, enum wall_scheme wall, double nu,
                                 const double driving[3], struct stokes_solver *solver);
-/* The same on the lower half of a lattice that is mirrored, with its flow: same k, half the sites.
- * One process only: ranks cut whole lattices. */
+/* The same, but solving only the lower half of a lattice that is mirrored together with its flow:
+ * same k, half the sites. One process only: ranks divide whole lattices. */
 enum status stokes_solver_build_half(const struct lattice *lattice, const struct scene *scene,
                                      double support, enum wall_scheme wall, double nu,
                                      const double driving[3], struct stokes_solver *solver);
 void stokes_solver_free(struct stokes_solver *solver);
-/* The operator anew for a lattice that differs in the soil's permeability alone, and outlives it;
- * solution and preconditioner are those of before. */
+/* Assembles the operator again for a lattice that differs only in the permeability of the soil, and
+ * must outlive the solver; solution and preconditioner are kept. */
 enum status stokes_solver_set_soil(struct stokes_solver *solver, const struct lattice *lattice);
-/* Mean velocity along the force in the solution of the system at hand, from an x that solves a
- * nearby one: by the adjoint correction (Pierce, Giles 2000, SIAM Review 42) the error is of the
- * second order in the difference of the two. At surfaces of soil the adjoint of v is nearer to v
- * than to v / D. */
+/* Mean velocity along the force in the solution of the present system, computed from an x that
+ * solves a similar system. With the adjoint correction (Pierce, Giles 2000, SIAM Review 42) the
+ * error is of second order in the difference of the two. At surfaces of soil, v approximates the
+ * adjoint solution better than v / D does. */
 double stokes_solver_functional(struct stokes_solver *solver);
 
-/* Vectors of the Krylov basis and bytes in all that a model of that many sites, `active` of them
- * solved, takes; with `soil` where the model has some. */
+/* Number of vectors of the Krylov basis, and total bytes, for a model with so many sites of which
+ * `active` are solved. `soil`: the model has soil. */
 int stokes_solver_basis(double sites, double active, bool soil);
 double stokes_solver_bytes(double sites, double active, bool soil);
 
-/* After x was changed from outside: residual, mean and divergence of it. */
+/* To be called after x was changed by the caller: computes its residual, mean and divergence. */
 void stokes_solver_restart(struct stokes_solver *solver);
-/* Residual, flux and divergence of x. With `anew` the residual is found from x in double precision;
- * else that which the Krylov cycles carried on stands. */
-void stokes_solver_measure(struct stokes_solver *solver, bool anew);
+/* Computes mean and divergence of x, and the norm of its residual. With `recompute` the residual is
+ * first computed from x in double precision; else the one updated by the Krylov cycles is used. */
+void stokes_solver_measure(struct stokes_solver *solver, bool recompute);
 
 #endif

@@ -6,13 +6,14 @@
 
 #include "sphsolve/geometry/soil.h"
 
+/* Factor by which a round reduces the residual. */
 #define ROUND_REDUCTION 0.25
-/* Of a flow that is solved but for rounding. */
+/* Relative residual of a solution that is exact up to rounding. */
 #define RESIDUAL_EXACT 1e-6
-/* And of one in soil. */
+/* The same where there is soil. */
 #define RESIDUAL_ROUNDING 1e-7
 
-/* Where neither the residual nor the velocity is said to be good enough. */
+/* Relative residual to reach where the scene gives no tolerance. */
 #define RESIDUAL_DEFAULT 1e-6
 
 struct stokes_goal stokes_goal_of(const struct scene *scene) {
@@ -21,19 +22,22 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
   return goal;
 }
 
+/* Safety factor on the estimated error of the mean. */
 #define MEAN_SAFETY 2.0
 
-/* The error of the flux goes with the square of the residual (with the residual itself where walls
- * move, as there is no adjoint correction then). Let a round leave the fraction q of that: the flux
- * has changed by (1 - q) of its error before the round, and the change still to come is
- *   q / (1 - q) times that of the round. A round may by chance leave the flux where it was, though:
- * the first one from another lattice's solution does so with a flux twice the true one. Of a
- * residual spread over the pores like the force the square is the flux's own share, of what is left
- * in rocks 5 to 100 times it (docs/notes/2026-11-26-twenty-first-hour.md): the error is no less. */
+/* The error of the flux is proportional to the square of the residual (to the residual itself where
+ * walls move, as there is no adjoint correction then). Let a round leave the fraction q of that
+ * error: the flux has changed by (1 - q) of its error before the round, and the remaining error is
+ *   q / (1 - q) times the change in the round.
+ * By chance, however, a round may leave the flux unchanged: the first round after a start from
+ * another lattice's solution does so with a flux twice the true one. The square of the residual is
+ * therefore a lower bound. For a residual spread over the pores like the force it is the error of
+ * the flux; for the residuals that are left in rocks the error is 5 to 100 times as large
+ * (docs/notes/2026-11-26-twenty-first-hour.md). */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
-  const double left = s->residual_now / s->residual_before;
-  const double q = s->walls_move ? left : left * left;
-  /* Where all of the flux is in soil, its part of the first residual may be small. */
+  const double ratio = s->residual_now / s->residual_before;
+  const double q = s->walls_move ? ratio : ratio * ratio;
+  /* If all of the flux is in soil, its part of the initial residual may be small. */
   const double exact = s->operator.soil ? RESIDUAL_ROUNDING : RESIDUAL_EXACT;
   if (s->residual_now <= exact) return fmin(s->change, RESIDUAL_EXACT);
   const double least = s->walls_move ? s->residual_now : s->residual_now * s->residual_now;
@@ -41,9 +45,9 @@ double stokes_solver_mean_error(const struct stokes_solver *s) {
                                     : INFINITY;
 }
 
-/* Below this fraction of the first residual the single precision of the Krylov vectors is felt: the
- * residual is then found anew, in double precision, after each round. */
-#define EXACT_BELOW 1e-4
+/* Below this fraction of the initial residual the single precision of the Krylov vectors matters:
+ * the residual is then computed in double precision after each round. */
+#define RESIDUAL_RECOMPUTE 1e-4
 
 bool stokes_solver_round(struct stokes_solver *s) {
   double reached;
@@ -53,9 +57,9 @@ bool stokes_solver_round(struct stokes_solver *s) {
   if (done > 0) {
     s->iterations += done;
     s->exact = false;
-    /* The walls of Adami are no part of the operator, only of the residual. */
-    stokes_solver_measure(s,
-                          s->operator.wall == WALL_ADAMI || reached * s->residual_now<EXACT_BELOW);
+    /* Adami walls are not part of the operator, only of the residual. */
+    stokes_solver_measure(s, s->operator.wall == WALL_ADAMI ||
+                             reached * s->residual_now<RESIDUAL_RECOMPUTE);
   }
   omp_set_num_threads(threads);
   return done > 0 || s->residual_now == 0.0;

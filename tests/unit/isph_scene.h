@@ -85,9 +85,9 @@ static inline void same_on_threads_and_back(void (*begin)(struct run *), double 
     threads_use(k == 1 ? 2 : 1);
     begin(&run);
     if (k == 2) {
-      assert_int_equal(isph_keep(&run.s, &copy), STATUS_OK);
+      assert_int_equal(isph_copy_state(&run.s, &copy), STATUS_OK);
       for (int n = 0; n < lost; n++) assert_int_equal(isph_advance(&run.s, dt), STATUS_OK);
-      assert_int_equal(isph_go_back(&run.s, &copy), STATUS_OK);
+      assert_int_equal(isph_restore_state(&run.s, &copy), STATUS_OK);
       isph_copy_free(&copy);
     }
     for (int n = 0; n < steps; n++) assert_int_equal(isph_advance(&run.s, dt), STATUS_OK);

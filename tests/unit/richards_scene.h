@@ -67,7 +67,7 @@ static inline void advance(struct run *run, double time) {
 
 /* What is open of the water, over all that was there and came. */
 static inline double water_open(const struct richards *s) {
-  return fabs(richards_water(s) - s->start - richards_came(s)) / (s->start + s->in);
+  return fabs(richards_water(s) - s->start - richards_net_inflow(s)) / (s->start + s->in);
 }
 
 /* A column of soil, one site wide, `length` m high, with gravity unless it is lying. */

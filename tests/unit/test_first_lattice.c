@@ -59,9 +59,9 @@ static void test_few_pores_need_one_lattice_more(void **state) {
   struct plan plan = {.context = {.spacing = 1.0, .lattice = &base},
                       .shape = {.width = 2.0, .grain = INFINITY}};
   assert_true(cascade_pores_across(&plan, &base) == NY / 2.0);
-  assert_int_equal(cascade_enough(cascade_pores_across(&plan, &base)), 4);
+  assert_int_equal(cascade_lattices_needed(cascade_pores_across(&plan, &base)), 4);
   base.model.sides_mirrored = true;
-  assert_int_equal(cascade_enough(cascade_pores_across(&plan, &base)), 5);
+  assert_int_equal(cascade_lattices_needed(cascade_pores_across(&plan, &base)), 5);
 }
 
 int main(void) {

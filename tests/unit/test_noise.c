@@ -44,10 +44,10 @@ static void test_cut_off(void **state) {
     struct windows all = {.count = 1, .window = {{.size = {SIDE, SIDE, SIDE}, .grey = grey}}};
     double ends[2];
     draw(-CUT[c] * DEVIATION, grey);
-    windows_find_ends(&all, ends);
+    windows_find_clipping(&all, ends);
     struct noise_sums sums = {.end = ends[0]};
     noise_add(grey, deep, all.window[0].size, 1.5, 1.0, 0.0, INFINITY, &sums);
-    const double seen = noise_deviation(&sums), found = seen / noise_left(&sums);
+    const double seen = noise_deviation(&sums), found = seen / noise_clipping_ratio(&sums);
     print_message("cut %g deviations under the mean: %.4f seen, %.4f found\n", CUT[c], seen, found);
     const bool cut = isfinite(CUT[c]), black = isfinite(ends[0]), white = isfinite(ends[1]);
     assert_true(black == cut && !white);
@@ -69,7 +69,7 @@ static void test_levels(void **state) {
   struct windows all = {.count = 1, .window = {{.size = {SIDE, SIDE, SIDE}, .grey = grey}}};
   draw(-INFINITY, grey);
   for (size_t i = 0; i < N; i++) grey[i] = roundf(3.0F * grey[i]);
-  windows_find_ends(&all, ends);
+  windows_find_clipping(&all, ends);
   const bool black = isfinite(ends[0]), white = isfinite(ends[1]);
   assert_true(!black && !white);
   memory_free(&grey);

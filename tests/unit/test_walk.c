@@ -145,8 +145,8 @@ static void expect_even(bool slip, double peclet) {
   }
   /* Chi-square with 47 degrees of freedom: 82.7 once in a thousand. */
   if (!(square < 82.7)) fail_msg("chi-square %.1f of %d bins, Pe %g", square, BINS, peclet);
-  assert_true(walk.kept.carried < walk.steps * WALKERS / 5000);
-  assert_true(walk.kept.flown < walk.steps * WALKERS / 500);
+  assert_true(walk.rejected.advections < walk.steps * WALKERS / 5000);
+  assert_true(walk.rejected.flights < walk.steps * WALKERS / 500);
   walk_end(&walk);
   walk_cells_free(&c);
 }

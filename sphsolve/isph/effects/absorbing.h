@@ -1,12 +1,13 @@
 /* Absorbing sides (sponge layers; Larsen, Dancy 1983, Coastal Eng. 7, 285; Carmigniani, Violeau
- * 2018, Ocean Eng. 163, 169): before a closed side of the domain friction that grows towards it
- * takes the waves,
+ * 2018, Ocean Eng. 163, 169): before a closed side of the domain, friction that increases towards
+ * the side absorbs waves,
  *
  *   dv/dt = ... - gamma v,   gamma = 10 c/l (x/l)^2,   c = sqrt(g h),
  *
- * x from the inner edge of the region, l long to the side and h high. By the linear equations of
- * long waves 5 % of the amplitude of a wave of length l comes back, 4 % of one of l/2, 8 % of one
- * of 2 l, 39 % of one of 4 l. Still water stays still; a current is braked. */
+ * with x the distance from the inner edge of the region, l its length to the side and h its height.
+ * By the linear equations of long waves 5 % of the amplitude of a wave of length l is reflected, 4
+ * % of one of l/2, 8 % of one of 2 l, 39 % of one of 4 l. Still water stays still; a current is
+ * slowed down. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ABSORBING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ABSORBING_H
 
@@ -16,11 +17,12 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
-/* Of 6 to 36 that which sends least of waves of l/2 to 2 l back. */
+/* The factor, among those from 6 to 36, that reflects least of waves of length l/2 to 2 l. */
 #define ABSORBING_RATE 10.0
 
-/* The axis of the one side that an absorbing region lies against, -1: of none or of several; *low:
- * the lower side. A region across the whole domain lies against no side of that axis. */
+/* The axis of the single side that an absorbing region lies against, or -1 if there is none or
+ * several; *low: whether it is the lower side. A region across the whole domain lies against no
+ * side of that axis. */
 static inline int absorbing_axis(const struct scene *scene, const struct region *region,
                                  bool *low) {
   const double slack = 1e-6 * scene->spacing;
@@ -67,7 +69,8 @@ static inline void absorbing_force(const void *state, double (*acceleration)[3])
   }
 }
 
-/* Of all absorbing regions the largest length, m, and gamma, 1/s; 0: there is none. */
+/* The largest length, m, and the largest gamma, 1/s, of all absorbing regions; 0 if there are none.
+ */
 static inline void absorbing_largest(const struct scene *scene, double *length, double *most) {
   *length = *most = 0;
   for (size_t k = 0; k < scene->region_count; k++) {
@@ -75,7 +78,7 @@ static inline void absorbing_largest(const struct scene *scene, double *length, 
     bool low;
     if (region->type != REGION_ABSORBING) continue;
     const int axis = absorbing_axis(scene, region, &low);
-    if (axis < 0) continue; /* it is refused */
+    if (axis < 0) continue; /* such a scene is refused */
     *length = fmax(*length, region->box[axis + 3] - region->box[axis]);
     *most = fmax(*most, absorbing_most(scene, region, axis));
   }

@@ -1,5 +1,6 @@
-/* Soil in beds: its permeability, and with it drag and the mobility in the pressure equation, is a
- * tensor. What the effect does is in isph/anisotropy.c, which nothing calls without it. */
+/* Anisotropic soil (in beds): its permeability, and with it drag and the mobility in the pressure
+ * equation, are tensors. The implementation is in isph/anisotropy.c, of which nothing is called
+ * without this effect. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ANISOTROPY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ANISOTROPY_H
 

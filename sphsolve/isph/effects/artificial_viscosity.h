@@ -1,11 +1,11 @@
-/* Artificial viscosity: a floor under the eddy viscosity of water with a surface under gravity:
+/* Artificial viscosity: a lower bound of the eddy viscosity of water with a surface under gravity:
  *   nu + max(nu_T, nu_c),   nu_c = 0.08 r0 sqrt(|f| r0),  r0 the particle spacing.
- * The projection is approximate: the divergence that it leaves (a few 1e-5 of the energy a second)
- * feeds eddies of some spacings. In a tank at rest, 20 cm deep and 20 particles high, they move at
- * 3 to 9 mm/s without the floor, at 2 to 7 mm/s with a quarter or half of it, at under .1 mm/s with
- * it. nu_c falls with r0^(3/2); a wave of length L loses 2 nu_c (2 pi / L)^2 of its height a
- * second. As far as free water is calm (isph/calm.h) biharmonic viscosity (isph/biharmonic.h) takes
- * its place: the floor there is (1 - calm) nu_c. */
+ * The projection is approximate: the divergence that it leaves (a few 1e-5 of the energy per
+ * second) drives eddies of some spacings. In a tank at rest, 20 cm deep and 20 particles high, they
+ * move at 3 to 9 mm/s without the bound, at 2 to 7 mm/s with a quarter or half of it, and below .1
+ * mm/s with it. nu_c decreases as r0^(3/2); a wave of length L loses 2 nu_c (2 pi / L)^2 of its
+ * height per second. Where free water is calm (isph/calm.h), biharmonic viscosity
+ * (isph/biharmonic.h) replaces it: the bound there is (1 - calm) nu_c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ARTIFICIAL_VISCOSITY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ARTIFICIAL_VISCOSITY_H
 
@@ -23,7 +23,7 @@ static inline double artificial_viscosity(const struct isph *s) {
   return ARTIFICIAL_VISCOSITY * s->spacing * sqrt(strength * s->spacing);
 }
 
-/* The floor at particle i, m^2/s. */
+/* The lower bound at particle i, m^2/s. */
 static inline double isph_artificial_viscosity_at(const struct isph *s, size_t i) {
   return s->calm != NULL ? (1 - s->calm[i]) * s->artificial_viscosity : s->artificial_viscosity;
 }

@@ -1,5 +1,5 @@
-/* Drag of the soil that grows with the square of the speed: b |v_D| v_D, b = beta (1 - eps) /
- * (eps^3 D50) (M15 eq. 9d), implicit with the linear one; equation in drag_linear.h. */
+/* Forchheimer drag of the soil, quadratic in the velocity: b |v_D| v_D, b = beta (1 - eps) / (eps^3
+ * D50) (M15 eq. 9d), implicit together with the linear drag; equation in drag_linear.h. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_DRAG_FORCHHEIMER_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_DRAG_FORCHHEIMER_H
 
@@ -12,7 +12,7 @@ static inline double isph_forchheimer_of(const struct region *region) {
   return region->beta;
 }
 
-/* |v_D| of particle i past the soil, m/s: v - eps v_soil. */
+/* Darcy speed of particle i relative to the soil, m/s: |v_D - eps v_soil|. */
 static inline double isph_speed_through_soil(const struct isph *s, size_t i) {
   double square = 0;
   for (int a = 0; a < 3; a++) {

@@ -2,7 +2,7 @@
  *
  *   (C_r/eps) Dv_D/Dt = G (f - grad P/rho) ... - a v_D - b |v_D| v_D,
  *
- * G = 1 (Akbari) or 1/eps (M15), linearised about v^n after Newton,
+ * with G = 1 (Akbari) or 1/eps (M15), linearised about v^n by Newton's method,
  *
  *   |v| v -> 2 |v^n| v - |v^n| v^n,
  *
@@ -10,8 +10,8 @@
  *
  *   v* = B [ v^n + T ( ... + b/G |v^n| v^n ) ],   B = 1 / (1 + T (a + 2 b |v^n|) / G).
  *
- * The same B stands in the mobility k of the pressure, hence in matrix and corrector. v is counted
- * from the soil's own motion, eps v_soil. */
+ * The same B is part of the mobility k in the pressure equation, hence of its matrix and of the
+ * corrector. v is relative to the soil's own motion, eps v_soil. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_DRAG_LINEAR_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_DRAG_LINEAR_H
 

@@ -1,5 +1,5 @@
-/* Bound on the energy: where only a steady, uniform force can give the water energy, the sum of
- * kinetic and potential energy may not grow; what a step has raised beyond it is lowered again.
+/* Bound on the energy: if only a steady, uniform force can give the water energy, the sum of
+ * kinetic and potential energy may not increase; an excess that a step has added is removed.
  * Equations and reasons: isph/energy.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H

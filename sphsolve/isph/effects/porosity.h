@@ -1,5 +1,5 @@
-/* Porosity of soil, and the inertia it adds to the water in it (M15 eq. 9a): the boxes of the scene
- * smoothed over the support (M15 section 4), isph/soil.c. */
+/* Porosity of soil, and the inertia that it adds to the water in it (M15 eq. 9a). The scene's boxes
+ * are smoothed over the support (M15 section 4) in isph/soil.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_POROSITY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_POROSITY_H
 
@@ -14,7 +14,7 @@ static inline double inertia_coefficient(double eps) {
   return 1 + 0.34 * (1 - eps) / eps;
 }
 
-/* Whether `property` holds for a porous region. */
+/* Whether `property` is nonzero for any porous region. */
 static inline bool isph_any_soil(const struct scene *scene,
                                  double (*property)(const struct region *)) {
   for (size_t k = 0; k < scene->region_count; k++)

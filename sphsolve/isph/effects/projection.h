@@ -1,7 +1,8 @@
-/* The projection onto div v = 0: the pressure P, q = P - rho f.x without its hydrostatic part, of
+/* The projection onto div v = 0. The pressure P, with q = P - rho f.x its part that is not
+ * hydrostatic, solves
  *   div (k grad q) = div v*,   v^{n+1} = v* - k grad q,   k = B T / rho_w
- * (Morimoto et al. 2015, eqs. 18-25), symmetric; its rows are isph/pressure.c's, its corrector
- * isph/step.c's. */
+ * (Morimoto et al. 2015, eqs. 18-25), a symmetric equation. Its rows are assembled in
+ * isph/pressure.c, the corrector is in isph/step.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_PROJECTION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_PROJECTION_H
 

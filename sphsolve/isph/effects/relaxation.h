@@ -1,18 +1,18 @@
 /* Density relaxation (Asai et al. 2012; Morimoto et al. 2015, "M15", eqs. 26-31): the divergence is
- * not 0 but such that an error of the kernel sum phi = sum V W (with V the bulk volume it is 1
+ * not 0, but such that an error of the kernel sum phi = sum V W (with V the bulk volume it is 1
  * everywhere, in and out of soil) decays with the time tau; M15's alpha is dt/tau.
  *   div v_D = - eps (1 - phi) B / tau
  * B is the fraction of a velocity that the drag of one step leaves: without it the correction in
  * soil of strong drag would be faster than the water.
  *
- * |1 - phi| counts up to 0.05. At a surface only phi > 1 counts, and where no force acts on the
- * water, and as far as free water is calm (isph/calm.h), also next to it: neighbours are missing
- * there on one side, so that phi changes under a strain that keeps the volume. In calm water little
- * of phi > 1 counts there either, since relaxing it damps waves. In seepage without a surface tau
- * is at least the time in which a particle moves by its own size, since the errors of phi arise
- * from that motion: with a shorter one water that creeps through soil of porosity .1 gets velocity
- * fluctuations as large as its velocity. `relaxation_factor`, `crowd_factor`: isph/energy.c; 1
- * without that. */
+ * |1 - phi| counts up to 0.05. On the surface only phi > 1 counts. Next to the surface this also
+ * applies if no force acts on the water, and as far as free water is calm (isph/calm.h): neighbours
+ * are missing there on one side, so that phi changes under a volume-preserving strain. In calm
+ * water phi > 1 counts little there either, since its relaxation damps waves. In seepage without a
+ * surface tau is at least the time in which a particle moves by its own size, since the errors of
+ * phi arise from that motion: with a shorter tau, water that creeps through soil of porosity .1
+ * gets velocity fluctuations as large as its velocity. `relaxation_factor` and `crowd_factor`:
+ * isph/energy.c; without that effect they are 1. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_RELAXATION_H
 
@@ -24,28 +24,30 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
-/* Where rows of particles are offset against each other, as at the edge of soil, the kernel sum is
- * up to .5 % above that of one lattice at the same density: with soil, less is no error. */
+/* Deviation of the kernel sum that is not relaxed in scenes with soil. Where rows of particles are
+ * offset against each other, as at the edge of soil, the kernel sum is up to .5 % above that of one
+ * lattice at the same density. */
 #define RELAXATION_FREE 0.005
 
-/* Under a surface, share of the time that water in soil takes through a particle's size when its
- * own weight drives it, |f| = a v + b v^2, below which tau is not. In gravel that is less than .1
- * s; in fine soil a tau of .1 s would ask for more than seeps, from row to row. */
+/* Lower bound of tau in soil under a surface, as a share of the time in which water that its own
+ * weight drives, |f| = a v + b v^2, moves by a particle's size. In gravel that is less than .1 s;
+ * in fine soil a tau of .1 s would demand more flow from row to row than seeps. */
 #define RELAXATION_WEIGHT 0.1
 
-/* Under a surface what crowds beyond this spreads in that time, whatever the drag: a pond that
- * seeps away fell onto the slower water in the edge of its soil, to kernel sums of 1.75, faster
- * than by B it could spread again. Rows at the edge of soil differ by up to .08 for ever, which may
- * move nothing. */
+/* Under a surface an excess of the kernel sum beyond this is relaxed in that time, whatever the
+ * drag. A pond that seeps away falls onto the slower water in the edge of its soil, to kernel sums
+ * of 1.75 without this, faster than the water can spread again with the factor B. Rows at the edge
+ * of soil permanently differ by up to .08, which must not cause motion. */
 #define RELAXATION_CROWD 0.1
 
 /* The share of an excess of phi next to the surface of calm water that is not relaxed. */
 #define RELAXATION_SPARED 0.7
 
-/* Most of the kernel sum that counts of a particle ahead of its row. */
+/* Largest deficit of the kernel sum that counts for a particle ahead of its row. */
 #define RELAXATION_LEAD 0.1
 
-/* That time; 0 in free water and without a force. */
+/* Time in which water driven by its own weight moves by a particle's size, s; 0 in free water and
+ * without a force. */
 static inline double time_by_weight(const struct isph *s, size_t i) {
   const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
   const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
@@ -53,9 +55,10 @@ static inline double time_by_weight(const struct isph *s, size_t i) {
   return force > 0 ? size * s->porosity[i] * (a + sqrt(a * a + 4 * b * force)) / (2 * force) : 0;
 }
 
-/* The rate, 1/s, at which a particle ahead of its row comes back to it, as the row catches up: on
- * the surface deep in soil, where rows of a front part, by what its kernel sum has less than a
- * level surface's, and in the time in which the water moves by a particle's size. */
+/* Rate of contraction, 1/s, by which the row catches up with a particle ahead of it. It acts on the
+ * surface deep in soil, where rows of a front separate, in proportion to the deficit of the kernel
+ * sum relative to a level surface, and in the time in which the water moves by a particle's size.
+ */
 static inline double leads(const struct isph *s, size_t i) {
   const double *v = s->velocity[i], size = isph_size_of(s, s->volume[i]);
   const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / s->porosity[i];
@@ -63,8 +66,8 @@ static inline double leads(const struct isph *s, size_t i) {
   return isph_front_deep(s, i) * s->surface[i] * lacks * speed / size;
 }
 
-/* The source of what crowds in soil under a surface, for the part 1 - B that drag would hold; of it
- * `crowd_factor` counts. */
+/* Relaxation source of crowded particles in soil under a surface, for the part 1 - B that drag
+ * would hold back; it is applied with the factor `crowd_factor`. */
 static inline double relaxation_crowd(const struct isph *s, size_t i, double relaxation_time) {
   if (s->porosity == NULL || s->surface == NULL) return 0;
   const double crowded = fmax(-0.05, fmin(0, 1 - s->kernel_sum[i] + RELAXATION_CROWD));

@@ -1,32 +1,34 @@
 /* Particle shifting by concentration (Lind et al. 2012; Skillen et al. 2013): particles drift from
  * where they are dense to where they are sparse,
  *   dx = - min(A U dt h, bound) grad C,   C = sum V W,
- * U the larger of the particle's speed and h |S|; |dx| is at most a tenth of the particle's size r.
- * With it goes the velocity, v += dx . grad v, so that shifting does not diffuse momentum.
+ * with U the larger of the particle's speed and h |S|; |dx| is at most a tenth of the particle's
+ * size r. The velocity is changed accordingly, v += dx . grad v, so that shifting does not diffuse
+ * momentum.
  *
- * The bound is 0.8 r^2 / s, s the stiffness of grad C against displacements of neighbours, found on
- * the lattice: a factor of r^2 / s just undoes such a displacement, one of 2 r^2 / s reverses it at
- * full size. With the bound of Skillen et al., h^2 = 2.3 r^2 / s, particles alternate from step to
- * step, and the pressure with them: under a surface of all water, between 0 and twice its value; in
- * a column of water that crosses coarse soil fast by a tenth. It is h^2 where nothing but itself
- * and walls acts on the water.
+ * The bound is 0.8 r^2 / s, with s the stiffness of grad C against displacements of neighbours,
+ * found on the lattice: a factor of r^2 / s exactly reverses such a displacement, one of 2 r^2 / s
+ * reverses it at full size. With the bound of Skillen et al., h^2 = 2.3 r^2 / s, particles
+ * alternate from step to step, and the pressure with them: under a surface, in all of the water,
+ * between 0 and twice its value; in a column of water that crosses coarse soil fast, by a tenth.
+ * The bound is h^2 if nothing but the water itself and walls acts on it.
  *
- * A particle on the surface is not shifted, and one with a neighbour on the surface only along it
- * (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are evenly
- * spread, and a shift down that gradient would lift the water in every step. In scenes with soil
- * that holds already where the neighbours are half on a level surface (by the square of the cosine
- * of its normal with what lifts): the rows of thin water, ragged, are in part for long, and what of
- * the shift out of them was left would lift the row in every step by as much as all its kinetic
- * energy. On slopes it would keep what runs down from spreading. What goes along a surface lifts,
- * too, where its normal is not that of a particle's own void; that is bounded (isph/energy.c).
+ * A particle on the surface is not shifted, and one with a neighbour on the surface only along the
+ * surface (Khayyer, Gotoh, Shimizu 2017, eq. 13): C falls towards the void even where particles are
+ * evenly spread, and a shift down that gradient would lift the water in every step. In scenes with
+ * soil this holds already where the neighbours are half on a level surface (by the square of the
+ * cosine between its normal and the upward direction): the rows of thin, uneven water are partly on
+ * the surface for long, and the remaining shift out of them would lift the row in every step by as
+ * much as all its kinetic energy. On slopes it would prevent water that runs down from spreading. A
+ * shift along the surface lifts, too, where the surface's normal is not that of the particle's own
+ * void; that is bounded (isph/energy.c).
  *
- * As far as free water is calm (isph/calm.h) a particle on the surface is shifted along it too:
- * unevenly spread, one is pressed down into the second row sooner or later, and a wave loses half
- * of its energy at once. And the mean shift of a neighbourhood, weights V (- W'/r), is taken from
- * each shift: what differs from particle to particle evens them out, a mean one does work on the
- * pressure and makes a wave on many rows grow.
+ * As far as free water is calm (isph/calm.h), a particle on the surface is shifted along it too: in
+ * an uneven arrangement one is pressed down into the second row sooner or later, and a wave loses
+ * half of its energy at once. And the mean shift of a neighbourhood, with weights V (- W'/r), is
+ * subtracted from each shift: differences from particle to particle even the particles out, whereas
+ * a mean shift does work on the pressure and makes a wave on many rows grow.
  *
- * Neither is a particle beside a gap to a wall, if it is more asymmetric than disorder makes it:
+ * Nor is a particle shifted beside a gap to a wall if it is more asymmetric than disorder makes it:
  * shifting would close the gap within three steps. Nothing is shifted at rest. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SHIFTING_H
@@ -38,10 +40,10 @@
 #include "sphsolve/isph/state.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
-#define SHIFT_SHARE 0.8     /* of r^2 / s: no displacement is reversed */
-#define SHIFT_MOST 0.1      /* of the particle's size */
+#define SHIFT_SHARE 0.8     /* of r^2 / s: displacements are not reversed */
+#define SHIFT_MOST 0.1      /* largest shift over the particle's size */
 
-/* `gradient_sum` = - grad C. */
+/* Shift of a particle; `gradient_sum` = - grad C, `most`: the bound, `weight`: 0 .. 1. */
 static inline void shift_of(const double gradient_sum[3], double h, double speed, double dt,
                             double size, double most, double weight, double shift[3]) {
   double scale = weight * fmin(SHIFT_STRENGTH * speed * dt * h, most);
@@ -52,16 +54,17 @@ static inline void shift_of(const double gradient_sum[3], double h, double speed
   for (int a = 0; a < 3; a++) shift[a] = scale * gradient_sum[a];
 }
 
-/* Leaves of the shift of a particle near (0 .. 1) a surface what goes along it. `level` (0 .. 1, 0
- * without soil): nothing goes up out of water half on a surface. */
+/* Reduces the shift of a particle near a surface (`near`, 0 .. 1) to its component along the
+ * surface. With `level` (0 .. 1; 0 without soil) the outward component vanishes already where water
+ * is half on a surface. */
 static inline void shift_along(const double normal[3], double near, double level, double shift[3]) {
   double out = shift[0] * normal[0] + shift[1] * normal[1] + shift[2] * normal[2];
   if (out > 0) near += level * (fmin(1, 2 * near) - near);
   for (int a = 0; a < 3; a++) shift[a] -= near * out * normal[a];
 }
 
-/* isph/energy.c: holds the shifts `steps` whose `lift`, -f.dx, raises the water, all of them alike,
- * to what friction and those that lower it pay for. */
+/* isph/energy.c: limits the shifts `steps` whose `lift`, -f.dx, raises the water, all by the same
+ * factor, to the energy that friction and the lowering shifts provide. */
 void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*steps)[3]);
 
 static inline bool isph_shifting_wanted(const struct effect_context *context,

@@ -1,4 +1,4 @@
-/* Boxes of soil that move and drag the water along: v in the drag is counted from eps v_soil, and
+/* Moving boxes of soil, which drag the water along: v in the drag is relative to eps v_soil, and
  * div v_D = -d eps/dt where the porosity of a place changes (M15 section 4(1)). */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SOIL_MOVING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SOIL_MOVING_H

@@ -1,19 +1,20 @@
-/* Free surface: P = 0, or what an effect makes of it (surface_tension.h), half a particle above the
- * outermost particles.
+/* Free surface: P = 0, or the pressure that an effect sets (surface_tension.h), half a particle
+ * above the outermost particles.
  *
- * Where neighbours are missing on one side, a row of the pressure equation is closed by a ghost
- * particle in the void (Nair, Tomar 2014, Comput. Fluids 102), whose place makes it exact at rest:
- * in the bulk sum a_ij (x_i - x_j) is 0, so that the missing pairs
- * have minus that of the pairs there are,
- *   Q = sum of a_ij (x_i - x_j) over the pairs there are = sum of a_ij (x_j - x_i) over the others,
+ * Where neighbours are missing on one side, the row of the pressure equation is closed by a ghost
+ * particle in the void (Nair, Tomar 2014, Comput. Fluids 102), placed such that it is exact at
+ * rest. In the bulk sum a_ij (x_i - x_j) is 0, so that the missing pairs have the opposite sum of
+ * the pairs there are,
+ *   Q = sum of a_ij (x_i - x_j) over the pairs there are
+ *     = sum of a_ij (x_j - x_i) over the missing ones,
  * and so has one ghost at the surface point x_s = x_i + n d with the coefficient c,
  *   n = Q/|Q|, into the void,   d = V^(1/dimensions)/2,   c = |Q|/d.
  * It adds to the row
  *   c [ P_i - rho f.(x_i - x_s) ] = c P_i + rho f.Q.
- * Where the a_ij of a whole neighbourhood exceed those there are by more than |Q|/d, as in drops
- * and sheets, whose Q is small, c is that difference. Water at rest with a level surface then has P
- * = rho g (z_s - z) exactly, and a falling body of water P = 0. The weight goes smoothly from 0 to
- * 1, so that nothing jumps when particles pass. */
+ * Where the a_ij of a complete neighbourhood exceed the existing ones by more than |Q|/d, as in
+ * drops and sheets, whose Q is small, c is that difference. Water at rest with a level surface then
+ * has P = rho g (z_s - z) exactly, and a falling body of water P = 0. The surface weight varies
+ * smoothly from 0 to 1, so that there are no jumps when particles pass. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_H
 
@@ -24,8 +25,8 @@
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/plan/plan.h"
 
-/* |sum V grad W| he / sum V slope r^2, the asymmetry of a neighbourhood, as a share of that of a
- * level surface's outermost layer; `trace` is the sum below. */
+/* Asymmetry of a neighbourhood, |sum V grad W| he / sum V slope r^2, relative to that in the
+ * outermost layer of a level surface; `trace` is the sum in the denominator. */
 static inline double surface_asymmetry(const struct isph *s, double support,
                                        const double gradient_sum[3], double trace) {
   double length = sqrt(gradient_sum[0] * gradient_sum[0] + gradient_sum[1] * gradient_sum[1] +
@@ -33,27 +34,30 @@ static inline double surface_asymmetry(const struct isph *s, double support,
   return length * support / (trace * s->asymmetry_top);
 }
 
-#define SURFACE_MOMENT 0.4    /* one whose moment is less in some direction too: a sheet */
-#define SURFACE_FROM 0.5      /* a particle more asymmetric begins to be on the surface, */
-#define SURFACE_FULL 0.8      /* and is */
-#define SURFACE_DISORDER 0.33 /* most of particles displaced by a tenth of a spacing */
+/* least eigenvalue of the moment below which it begins by being in a thin sheet */
+#define SURFACE_MOMENT 0.4
+#define SURFACE_FROM 0.5 /* asymmetry from which on a particle begins to be on the surface, */
+#define SURFACE_FULL 0.8 /* and is on it entirely */
+/* largest asymmetry of a lattice disordered by a tenth of a spacing */
+#define SURFACE_DISORDER 0.33
 
-/* How far a particle is on the surface, 0 .. 1, by the asymmetry of its neighbourhood (walls count
- * as neighbours). Not by the kernel sum alone: that of water entering soil is above 1, as its
- * volume grows before its particles have spread, and a front not recognised as a surface loses half
- * its speed. The weight is 1 from an asymmetry of .8, 0 below .5: the second layer of a surface at
- * 45 degrees has .28, disorder of a tenth of a spacing up to .33.
+/* Surface weight of a particle, 0 .. 1, from the asymmetry of its neighbourhood (walls count as
+ * neighbours). The kernel sum alone is not sufficient: that of water entering soil is above 1, as
+ * its volume grows before its particles have spread, and a front not recognised as a surface loses
+ * half its speed. The weight is 1 from an asymmetry of .8, 0 below .5: the second layer of a
+ * surface at 45 degrees has .28, disorder of a tenth of a spacing up to .33.
  *
  * Sheets one particle thick and drops, which are symmetric, are recognised by a kernel sum below .8
  * to .72 (the outermost layer of a level surface has .79). Walls above the water level make a
  * neighbourhood more symmetric: in a tank's corner the asymmetry is a quarter, and the kernel sum
- * .87, of which walls have .45 (`walls`); so .35 of the walls' part is not counted.
+ * .87, of which .45 is from walls (`walls`); so .35 of the walls' part is not counted.
  *
- * In free water a sheet or a jet is also told by the least eigenvalue of the moment sum V slope r
- * r, 1 in the bulk: the weight is 1 below .2, 0 above .4. The outermost layer of a level surface
- * has .5 (and its asymmetry), disorder no less; less means that neighbours are missing on both
- * sides. An impact squeezes the sheet that runs up a wall to kernel sums above .8, and symmetric as
- * it is it passed for inner water, with four times the pressure that stops it. */
+ * In free water a sheet or a jet is also recognised by the least eigenvalue of the moment sum V
+ * slope r r, which is 1 in the bulk: the weight is 1 below .2, 0 above .4. The outermost layer of a
+ * level surface has .5 (and its asymmetry), disorder no less; a smaller value means that neighbours
+ * are missing on both sides. An impact squeezes the sheet that runs up a wall to kernel sums above
+ * .8; being symmetric, it would count as inner water, with four times the pressure that stops it.
+ */
 static inline double surface_weight(const struct isph *s, double support, double kernel_sum,
                                     double walls, const double gradient_sum[3],
                                     const double moment[6], const double wall_moment[6]) {
@@ -72,12 +76,11 @@ static inline double surface_weight(const struct isph *s, double support, double
   return w < 0 ? 0 : w > 1 ? 1 : w;
 }
 
-/* Whether the void beside particle i lies between it and a wall, 0 .. 1: the whole within 30
- * degrees of the wall's normal, nothing beyond 45. r points from the wall to the particle, `mirror`
- * is isph_wall_mirror's. A particle on the surface leaves out the
- * image behind a wall that water has not reached yet: with it the divergence would count the gap as
- * full of water, and the pressure would draw the front of water in soil to the wall at 1.3 times
- * its speed. */
+/* Whether the void beside particle i lies between it and a wall, 0 .. 1: 1 within 30 degrees of the
+ * wall's normal, 0 beyond 45. r points from the wall to the particle, `mirror` is that of
+ * isph_wall_mirror. A particle on the surface leaves out the image behind a wall that water has not
+ * reached yet: with it the divergence would count the gap as full of water, and the pressure would
+ * draw the front of water in soil to the wall at 1.3 times its speed. */
 static inline double surface_gap(const struct isph *s, size_t i, const double r[3],
                                  const double mirror[6]) {
   const double *m = s->gradient_sum[i]; /* points into the void */
@@ -91,11 +94,11 @@ static inline double surface_gap(const struct isph *s, size_t i, const double r[
   return fmin(1, fmax(0, 4 * towards * towards / (length * distance) - 2));
 }
 
-/* How far the pressure carries the weight of particle i: 0 in free flight, 1 from half of the
- * pressure on that water at rest has half a particle under its surface. The gradient of the reduced
- * pressure q holds water at rest exactly still, but the driving force is in it only as far as there
- * are neighbours. Water that no pressure carries has to fall by the force itself: with grad q alone
- * a level sheet one particle thick falls with .4 g. */
+/* Degree to which the pressure carries the weight of particle i: 0 in free flight, 1 from half of
+ * the pressure on that water at rest has half a particle under its surface. The gradient of the
+ * reduced pressure q keeps water at rest exactly still, but it contains the driving force only as
+ * far as there are neighbours. Water that no pressure carries has to fall by the force itself: with
+ * grad q alone a level sheet one particle thick falls with .4 g. */
 static inline double surface_carried(const struct isph *s, size_t i, double size) {
   const double *f = s->force;
   double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
@@ -105,12 +108,11 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
   return fmax(0, fmin(1, carried));
 }
 
-/* What the surface adds to the diagonal and to the right-hand side of row i; `pairs` is the sum of
- * the a_ij of its neighbours. A second projection finds what adds to the pressure, with neither
- * force nor a pressure outside. A drop or a sheet that a side with its image backs (`backed`, 0 ..
- * 1) lies on it, with few neighbours but all behind: its ghost is the level surface's, and carries
- * it.
- */
+/* Contribution of the surface to the diagonal and to the right-hand side of row i; `pairs` is the
+ * sum of the a_ij of its neighbours. A second projection solves for an increment of the pressure,
+ * with neither force nor a pressure outside. A drop or a sheet backed by a side with its image
+ * (`backed`, 0 .. 1) lies on that side, with few neighbours but all those behind it: its ghost is
+ * that of a level surface, which carries it. */
 static inline void surface_row(const struct isph *s, size_t i, double pairs, double backed,
                                double *coefficient, double *load) {
   double w = s->surface[i];
@@ -127,8 +129,8 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
 }
 
-/* Closes the gradients of q = P - rho f.x and of P at particle i against the void; returns how far
- * it is carried. */
+/* Closes the gradients of q = P - rho f.x and of P at particle i against the void; returns the
+ * degree to which the pressure carries its weight. */
 static inline double surface_close(const struct isph *s, size_t i, double reduced[3],
                                    double own[3]) {
   static const double none[3] = {0};

@@ -1,17 +1,18 @@
 /* Surface tension: the pressure under a surface of curvature kappa (positive: convex water) is
  *   P_s = sigma kappa                                                 (Young 1805; Laplace 1806)
- * above that outside. It takes the place of P = 0 (surface.h), half a particle above the outermost,
- * so that a drop at rest has P = sigma kappa everywhere and no force at all acts in it: the
+ * above that outside. It replaces P = 0 (surface.h), half a particle above the outermost particles,
+ * so that a drop at rest has P = sigma kappa everywhere and no force acts in it. This is the
  * continuum surface force of Brackbill, Kothe, Zemach (1992), Morris (2000), sigma kappa n delta,
  * in the limit of a sharp surface.
  *
- * Normals n_i are those of the sum V grad W of a particle and its neighbours on the surface, the
- * curvature their slope along it in the sense of least squares,
+ * Normals n_i are those of the sum V grad W of a particle and its neighbours on the surface; the
+ * curvature is the slope of the normals along the surface, by least squares,
  *   kappa_i = (D - 1) sum_j w_ij (n_j - n_i).t_ij / sum_j w_ij |t_ij|^2,
- * t_ij what x_j - x_i has across the mean of both normals: exact on circles and spheres; then at
- * the surface, half a particle further out, kappa/(1 + kappa size/2/(D - 1)), and the mean of the
- * neighbours on the surface. Water meets walls at right angles. None in soil, whose capillary
- * pressure is another. Waves as short as particles limit the step: Morris (2000), eq. 19. */
+ * with t_ij the component of x_j - x_i normal to the mean of both normals: exact on circles and
+ * spheres. At the surface, half a particle further out, it is kappa/(1 + kappa size/2/(D - 1)), and
+ * then the mean over the neighbours on the surface is taken. Water meets walls at right angles.
+ * There is none in soil, whose capillary pressure is different. Waves as short as particles limit
+ * the step: Morris (2000), eq. 19. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_TENSION_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_SURFACE_TENSION_H
 
@@ -41,15 +42,15 @@ static inline double surface_tension_dt(const struct effect_context *context) {
          sqrt(fluid->density * pow(context->spacing, 3) / (2 * M_PI * fluid->surface_tension));
 }
 
-/* The weight of neighbour j among those of a particle of that size, its own being 1; 0 off the
- * surface. */
+/* Weight of neighbour j of a particle of that size, relative to 1 for the particle itself; 0 off
+ * the surface. */
 static inline double surface_tension_weight(const struct isph *s, const struct isph_chunk *chunk,
                                             size_t p, double size) {
   const uint32_t j = chunk->pair[p] & PAIR_MASK;
   return s->surface[j] * s->volume[j] * (double)chunk->slope[p] * size * size / s->slope_sum;
 }
 
-/* Of particle i: n_i. */
+/* Normal n_i of particle i. */
 static inline void surface_tension_normal(const struct isph *s, const struct isph_chunk *chunk,
                                           size_t i, double normal[3]) {
   const double size = isph_size_of(s, s->volume[i]);

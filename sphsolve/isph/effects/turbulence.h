@@ -1,6 +1,6 @@
-/* Eddy viscosity after Smagorinsky (M15 eq. 3): nu_T = (C_s he)^2 |S|, |S|^2 = 2 S_ab S_ab. Fades
- * with the fraction of soil, whose Forchheimer term already counts what eddies between grains take.
- */
+/* Eddy viscosity after Smagorinsky (M15 eq. 3): nu_T = (C_s he)^2 |S|, |S|^2 = 2 S_ab S_ab. It
+ * decreases with the fraction of soil, whose Forchheimer term already contains the losses by eddies
+ * between grains. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 
@@ -10,7 +10,7 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
 
-/* g[3 a + b] = dv_a/dx_b. */
+/* |S| from g[3 a + b] = dv_a/dx_b. */
 static inline double strain_rate(const float g[9]) {
   // NOLINTNEXTLINE: who asks for it has a gradient
   double xy = 0.5 * ((double)g[1] + (double)g[3]), xz = 0.5 * ((double)g[2] + (double)g[6]);
@@ -24,12 +24,12 @@ static inline double eddy_viscosity(double constant, double support, double stra
   return length * length * strain * (1 - soil);
 }
 
-/* With what kinematic viscosity a wall holds water that passes it at `speed`, `distance` away: nu
- * within the viscous layer, y+ < 11.6, beyond it what gives the stress u_*^2 = nu_wall speed /
- * distance of the law of the wall, speed = u_* ln(9.8 distance u_* / nu) / .41 (Prandtl, Nikuradse;
- * Pope 2000, Turbulent Flows, 7.1). Water's layer at a wall is thinner than particles are: with the
- * eddies, and the floor under them, of the outermost particles the wall holds with a friction
- * coefficient of .03 to .3, and not .003. */
+/* Kinematic viscosity of the friction between a wall and water that passes it at `speed`,
+ * `distance` away: nu within the viscous layer, y+ < 11.6; beyond it the value that gives the
+ * stress u_*^2 = nu_wall speed / distance of the law of the wall, speed = u_* ln(9.8 distance u_* /
+ * nu) / .41 (Prandtl, Nikuradse; Pope 2000, Turbulent Flows, 7.1). The boundary layer of water is
+ * thinner than particles are: with the eddy viscosity of the outermost particles, and its lower
+ * bound, the friction coefficient of the wall would be .03 to .3, and not .003. */
 static inline double wall_viscosity(double nu, double speed, double distance) {
   double friction = sqrt(nu * speed / distance);
   if (!(friction * distance > 11.6 * nu) || nu == 0) return nu;

@@ -1,6 +1,6 @@
-/* Viscosity, laminar and eddies' (M15 eq. 22): nu_E lap v, nu_E = (nu + nu_T)/eps, by pairs,
+/* Laminar and eddy viscosity (M15 eq. 22): nu_E lap v, nu_E = (nu + nu_T)/eps, by pairs,
  *   sum_j V_j (nu_i + nu_j) (-W'/r) (v_j - v_i),
- * isph/step.c; walls by wall_no_slip.h. Explicit: dt <= .1 dx^2/nu. */
+ * isph/step.c; walls: wall_no_slip.h. Explicit: dt <= .1 dx^2/nu. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
 
@@ -20,7 +20,7 @@ static inline bool isph_viscosity_wanted(const struct effect_context *context,
 }
 
 static inline double isph_viscosity_dt(const struct effect_context *context) {
-  /* nu_E T = nu dt / C_r: soil only slows it */
+  /* nu_E T = nu dt / C_r: soil only makes it more stable */
   return 0.1 * context->spacing * context->spacing / fmax(context->kinematic_viscosity, 1e-300);
 }
 

@@ -1,5 +1,5 @@
 /* Walls that move with a prescribed velocity, and push or drag the water (Asai et al. 2013):
- * isph/wall.c moves them, their images carry it. */
+ * isph/wall.c moves them, their images have their velocity. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_MOVING_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_MOVING_H
 

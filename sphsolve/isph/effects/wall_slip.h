@@ -1,5 +1,4 @@
-/* Walls past which water slips: mirrored images, normal velocity only (Asai et al. 2013);
- * isph/wall.c. */
+/* Walls with slip: mirrored images, normal velocity only (Asai et al. 2013); isph/wall.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_SLIP_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_SLIP_H
 
@@ -9,7 +8,7 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
 
-/* Whether a wall of the given kind of slip is there. */
+/* Whether the scene has a wall with, or without, slip. */
 static inline bool isph_wall_kind(const struct effect_context *context, bool slip) {
   const struct scene *scene = context->scene;
   for (int a = 0; a < 3; a++)

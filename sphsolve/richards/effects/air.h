@@ -1,4 +1,4 @@
-/* Faces of soil to the air let water out that is under pressure, and none in (a seepage face;
+/* Faces of soil to the air let out water that is under pressure, and none in (a seepage face;
  * Neuman 1973): richards/edges.c. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_AIR_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_AIR_H

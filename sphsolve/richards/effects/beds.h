@@ -1,4 +1,4 @@
-/* A conductivity along each axis, for soil in beds that lie along the axes. */
+/* A conductivity for each axis, for soil with bedding along the axes. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_BEDS_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_BEDS_H
 

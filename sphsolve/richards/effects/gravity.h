@@ -1,4 +1,4 @@
-/* What gravity moves, K times its share along a face, with K as steady flow between the two sites
+/* Flux by gravity: K times its component along a face, with K as steady flow between the two sites
  * has it: richards/flux.h. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_GRAVITY_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_GRAVITY_H

@@ -1,5 +1,5 @@
 /* Two soils in series between two sites: the head at their interface is where both halves of the
- * way carry the same flux: richards/flux.c. */
+ * path carry the same flux: richards/flux.c. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_LAYERS_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_LAYERS_H
 

@@ -1,5 +1,5 @@
-/* Rain on the upper faces of soil, as much of it as soil with no water standing on it takes; the
- * rest runs off: richards/edges.c. */
+/* Rain on the upper faces of soil, as much of it as soil without ponding takes; the rest runs off:
+ * richards/edges.c. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_RAIN_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_RAIN_H
 

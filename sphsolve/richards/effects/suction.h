@@ -1,6 +1,6 @@
 /* Conductivity by Mualem (1976) and van Genuchten (1980), eq. 8, with S the effective saturation,
  *   K = K_s S^l (1 - (1 - S^(1/m))^m)^2
- * and what suction moves by it, exactly int K dh between two sites: richards/flux.h. */
+ * and the flux by suction, which is exactly int K dh between two sites: richards/flux.h. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_SUCTION_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_SUCTION_H
 

@@ -1,4 +1,4 @@
-/* Wells and drains take water out of the soil that is in them, as far as its pressure brings it:
+/* Wells and drains take water out of the soil in them, as far as its pressure yields it:
  * richards/edges.c. */
 #ifndef TOSUI_SPHSOLVE_RICHARDS_EFFECTS_WELLS_H
 #define TOSUI_SPHSOLVE_RICHARDS_EFFECTS_WELLS_H

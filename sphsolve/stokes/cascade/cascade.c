@@ -11,11 +11,12 @@
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 #include "sphsolve/stokes/cascade/start.h"
 
-/* What the wanted error of k leaves to the solver of each lattice, within bounds: the extrapolation
- * to the limit makes some three times as much of it. */
+/* Share of the wanted error of k that is allowed to the solver of each lattice, and bounds of the
+ * resulting tolerance. The extrapolation to spacing 0 amplifies the solver's error about
+ * threefold. */
 #define SOLVER_SHARE 0.02
-#define GOAL_FINEST 3e-4
-#define GOAL_COARSEST 1e-3
+#define TOLERANCE_MIN 3e-4
+#define TOLERANCE_MAX 1e-3
 
 void cascade_begin(const struct scene *scene, const struct plan *plan, const struct lattice *base,
                    struct cascade *c) {
@@ -41,14 +42,14 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
 struct stokes_goal cascade_goal(const struct cascade *c) {
   struct stokes_goal goal = stokes_goal_of(c->scene);
   if (goal.residual == 0.0 && c->fixed == 0)
-    goal.mean = fmax(goal.mean, fmin(fmax(SOLVER_SHARE * c->wanted, GOAL_FINEST), GOAL_COARSEST));
+    goal.mean = fmax(goal.mean, fmin(fmax(SOLVER_SHARE * c->wanted, TOLERANCE_MIN), TOLERANCE_MAX));
   return goal;
 }
 
 enum status cascade_lattice(const struct cascade *c, double spacing, struct lattice *lattice,
-                            bool *own) {
-  *own = fabs(spacing / c->plan->context.spacing - 1.0) < 1e-9;
-  if (*own) {
+                            bool *is_base) {
+  *is_base = fabs(spacing / c->plan->context.spacing - 1.0) < 1e-9;
+  if (*is_base) {
     *lattice = *c->base;
     return STATUS_OK;
   }
@@ -62,7 +63,8 @@ enum status cascade_build(const struct cascade *c, const struct lattice *lattice
       lattice->dimensions == 2
           ? sqrt(lattice->spacing[0] * lattice->spacing[2])
           : cbrt(lattice->spacing[0] * lattice->spacing[1] * lattice->spacing[2]);
-  /* An open cascade is of one process; any other has the same bits on any number of ranks. */
+  /* Ranks do not solve half lattices; a fixed cascade does not either, so that its results are
+   * identical on any number of ranks. */
   return (c->fixed > 0 ? stokes_solver_build : stokes_solver_build_half)(
       lattice, c->scene, stokes_support(c->scene, context->spacing) * spacing, wall,
       context->kinematic_viscosity, c->scene->driving, s);
@@ -112,10 +114,10 @@ enum status cascade_finish(struct cascade *c) {
   enum status status = STATUS_OK;
   const struct uncertainty *u = &c->uncertainty;
   struct lattice last = {0};
-  bool own = true;
+  bool is_base = true;
   if (c->fixed == 0 && u->level_count == 3 && isnan(u->levels[2].slope_blur)) {
     const struct error_level *level = &u->levels[u->level_count - 1];
-    TRY(cascade_lattice(c, level->spacing, &last, &own));
+    TRY(cascade_lattice(c, level->spacing, &last, &is_base));
     TRY(cascade_add_scan_part(c, &last, level->permeability, &c->coarse));
   }
   if (c->uncertainty.level_count > 1 && cascade_sides_wait(c)) {
@@ -125,7 +127,7 @@ enum status cascade_finish(struct cascade *c) {
   if (c->uncertainty.level_count == 2 && clock_seconds() - c->started > c->seconds)
     log_info("a k with its error takes no less: two lattices, and what else moves k");
 cleanup:
-  if (!own) lattice_free(&last);
+  if (!is_base) lattice_free(&last);
   return status;
 }
 
@@ -146,7 +148,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   enum status status = STATUS_OK;
   struct cascade c;
   const char *why;
-  double spacing, own = NAN;
+  double spacing, k_base = NAN;
   const struct uncertainty given = *u;
   if (!cascade_is_possible(scene, plan)) return STATUS_OK;
   cascade_begin(scene, plan, base, &c);
@@ -154,23 +156,24 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   c.wanted = 0.0;
   while (cascade_next(&c, &spacing, &why)) {
     struct lattice lattice;
-    bool is_own;
-    TRY(cascade_lattice(&c, spacing, &lattice, &is_own));
+    bool is_base;
+    TRY(cascade_lattice(&c, spacing, &lattice, &is_base));
     const double started = clock_processor_seconds();
     double k;
     status = cascade_solve(&c, &lattice, &c.coarse, &cascade_part_goal, true, &k);
     if (status == STATUS_OK)
       status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
-    if (is_own) own = k;
-    if (!is_own) lattice_free(&lattice);
+    if (is_base) k_base = k;
+    if (!is_base) lattice_free(&lattice);
     TRY(status);
   }
   *u = c.uncertainty;
   u->averaging = given.averaging;
   u->steadiness = given.steadiness;
   u->micro = given.micro, u->slope_micro = given.slope_micro;
-  /* What the run's own k differs by: its walls, or what its method leaves; where the run cannot say
-   * how far its flow has settled that is what it has still to change by. */
+  /* Difference between the run's k and the estimate, due to its walls or to what its method
+   * leaves. If the run cannot tell how far its flow is from steady, the difference is taken as
+   * that error. */
   if (c.uncertainty.level_count > 0 && found > 0.0) {
     const double off = c.uncertainty.extrapolated / found - 1.0;
     if (isnan(given.steadiness)) {
@@ -181,13 +184,13 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
       u->resolution = fmax(u->resolution_low, u->resolution_high);
     }
   }
-  if (c.uncertainty.level_count < CASCADE_FIXED || !(own > 0.0) ||
+  if (c.uncertainty.level_count < CASCADE_FIXED || !(k_base > 0.0) ||
       plan->context.method->wall(scene) != WALL_SUBVOXEL) {
     u->resolution_low = fmax(u->resolution_low, plan->expected.error);
     u->resolution_high = fmax(u->resolution_high, plan->expected.error);
     u->resolution = fmax(u->resolution_low, u->resolution_high);
   }
-  /* Through none that is coarser a pore leads: throats have a site or two. */
+  /* No coarser lattice has a continuous pore: the throats are one or two sites wide. */
   if (c.uncertainty.level_count == 1 && c.tried > 1) {
     u->resolution = u->resolution_low = u->resolution_high = fmax(u->resolution, 1.0);
     if (cascade_sides_copies(base) > 1.0) u->sides_unknown = 1.0;
@@ -197,7 +200,7 @@ cleanup:
   return status;
 }
 
-/* /state/cascade: what a cascade knows beside the solve that goes on. */
+/* /state/cascade: the state of a cascade other than the current solve. */
 #define CASCADE_NUMBERS 16
 #define LEVEL_NUMBERS 6
 

@@ -10,15 +10,16 @@
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/cost.h"
 
-/* The first has so many sites across a mean pore, 4 V / S, and across the body. */
-#define FIRST_PORE 1.6
-#define FIRST_BODY 8.0
-/* Of so few pores across, a sand's k scatters too much for four lattices
+/* Number of sites of the first lattice across a mean pore, 4 V / S, and across the body. */
+#define FIRST_SITES_PER_PORE 1.6
+#define FIRST_SITES_PER_BODY 8.0
+/* Below so many pores across, k of a sand scatters too much for four lattices
  * (docs/notes/2026-11-25-sharper.md). */
-#define FEW_PORES 8.0
-/* An open cascade has so many lattices at least, if it is not ended before. */
-#define LEVELS_LEAST 3
-/* A share of some ten per cent, which tight soil may let no solve find more sharply. */
+#define PORES_ACROSS_FEW 8.0
+/* Fewest lattices of an open cascade, unless it is ended early. */
+#define LATTICES_MIN 3
+/* Tolerance for a share of about ten per cent; in a model with tight soil solves may stall before
+ * `mean`, and `slack` is then accepted. */
 const struct stokes_goal cascade_sides_goal = {.mean = 1e-3, .slack = 0.02};
 const double cascade_fixed_ratios[CASCADE_FIXED] = {2.0, 1.5, 1.0};
 
@@ -29,33 +30,36 @@ bool cascade_is_possible(const struct scene *scene, const struct plan *plan) {
          scene->fluid.viscosity > 0.0;
 }
 
-/* How much of a model's length is the sample itself: what is seen twice is resolved no better. */
-static double own_share(const struct lattice *base) {
+/* Fraction of a model's length that is independent: a mirrored sample contains everything twice. */
+static double independent_fraction(const struct lattice *base) {
   return base->model.sides_mirrored ? 0.5 : 1.0;
 }
 
-/* The mean pore, m. Pores wider than the grains are thick, 2 V / S, as in felts, say nothing of the
- * grains that slow the flow: from a void ratio of 1 to one of 2 the grains come to have few sites
- * in place of the pores, as many as in sands (docs/notes/2026-11-25-felts.md). */
-static double narrow_pore(const struct plan *plan) {
+/* Width of a mean pore, m. In bodies whose pores are wider than the thickness 2 V / S of their
+ * grains, as in felts, the grains determine the resistance: between void ratios of 1 and 2 the
+ * criterion changes from the number of sites across a pore to that across a grain, with as many
+ * sites as in sands (docs/notes/2026-11-25-felts.md). */
+static double pore_width(const struct plan *plan) {
   const double width = plan->shape.width, grain = plan->shape.grain;
   return plan->context.spacing * fmin(width, fmax(grain, 4.0 * grain * grain / width));
 }
 
-/* Few sites across a mean pore and along a body so long. */
-static double few_sites(const struct plan *plan, double body) {
-  const double pore = narrow_pore(plan);
-  return fmin(isfinite(pore) ? pore / FIRST_PORE : plan->context.spacing, body / FIRST_BODY);
+/* Spacing with FIRST_SITES_PER_PORE sites across a mean pore and at least FIRST_SITES_PER_BODY
+ * sites along `body` (m). */
+static double coarse_spacing(const struct plan *plan, double body) {
+  const double pore = pore_width(plan);
+  return fmin(isfinite(pore) ? pore / FIRST_SITES_PER_PORE : plan->context.spacing,
+              body / FIRST_SITES_PER_BODY);
 }
 
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1) shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return few_sites(plan, own_share(base) * shortest);
+  return coarse_spacing(plan, independent_fraction(base) * shortest);
 }
 
-/* Whether walls change along an axis: not along a duct or a cylinder. */
+/* Whether the wall distance varies along an axis; it does not along a duct or a cylinder. */
 static bool walls_change(const struct lattice *base, int axis) {
   size_t step = 1;
   for (int a = 0; a < axis; a++) step *= base->size[a];
@@ -67,41 +71,42 @@ static bool walls_change(const struct lattice *base, int axis) {
   return false;
 }
 
-/* The sample's own length along the shortest axis along which walls change, m. */
-static double shortest_changing(const struct lattice *base) {
+/* Length of the sample along the shortest axis along which walls change, m, without mirrored
+ * copies. */
+static double shortest_varying_length(const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
     if (base->size[a] > 1 && walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
-  return own_share(base) * shortest;
+  return independent_fraction(base) * shortest;
 }
 
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base) {
-  return few_sites(plan, shortest_changing(base));
+  return coarse_spacing(plan, shortest_varying_length(base));
 }
 
 double cascade_pores_across(const struct plan *plan, const struct lattice *base) {
-  return shortest_changing(base) / narrow_pore(plan);
+  return shortest_varying_length(base) / pore_width(plan);
 }
 
-int cascade_enough(double pores_across) {
-  return pores_across < FEW_PORES ? CASCADE_ENOUGH_MOST : CASCADE_ENOUGH;
+int cascade_lattices_needed(double pores_across) {
+  return pores_across < PORES_ACROSS_FEW ? CASCADE_LATTICES_FEW_PORES : CASCADE_LATTICES_MIN;
 }
 
-/* The last lattice is the scene's own, as below the voxels of a model it is their interpolation
- * that a lattice resolves, not the walls. */
+/* The last lattice is the scene's own: below the voxel size of a model a lattice resolves the
+ * interpolation of its voxels, not the walls. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base) {
   const double steps =
-      log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_SHRINKS);
-  return CASCADE_STEPS * (int)fmin(fmax(round(steps), LEVELS_LEAST - 1), ERROR_LEVELS_MAX - 1);
+      log(cascade_first_spacing(plan, base) / plan->context.spacing) / log(CASCADE_RATIO);
+  return CASCADE_STEPS * (int)fmin(fmax(round(steps), LATTICES_MIN - 1), ERROR_LEVELS_MAX - 1);
 }
 
 double cascade_step_ratio(int left) {
-  return pow(CASCADE_SHRINKS, (double)left / CASCADE_STEPS);
+  return pow(CASCADE_RATIO, (double)left / CASCADE_STEPS);
 }
 
-/* A lattice as fine as the voxels, or as the scene's own, is the end of what a model can tell;
- * a model as fine as its scan the end of what that can. */
+/* A lattice as fine as the voxels, or as the scene's chosen lattice, exhausts the model; a model as
+ * fine as its scan exhausts the scan. */
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing) {
   const struct model_facts *model = &plan->context.lattice->model;
   const double chosen =
@@ -115,22 +120,22 @@ double cascade_sides_copies(const struct lattice *base) {
   return (unlike[0] ? 2.0 : 1.0) * (unlike[1] ? 2.0 : 1.0) * (unlike[2] ? 2.0 : 1.0);
 }
 
-/* Where the effect of the sides is solved: coarse, but narrow throats are to stay open; mirrored it
- * has twice the scene's sites at most. */
+/* A coarse lattice, on which narrow throats are to stay open; with all its mirrored copies it has
+ * at most twice the sites of the scene. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base) {
   return fmax(cbrt(0.5 * cascade_sides_copies(base)) * plan->context.spacing,
               0.5 * cascade_first_spacing(plan, base));
 }
 
-/* Not on more sites than this. */
-#define SIDES_SITES 8e6
+/* Largest number of sites, copies included, of a refined lattice for the sides. */
+#define SIDES_SITES_MAX 8e6
 
 bool cascade_sides_finer(const struct lattice *base, double *spacing, double *sites) {
-  const double *own = base->spacing, finest = fmin(own[0], fmin(own[1], own[2]));
+  const double *h = base->spacing, finest = fmin(h[0], fmin(h[1], h[2]));
   const double finer = fmax(*spacing * M_SQRT1_2, finest);
-  *sites = cascade_sides_copies(base) * (double)base->count * own[0] * own[1] * own[2] /
+  *sites = cascade_sides_copies(base) * (double)base->count * h[0] * h[1] * h[2] /
            (finer * finer * finer);
-  if (*spacing <= 1.01 * finest || *sites > SIDES_SITES) return false;
+  if (*spacing <= 1.01 * finest || *sites > SIDES_SITES_MAX) return false;
   *spacing = finer;
   return true;
 }
@@ -153,7 +158,7 @@ double cascade_sides_times(const struct lattice *base, bool open) {
   return times + (base->model.sides_wrapped ? 1.0 : 0.0);
 }
 
-/* Processor seconds of all that the share of the sides takes. */
+/* Processor seconds of all solves for the effect of the sides. */
 static double sides_seconds(const struct plan *plan, const struct stokes_goal *goal, bool open) {
   const struct lattice *l = plan->context.lattice;
   const double sides = cascade_sides_sites(plan);
@@ -175,12 +180,12 @@ double cascade_sides_finer_seconds(const struct plan *plan, bool open) {
   return seconds;
 }
 
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own) {
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool with_base) {
   const struct lattice *l = plan->context.lattice;
   const struct stokes_goal goal = stokes_goal_of(scene);
   double seconds = 0.0;
   if (!cascade_is_possible(scene, plan)) return 0.0;
-  for (int i = 0; i < CASCADE_FIXED - (own ? 0 : 1); i++) {
+  for (int i = 0; i < CASCADE_FIXED - (with_base ? 0 : 1); i++) {
     const double solves = i == 1 && *scene->model_path ? 3.0 : 1.0;
     seconds += solves * stokes_solver_seconds(&plan->shape, l, 1.0 / cascade_fixed_ratios[i], &goal,
                                               WALL_SUBVOXEL);
@@ -188,40 +193,41 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
   return seconds + sides_seconds(plan, &goal, false);
 }
 
-/* Of an open cascade: iterations of a solve that starts from the lattice before, and the error of
- * the estimate as a share of what three lattices of nearly the same spacing leave. Set on sands of
- * 1.6 to 15 sites across a mean pore. */
+/* For an open cascade: iterations of a solve that starts from the preceding lattice; and the error
+ * of the estimate over the error predicted from three lattices of similar spacing. Set on sands
+ * with 1.6 to 15 sites across a mean pore. */
 #define ITERATIONS_WARM 24.0
-#define OPEN_SHARE 0.55
-/* Beside the solver: a site of the base, its kind and wall distance; of the lattice solved before,
- * its solution, indices, kind and wall distance. */
+#define OPEN_ERROR_RATIO 0.55
+/* Bytes beside the solver. Per site of the base lattice: kind and wall distance. Per site of the
+ * preceding lattice: its solution, indices, kind and wall distance. */
 #define BASE_BYTES 5.0
-#define BEFORE_BYTES 25.0
-/* Of a site of the base while the scan's share is found: itself, its blurred form, what blurs. */
+#define PRECEDING_BYTES 25.0
+/* Bytes per site of the base lattice while the effect of the scan is computed: the lattice, its
+ * blurred copy, and the work space of the blur. */
 #define BLUR_BYTES 14.0
 
-/* What a run will state of resolution with so many lattices, the last so many steps before the
- * base.
- */
+/* Predicted error of resolution with `lattices` lattices, the last of them `left` steps before the
+ * base. */
 static double expected_of_open(const struct plan *plan, int enough, int lattices, int left) {
   const double error = error_forecast_of(&plan->shape, plan->context.method, WALL_SUBVOXEL,
                                          1.0 / cascade_step_ratio(left))
                            .error;
   const double few = lattices < enough && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
-  return fmin(1.0, few * OPEN_SHARE * error);
+  return fmin(1.0, few * OPEN_ERROR_RATIO * error);
 }
 
-/* Whether an error of resolution is expected to end the cascade: together with the scan's it is
- * what was wanted, or a finer lattice is in vain. */
+/* Whether the cascade is expected to end with this error of resolution: either it and the scan's
+ * error together meet the goal, or the scan's error dominates, so that a finer lattice does not
+ * help. */
 static bool is_expected_enough(const struct plan *plan, double error) {
   const double wanted = plan->goal.error;
   const double scan = isfinite(plan->expected_scan) ? plan->expected_scan : 0.0;
   return hypot(error, scan) <= wanted || (wanted > 0.0 && scan > wanted && error < 0.5 * scan);
 }
 
-/* Steps from the last of so many lattices to the next, as the run will choose them. */
+/* Steps from the last of `lattices` lattices to the next, as the run will choose them. */
 static int expected_steps(const struct plan *plan, int enough, int lattices, int left) {
-  for (int steps = 1; lattices >= enough && steps <= CASCADE_STEPS_MOST && steps <= left; steps++)
+  for (int steps = 1; lattices >= enough && steps <= CASCADE_STEPS_MAX && steps <= left; steps++)
     if (is_expected_enough(plan, expected_of_open(plan, enough, lattices + 1, left - steps)))
       return steps;
   return left == 1 ? 1 : CASCADE_STEPS;
@@ -237,26 +243,26 @@ int cascade_levels(const struct plan *plan, int most, struct predicted_level *le
       plan->shape.sharp)
     return 0;
   const double half = lattice_is_mirrored(base) ? 0.5 : 1.0;
-  const int enough = cascade_enough(cascade_pores_across(plan, base));
+  const int enough = cascade_lattices_needed(cascade_pores_across(plan, base));
   int left = cascade_open_steps(plan, base);
-  double before = 0.0; /* sites of the lattice before */
+  double before = 0.0; /* sites of the preceding lattice */
   for (int i = 0; left >= 0 && count < most; i++) {
     const double refined = 1.0 / cascade_step_ratio(left);
     const double sites = (double)base->count * pow(refined, base->dimensions);
-    /* Beside a lattice: the void ratio and the model's voxels with the second, the scan with the
-     * third and the fourth. */
+    /* Additional solves: for void ratio and voxel size with the second lattice, for the scan with
+     * the third and the fourth. */
     double solves = 1.0;
     if (i == 1 && *scene->model_path) solves += 2.0;
     if ((i == 2 || i == 3) && base->model.scan.known) solves += 1.0;
-    const double own = solves * stokes_soil_seconds(base) *
-                       stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
-    seconds += own;
+    const double level_seconds = solves * stokes_soil_seconds(base) *
+                                 stokes_seconds(ITERATIONS_WARM, half * sites, half * phi * sites);
+    seconds += level_seconds;
     if (i == 1) seconds += half * sides_seconds(plan, &cascade_sides_goal, true);
     const double error = expected_of_open(plan, enough, i + 1, left);
     const double solving =
-        BASE_BYTES * (double)base->count + BEFORE_BYTES * before +
+        BASE_BYTES * (double)base->count + PRECEDING_BYTES * before +
         stokes_solver_bytes(half * sites, half * phi * sites, base->micro_porosity != NULL);
-    if (i >= LEVELS_LEAST - 1) /* no estimate of use from fewer */
+    if (i >= LATTICES_MIN - 1) /* fewer lattices give no useful estimate */
       levels[count++] = (struct predicted_level){
           .spacing = h / refined,
           .sites = sites,

@@ -1,4 +1,4 @@
-/* Which lattices a cascade solves, and what they will cost, before any is solved. Spacings in m. */
+/* Choice of the lattices of a cascade, and their predicted cost. Spacings in m. */
 #ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
 #define TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
 
@@ -10,62 +10,68 @@
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/step.h"
 
-/* From one lattice to the next of an open cascade the spacing shrinks by the square root of 2, and
- * by one to four steps of its own root to one with which the cascade is to end. */
-#define CASCADE_SHRINKS 1.4142135623730951
+/* Ratio of the spacings of successive lattices of an open cascade, which is CASCADE_STEPS steps of
+ * its square root. The last lattice may be one to CASCADE_STEPS_MAX steps from the one before. */
+#define CASCADE_RATIO 1.4142135623730951
 #define CASCADE_STEPS 2
-#define CASCADE_STEPS_MOST 4
-/* From so many on, from the coarsest, an open cascade has an estimate that it may end with: fewer
- * have seen little of how k scatters from lattice to lattice. A body of few pores, whose lattices
- * are small and scatter more, takes one more. */
-#define CASCADE_ENOUGH 4
-#define CASCADE_ENOUGH_MOST 5
-/* Lattices of a cascade that ends with the scene's own, and their spacings over its. */
+#define CASCADE_STEPS_MAX 4
+/* Fewest lattices, counted from the coarsest, with which an open cascade may end: fewer do not show
+ * how k scatters from lattice to lattice. A body of few pores, whose lattices are small and scatter
+ * more, needs one more. */
+#define CASCADE_LATTICES_MIN 4
+#define CASCADE_LATTICES_FEW_PORES 5
+/* Lattices of a cascade that ends with the scene's own; ratios of their spacings to the scene's. */
 #define CASCADE_FIXED 3
-/* The effect of the sides is solved on a lattice as it is, mirrored in z (where its ends are cut),
- * in y and in x, one after the other, up to so many copies of it; 1: there is none. */
+/* Number of copies of the body in the largest lattice solved for the effect of the sides; 1: none
+ * is solved. The body is solved as it is and mirrored in z (where its ends are cut), in y and in x,
+ * one after the other. */
 double cascade_sides_copies(const struct lattice *base);
-/* And closed; all on so many times its sites. An open cascade solves what is mirrored in z or y by
- * half. */
+/* Number of sites, over those of one copy, of all lattices solved for the sides, including the one
+ * with closed sides. An open cascade solves only half of what is mirrored in z or y. */
 double cascade_sides_times(const struct lattice *base, bool open);
-/* Other sides change k by per cents, on four times the sites. */
+/* Goal of these solves. The sides change k by per cents, and the lattices have four times the
+ * sites. */
 extern const struct stokes_goal cascade_sides_goal;
 extern const double cascade_fixed_ratios[CASCADE_FIXED];
-/* Fewer coarse lattices than are enough err by more than their fits say, by up to so many times. */
-extern const double cascade_few_lattices[CASCADE_ENOUGH_MOST];
+/* Factors on the error for fewer lattices than are enough: it exceeds what their fits say by up to
+ * so much. */
+extern const double cascade_few_lattices[CASCADE_LATTICES_FEW_PORES];
 
-/* Whether the flow is one that coarser lattices can be solved for: past resting walls, driven. */
+/* Whether the flow can also be solved on coarser lattices: pore flow past resting walls, driven by
+ * a force. */
 bool cascade_is_possible(const struct scene *scene, const struct plan *plan);
 
-/* The spacing with few sites across a mean pore, where an open cascade may begin. */
+/* Spacing with few sites across a mean pore, with which an open cascade may begin. */
 double cascade_first_spacing(const struct plan *plan, const struct lattice *base);
-/* The spacing at which where the sites happen to lie scatters k by all that converge_limit expects:
- * the same, but an axis along which no wall changes may be as short as one likes. */
+/* Spacing at which k scatters with the position of the sites by the full amount that converge_limit
+ * assumes: as cascade_first_spacing, but without regard to axes along which the walls do not
+ * change. */
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
-/* Mean pores along the shortest axis along which walls change. */
+/* Length, in mean pores, of the shortest axis along which the walls change. */
 double cascade_pores_across(const struct plan *plan, const struct lattice *base);
-/* Lattices that are enough for a body of so many pores across. */
-int cascade_enough(double pores_across);
-/* Steps from the first of its lattices to the last, the scene's own sites. */
+/* Number of lattices that is enough for a body that is so many pores across. */
+int cascade_lattices_needed(double pores_across);
+/* Steps from the first lattice of an open cascade to the last, the scene's own. */
 int cascade_open_steps(const struct plan *plan, const struct lattice *base);
-/* The spacing so many steps before the scene's own, over that. */
+/* Ratio of the spacing `left` steps before the scene's own to the scene's own. */
 double cascade_step_ratio(int left);
-/* What would lessen the error of resolution once a lattice of that spacing has been solved. */
+/* What would reduce the error of resolution after a lattice of that spacing has been solved. */
 enum resolution_needs cascade_needs(const struct plan *plan, double spacing);
-/* Where the effect of the sides is solved. */
+/* Spacing of the lattice on which the effect of the sides is solved, m. */
 double cascade_sides_spacing(const struct plan *plan, const struct lattice *base);
-/* The finer lattice after one of that spacing, on which a large effect is sought, and its sites
- * with all copies; false: there is none, or it is too large. */
+/* The next finer lattice for an effect of the sides that is large: replaces *spacing, and sets
+ * *sites to the number of its sites with all copies. False if there is none, or it is too large. */
 bool cascade_sides_finer(const struct lattice *base, double *spacing, double *sites);
-/* Processor seconds of all of them; of an `open` cascade. */
+/* Processor seconds of all these finer lattices; `open`: in an open cascade. */
 double cascade_sides_finer_seconds(const struct plan *plan, bool open);
 
-/* What an open cascade of a planned scene will solve (struct method, levels): with plan->goal.error
- * up to the lattice that is expected to reach it. */
+/* Predicted lattices of an open cascade (struct method, levels), at most `most`; with
+ * plan->goal.error up to the lattice that is expected to reach it. Returns their number. */
 int cascade_levels(const struct plan *plan, int most, struct predicted_level *levels);
-/* Sites of the largest lattice that is solved for the effect of the sides; 0: none is. */
+/* Sites of the largest lattice solved for the effect of the sides; 0: none is solved. */
 double cascade_sides_sites(const struct plan *plan);
-/* Processor seconds of cascade_measure, or of the lattices of a stokes run below its own. */
-double cascade_seconds(const struct scene *scene, const struct plan *plan, bool own);
+/* Processor seconds of cascade_measure (`with_base`: including the scene's own lattice), or of the
+ * coarser lattices of a stokes run. */
+double cascade_seconds(const struct scene *scene, const struct plan *plan, bool with_base);
 
 #endif

@@ -10,13 +10,14 @@
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 
-/* From 14 bodies of overlapping spheres (docs/notes/2026-11-23-fourth-hour.md). */
-const double cascade_few_lattices[CASCADE_ENOUGH_MOST] = {1.0, 1.0, 3.8, 2.38, 1.8};
-/* Lattices of a scene's own spacing and coarser err so too, where a mean pore has fewer sites than
+/* Factors on the error of the limit by the number of lattices. From 14 bodies of overlapping
+ * spheres (docs/notes/2026-11-23-fourth-hour.md). */
+const double cascade_few_lattices[CASCADE_LATTICES_FEW_PORES] = {1.0, 1.0, 3.8, 2.38, 1.8};
+/* The factors also apply to a fixed cascade if a mean pore of the scene has fewer sites across than
  * this. */
-#define COARSE 4.5
+#define PORE_SITES_COARSE 4.5
 
-/* Spacing and k of the lattices so far, the finest first. */
+/* Lists spacing and k of the lattices so far, the finest first. */
 static size_t list_values(const struct uncertainty *u, double *h, double *k) {
   const int n = u->level_count;
   for (int i = 0; i < n; i++) {
@@ -26,12 +27,12 @@ static size_t list_values(const struct uncertainty *u, double *h, double *k) {
   return (size_t)n;
 }
 
-/* Whether k [n] at h [n], the finest first, does not yet come nearer to a limit: from lattice to
- * lattice it goes up and down, or in steps that shrink by less than the first order makes them, and
- * at that order more than the error asked for is left. Then the coarsest miss throats that the
- * finer ones have, and four say nothing of how k goes on: in sandstones the limit from them is up
- * to twice its error off (docs/notes/2026-11-26-twenty-first-hour.md). */
-static bool wanders(const struct cascade *c, const double *h, const double *k, size_t n) {
+/* Whether k [n] at h [n], the finest first, does not yet converge: its changes from lattice to
+ * lattice alternate in sign, or decrease by less than first order would make them, and at first
+ * order more than the wanted error remains. The coarsest lattices then miss throats that the finer
+ * ones have, and four lattices do not show how k continues: in sandstones the limit estimated from
+ * them is off by up to twice its error (docs/notes/2026-11-26-twenty-first-hour.md). */
+static bool is_not_converging(const struct cascade *c, const double *h, const double *k, size_t n) {
   for (size_t i = 0; i + 2 < n; i++) {
     const double now = log(k[i] / k[i + 1]), before = log(k[i + 1] / k[i + 2]);
     const double shrinks = h[i + 1] / h[i];
@@ -42,10 +43,12 @@ static bool wanders(const struct cascade *c, const double *h, const double *k, s
   return false;
 }
 
-/* Lattices that an estimate needs which has k [n] at h [n], the finest first. */
+/* Number of lattices needed for an estimate from k [n] at h [n], the finest first. */
 static size_t lattices_wanted(const struct cascade *c, const double *h, const double *k, size_t n) {
-  const size_t enough = (size_t)cascade_enough(c->pores_across);
-  return n == CASCADE_ENOUGH && c->fixed == 0 && wanders(c, h, k, n) ? CASCADE_ENOUGH_MOST : enough;
+  const size_t enough = (size_t)cascade_lattices_needed(c->pores_across);
+  return n == CASCADE_LATTICES_MIN && c->fixed == 0 && is_not_converging(c, h, k, n)
+             ? CASCADE_LATTICES_FEW_PORES
+             : enough;
 }
 
 static bool is_enough(const struct cascade *c) {
@@ -54,15 +57,16 @@ static bool is_enough(const struct cascade *c) {
   return n >= lattices_wanted(c, h, k, n);
 }
 
-/* The limit of k [n] at h [n], the finest first. */
+/* Estimate of the limit of k [n] at h [n], the finest first. */
 static struct limit_estimate limit_of(const struct cascade *c, const double *h, const double *k,
                                       size_t n) {
   struct limit_estimate limit;
   converge_limit(h, k, n, c->noise_scale, c->pores_across, &limit);
-  /* Between flat walls it does not matter where the sites lie, and the finest is nearly exact. */
+  /* Between flat walls the position of the sites does not matter, and the finest value is nearly
+   * exact. */
   if (n > 1 && c->plan->shape.flat)
     limit = (struct limit_estimate){k[0], fabs(k[1] / k[0] - 1.0), fabs(k[1] / k[0] - 1.0), NAN};
-  const bool few = c->fixed == 0 || c->plan->shape.width < COARSE;
+  const bool few = c->fixed == 0 || c->plan->shape.width < PORE_SITES_COARSE;
   if (few && n < lattices_wanted(c, h, k, n) && !c->plan->shape.flat) {
     limit.low *= cascade_few_lattices[n];
     limit.high *= cascade_few_lattices[n];
@@ -70,7 +74,7 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
   return limit;
 }
 
-/* The part of the resolution, from the limit's. */
+/* Sets the error of resolution from those of the limit and of the model's voxels. */
 static void set_resolution(const struct limit_estimate *limit, struct uncertainty *u) {
   const double model = isfinite(u->model) ? u->model : 0.0;
   u->resolution_low = fmin(hypot(limit->low, model), 1.0); /* k is above 0 */
@@ -78,9 +82,10 @@ static void set_resolution(const struct limit_estimate *limit, struct uncertaint
   u->resolution = fmax(u->resolution_low, u->resolution_high);
 }
 
-/* Grains that are cut by the ends meet there in slits, through which a coarse lattice lets too
- * much; the wider pores of the mirrored sample it has nearly right. So where ends are cut the
- * change is that to the best k, too. */
+/* Grains cut by the ends meet there in slits, through which a coarse lattice lets too much flow; it
+ * represents the wider pores of the mirrored sample nearly correctly. If ends are cut, the effect
+ * of the sides is therefore at least the difference between k of the mirrored sample and the best
+ * k. */
 static void set_sides(const struct cascade *c, struct uncertainty *u) {
   u->sides = fmax(c->sides, fabs(c->mirrored / u->extrapolated - 1.0));
 }
@@ -93,7 +98,7 @@ void cascade_estimate(struct cascade *c) {
   struct error_level *level = &u->levels[n - 1];
   level->estimate = limit.value;
   level->low = limit.low, level->high = limit.high;
-  /* The error of one lattice alone is that expected of its pores. */
+  /* The error from a single lattice is the one predicted for its pores. */
   if (n == 1 && c->fixed != 1)
     limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
                                                WALL_SUBVOXEL, c->plan->context.spacing / h[0])
@@ -106,45 +111,46 @@ void cascade_estimate(struct cascade *c) {
   set_sides(c, u);
 }
 
-/* What no lattice can lessen is more than was wanted, and has twice the error of resolution. */
-static bool finer_is_in_vain(const struct cascade *c, const struct uncertainty *u) {
+/* Whether the other parts of the error, which no lattice can reduce, exceed the goal and are at
+ * least twice the error of resolution. */
+static bool refinement_is_useless(const struct cascade *c, const struct uncertainty *u) {
   struct uncertainty rest = *u;
   rest.resolution = rest.resolution_low = rest.resolution_high = NAN;
   const double left = uncertainty_largest(&rest);
   return c->plan->goal.error > 0.0 && left > c->wanted && u->resolution < 0.5 * left;
 }
 
-/* What the uncertainty will be with one lattice more, so many steps on, if its k lies where the fit
- * of those before expects it. The error that is then stated is within some per cent of this: it
- * comes from how far apart the lattices' values are, and hardly from their noise. */
-#define FORETOLD_MARGIN 1.02
-static struct uncertainty foretold(const struct cascade *c, int steps) {
+/* Predicted uncertainty with one more lattice, `steps` steps finer, if its k follows the fit of the
+ * preceding ones. The stated error will be within some per cent of this: it depends on how far
+ * apart the lattices' values are, and hardly on their noise. */
+#define PREDICTION_MARGIN 1.02
+static struct uncertainty predicted_uncertainty(const struct cascade *c, int steps) {
   struct uncertainty u = c->uncertainty;
   double h[ERROR_LEVELS_MAX + 1] = {0}, k[ERROR_LEVELS_MAX + 1] = {0};
   const size_t n = list_values(&u, h + 1, k + 1);
   h[0] = h[1] / cascade_step_ratio(steps);
   k[0] = u.extrapolated + (k[1] - u.extrapolated) * pow(h[0] / h[1], u.order);
   struct limit_estimate limit = limit_of(c, h, k, n + 1);
-  limit.low *= FORETOLD_MARGIN;
-  limit.high *= FORETOLD_MARGIN;
+  limit.low *= PREDICTION_MARGIN;
+  limit.high *= PREDICTION_MARGIN;
   set_resolution(&limit, &u);
   return u;
 }
 
-/* Steps to the lattice that is expected to be the last, the coarsest that will do; 0: none yet. */
+/* Steps to the coarsest lattice that is expected to meet the goal and end the cascade; 0: none. */
 static int steps_to_end(const struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
-  /* Where the estimate is the finest's own value there is no fit to go by. */
+  /* If the estimate is the finest value itself there is no fit to predict from. */
   if (!is_enough(c) || u->extrapolated == u->finest) return 0;
-  for (int steps = 1; steps <= CASCADE_STEPS_MOST && steps <= c->left; steps++) {
-    const struct uncertainty then = foretold(c, steps);
-    if (uncertainty_largest(&then) <= c->wanted || finer_is_in_vain(c, &then)) return steps;
+  for (int steps = 1; steps <= CASCADE_STEPS_MAX && steps <= c->left; steps++) {
+    const struct uncertainty then = predicted_uncertainty(c, steps);
+    if (uncertainty_largest(&then) <= c->wanted || refinement_is_useless(c, &then)) return steps;
   }
   return 0;
 }
 
-/* Processor seconds of a lattice so many steps finer than the last; of two, where the scan's share
- * is to be solved for on it. */
+/* Processor seconds of a lattice `steps` steps finer than the last; twice as many if the effect of
+ * the scan is to be solved on it. */
 static double lattice_seconds(const struct cascade *c, int steps) {
   const int n = c->uncertainty.level_count;
   return n > 0 ? (cascade_scan_grows(c) ? 2.0 : 1.0) * c->uncertainty.levels[n - 1].seconds *
@@ -157,7 +163,8 @@ double cascade_next_seconds(const struct cascade *c) {
   return lattice_seconds(c, end > 0 ? end : CASCADE_STEPS);
 }
 
-/* Processor seconds that the part of the sides will take, at the last lattice's for each site. */
+/* Processor seconds of the effect of the sides if it is still to be computed, from the time per
+ * site of the last lattice. */
 static double sides_seconds(const struct cascade *c) {
   const int n = c->uncertainty.level_count;
   size_t size[3], count;
@@ -171,23 +178,25 @@ static double sides_seconds(const struct cascade *c) {
   return l->seconds * cascade_sides_times(c->base, true) * (double)count / l->sites;
 }
 
-/* Whether there is time for so many processor seconds, and for the sides after them. */
+/* Whether the time limit allows so many processor seconds, and the effect of the sides after
+ * them. */
 static bool has_time(const struct cascade *c, double seconds) {
-  /* One thread does a processor second in a second, several less. */
+  /* One thread does one processor second per second; several threads are less efficient. */
   const double next = (seconds + sides_seconds(c)) / fmax(1.0, 0.85 * c->plan->threads);
   return clock_seconds() - c->started + next <= c->seconds;
 }
 
-/* Steps to the next lattice: to the last, if it is that, else those of any other; where no other
- * after that would fit into the time asked for, to the finest that does. 0: none fits. */
+/* Steps to the next lattice: those to the last lattice if one is foreseen, else the usual number;
+ * if after a usual step the time limit would allow no further lattice, those to the finest lattice
+ * that fits. 0: none fits. */
 static int steps_to_next(const struct cascade *c) {
   const int end = steps_to_end(c), usual = c->left < CASCADE_STEPS ? c->left : CASCADE_STEPS;
-  /* One lattice is no k: its error is not known. */
+  /* A single lattice gives no error of k; a second one is always solved. */
   if (c->resumed || c->uncertainty.level_count < 2) return usual;
   if (end > 0 && has_time(c, lattice_seconds(c, end))) return end;
   if (!is_enough(c)) return has_time(c, lattice_seconds(c, usual)) ? usual : 0;
   if (has_time(c, lattice_seconds(c, usual) + lattice_seconds(c, usual + 1))) return usual;
-  int steps = c->left < CASCADE_STEPS_MOST ? c->left : CASCADE_STEPS_MOST;
+  int steps = c->left < CASCADE_STEPS_MAX ? c->left : CASCADE_STEPS_MAX;
   while (steps > 0 && !has_time(c, lattice_seconds(c, steps))) steps--;
   return steps;
 }
@@ -213,13 +222,13 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
     return true;
   }
   const bool last = c->left == 0 || c->tried == ERROR_LEVELS_MAX;
-  /* What a checkpoint holds is finished, even if less is asked for now than the lattices before it
-   * know: their solutions are gone, and the last one's is the run's. */
+  /* The lattice of a checkpoint is always completed, even if less accuracy is asked for now than
+   * the preceding lattices have: their solutions are gone, and the last one is the run's. */
   const bool enough = !c->resumed && (is_enough(c) || last);
   if (enough && uncertainty_largest(u) <= c->wanted) return false;
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";
-  if (enough && finer_is_in_vain(c, u)) return false;
+  if (enough && refinement_is_useless(c, u)) return false;
   c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
   if (last) return false;
   c->ended = "the next lattice would take longer than --time";

@@ -1,14 +1,15 @@
-/* What the lattices of a cascade say of k, and which one is solved next. */
+/* Estimate of k from the lattices of a cascade, and the choice of the next one. */
 #ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_NEXT_H
 #define TOSUI_SPHSOLVE_STOKES_CASCADE_NEXT_H
 
 #include "sphsolve/stokes/cascade/cascade.h"
 
-/* k and the error of its resolution from all lattices so far, one at least. */
+/* Updates k and its error of resolution from all lattices so far, at least one. */
 void cascade_estimate(struct cascade *cascade);
-/* The next lattice's spacing, m; false when the cascade is at its end: *why is the run's status. */
+/* Spacing of the next lattice, m. False if the cascade has ended; *why is then the status of the
+ * run. */
 bool cascade_next(struct cascade *cascade, double *spacing, const char **why);
-/* What the next lattice will take, s of processor time. */
+/* Predicted processor seconds of the next lattice. */
 double cascade_next_seconds(const struct cascade *cascade);
 
 #endif

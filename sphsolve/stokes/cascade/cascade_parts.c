@@ -13,8 +13,8 @@
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/cascade/start.h"
 
-/* How far the surface is moved for dk/de, in spacings: it changes k by some per cent to tenths, far
- * more than the tolerance of the solver. */
+/* Displacement of the surface for dk/de, in spacings: it changes k by some per cent to some tens of
+ * per cent, far more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
 const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
 
@@ -29,14 +29,14 @@ double cascade_permeability(const struct stokes_solver *s) {
   return k;
 }
 
-/* Whether every rank has the memory that its part of a solve will take: an even part, and as much
- * again as parts are uneven and have ghosts. */
-#define RANK_SPARE 1.3
-static bool have_room(const struct lattice *lattice, double sites) {
+/* Whether every rank has enough memory for its part of a solve: an even share, and
+ * RANK_MEMORY_FACTOR as much to allow for uneven parts and ghosts. */
+#define RANK_MEMORY_FACTOR 1.3
+static bool have_memory(const struct lattice *lattice, double sites) {
   const double share = sites / (double)lattice->count;
   const double bytes = stokes_solver_bytes(sites, share * (double)lattice->fluid_count,
                                            lattice->micro_porosity != NULL);
-  return !ranks_any(!memory_has_room((size_t)(RANK_SPARE * bytes / ranks_count()), 1));
+  return !ranks_any(!memory_has_room((size_t)(RANK_MEMORY_FACTOR * bytes / ranks_count()), 1));
 }
 
 enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
@@ -46,7 +46,7 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   struct stokes_solver s = {0};
   *k = NAN;
   if (ranks_count() > 1 && lattice->fluid_count > 0 &&
-      !have_room(lattice, (double)lattice->count)) {
+      !have_memory(lattice, (double)lattice->count)) {
     log_warning("a part of the error of k is not known: memory is short for a solve of its own");
     return STATUS_OK;
   }
@@ -71,7 +71,8 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
   return status;
 }
 
-/* The error of the void ratio, as the model says, times the slope d ln k / de found here. */
+/* Parts of the error by the void ratio and by the threshold: their uncertainties, given by the
+ * model, times the slope d ln k / de. */
 static void add_calibration(const struct model_facts *model, struct uncertainty *u) {
   if (!isfinite(u->slope_void_ratio)) return;
   u->void_ratio = fabs(u->slope_void_ratio * model->void_ratio_error);
@@ -80,8 +81,8 @@ static void add_calibration(const struct model_facts *model, struct uncertainty 
     u->threshold = fabs(u->slope_threshold) * model->threshold_uncertainty;
 }
 
-/* k of the sample as it wraps, k[0], and mirrored along one axis after the other of those along
- * which its sides are unlike; `wrapped` is its lattice. */
+/* Solves k of the sample as it wraps, k[0], and mirrored, one axis after the other, along the axes
+ * whose sides do not match. `wrapped`: its lattice, to be freed by the caller. */
 static enum status solve_sides(struct cascade *c, double spacing, struct lattice *wrapped,
                                double k[4], int *count) {
   enum status status = STATUS_OK;
@@ -92,7 +93,7 @@ static enum status solve_sides(struct cascade *c, double spacing, struct lattice
   *count = 1;
   TRY(lattice_resample(c->base, spacing, 0.0, wrapped));
   TRY(cascade_solve(c, wrapped, &none, &cascade_sides_goal, false, k));
-  /* In z and y first: what is mirrored there is solved by half. */
+  /* z and y come first: only half of what is mirrored along them is solved. */
   for (int a = 2; a >= 0; a--) {
     if (!model->unlike[a]) continue;
     axes[a] = true;
@@ -105,12 +106,12 @@ cleanup:
   return status;
 }
 
-/* A share as large as this is looked at on finer lattices, as is one of throats that close: coarse
- * ones let too much through, or nothing. */
+/* An effect of the sides larger than this is computed again on finer lattices, as is one with
+ * closed throats: coarse lattices let too much flow through, or nothing. */
 #define SIDES_LARGE 0.2
 
 static bool sides_are_settled(double before, double share) {
-  return share <= SIDES_LARGE || fabs(share - before) < 0.1 * share; /* not where one is NAN */
+  return share <= SIDES_LARGE || fabs(share - before) < 0.1 * share; /* false if one is NAN */
 }
 
 static void warn_of_cut_ends(const struct cascade *c) {
@@ -140,13 +141,13 @@ enum status cascade_add_sides(struct cascade *c) {
   c->sides = uncertainty_share_of_sides(k, count);
   double sites;
   while (!isnan(k[0]) && !isnan(k[count - 1]) && !sides_are_settled(before, c->sides) &&
-         cascade_sides_finer(c->base, &spacing, &sites) && have_room(c->base, sites)) {
+         cascade_sides_finer(c->base, &spacing, &sites) && have_memory(c->base, sites)) {
     before = k[count - 1] > 0.0 ? c->sides : NAN;
     lattice_free(&wrapped);
     TRY(solve_sides(c, spacing, &wrapped, k, &count));
     c->sides = uncertainty_share_of_sides(k, count);
   }
-  /* What it grew by at last it may grow by again. */
+  /* If refinement increased the effect, it may increase as much again. */
   if (c->sides > before) c->sides += c->sides - before;
   if (k[0] == 0.0) {
     c->uncertainty.sides_unknown = 1.0;
@@ -181,7 +182,7 @@ enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lat
   if (more > 0.0 && change > 0.0) c->uncertainty.slope_void_ratio = log(more / k) / change;
   add_calibration(&c->base->model, &c->uncertainty);
   lattice_free(&moved);
-  /* The model from every second of its voxels. */
+  /* The model from every second of its voxels, in each direction. */
   TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &other));
@@ -195,37 +196,39 @@ cleanup:
   return status;
 }
 
-/* Grown by so much from one lattice to the next, and so large, the share is not settled. */
-#define SCAN_GROWS 1.25
-#define SCAN_LEAST 0.003
+/* The effect of the scan is not settled if it grew by this factor from one lattice to the next and
+ * is at least SCAN_SLOPE_MIN. */
+#define SCAN_GROWTH 1.25
+#define SCAN_SLOPE_MIN 0.003
 
 static bool scan_grew(const struct uncertainty *u, int lattices) {
   if (lattices < 2) return false;
   const double last = fabs(u->levels[lattices - 1].slope_blur);
-  return last > SCAN_LEAST && last > SCAN_GROWS * fabs(u->levels[lattices - 2].slope_blur);
+  return last > SCAN_SLOPE_MIN && last > SCAN_GROWTH * fabs(u->levels[lattices - 2].slope_blur);
 }
 
-/* On a finer lattice than the parts before, which resolves throats: of an open cascade, which
- * begins with coarse ones, the fourth. One with a time to keep takes the third as well, as it may
- * be its last. Slits of a few voxels of labels far finer than that lattice are no slits on it: so
- * of labels the one before tells whether the share grows, and as long as it does the next is solved
- * too. */
-static int scan_first(const struct cascade *c) {
+/* Number of the first lattice on which the effect of the scan is computed. It must be finer than
+ * those of the preceding parts, so that it resolves throats: the fourth of an open cascade, which
+ * begins with coarse lattices; with a time limit the third as well, as it may be the last. Slits
+ * of a few voxels in labels far finer than that lattice are not resolved by it: for labels, the
+ * effect is therefore also computed on the third lattice and, as long as it grows, on each
+ * following one. */
+static int first_scan_lattice(const struct cascade *c) {
   return c->fixed > 0 ? 2 : 4;
 }
 
-/* The blur closed the pores of a lattice, as it may not those of a finer one. */
+/* Whether the blur closed the pores of that lattice; it may not close those of a finer one. */
 static bool scan_closed(const struct uncertainty *u, int lattices) {
   return u->scan >= 1.0 && isnan(u->levels[lattices - 1].slope_blur);
 }
 
 bool cascade_scan_grows(const struct cascade *c) {
-  return c->base->model.scan.labels && c->uncertainty.level_count >= scan_first(c) &&
+  return c->base->model.scan.labels && c->uncertainty.level_count >= first_scan_lattice(c) &&
          scan_grew(&c->uncertainty, c->uncertainty.level_count);
 }
 
 bool cascade_scan_is_due(const struct cascade *c) {
-  const int n = c->uncertainty.level_count, first = scan_first(c);
+  const int n = c->uncertainty.level_count, first = first_scan_lattice(c);
   const bool labels = c->base->model.scan.labels;
   return n == first || (n == first - 1 && (labels || isfinite(c->seconds))) ||
          (n > first &&
@@ -243,7 +246,7 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
   TRY(cascade_solve(c, &blurred, from, &cascade_part_goal, false, &other));
   const double width = c->plan->shape.width * c->plan->context.spacing;
   c->uncertainty.blur_assumed = scan->assumed ? scan->blur : NAN;
-  if (other == 0.0) c->uncertainty.scan = 1.0; /* the blur closes the pores: k may be nothing */
+  if (other == 0.0) c->uncertainty.scan = 1.0; /* the blur closes the pores: k may be 0 */
   if (other > 0.0) {
     c->uncertainty.slope_blur = scale * log(other / k);
     c->uncertainty.levels[c->uncertainty.level_count - 1].slope_blur = c->uncertainty.slope_blur;

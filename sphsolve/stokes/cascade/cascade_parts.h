@@ -1,37 +1,38 @@
-/* The parts of the error of k beside the resolution's: each from solves of their own, on lattices
- * that differ from those of the cascade in what the part is about. */
+/* Parts of the error of k other than the resolution. Each is computed from additional solves, on
+ * lattices that differ from those of the cascade in the property in question. */
 #ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_PARTS_H
 #define TOSUI_SPHSOLVE_STOKES_CASCADE_PARTS_H
 
 #include "sphsolve/stokes/cascade/cascade.h"
 
-/* When such a solve is good enough. */
+/* Convergence criterion of such a solve. */
 extern const struct stokes_goal cascade_part_goal;
 
 /* Intrinsic permeability along the force, m^2. */
 double cascade_permeability(const struct stokes_solver *solver);
-/* Intrinsic permeability (m^2) of a lattice of its own; 0 where nothing flows, NAN where the
- * solver fails: a part of the error is then unknown, with a warning, and the run goes on, but after
- * a signal. Of several processes, one that fails in the middle of a solve cannot, as the others
- * wait for it; so they ask first whether memory is there. `from`: where it starts; with `keep` the
- * cascade keeps the solution. */
+/* Solves a lattice for its intrinsic permeability *k, m^2: 0 where nothing flows, NAN where the
+ * solver fails. In that case the part of the error stays unknown, with a warning, and the run goes
+ * on, except after an interrupt. With several ranks a failure in the middle of a solve ends the
+ * run, as the others wait for the failing rank; free memory is therefore checked first. `from`:
+ * solution to start from; with `keep` the cascade keeps the new solution. */
 enum status cascade_solve(struct cascade *cascade, const struct lattice *lattice,
                           const struct stokes_solver *from, const struct stokes_goal *goal,
                           bool keep, double *k);
-/* Whether the sides are left to the end, as a time was asked for. */
+/* Whether the effect of the sides is computed at the end, because a time limit was given. */
 bool cascade_sides_wait(const struct cascade *cascade);
-/* The change of k when pores that end at a side, or at the first or last layer where those do not
- * fit, go on into their own image there, not into whatever lies opposite; and what a tube would do.
- * All on one coarse lattice. */
+/* Computes the change of k when pores that end at a side (or at the first or last layer, where
+ * these do not match) continue into their mirror image instead of what lies at the opposite side,
+ * and the effect of the walls of a tube. On one coarse lattice, refined if the effect is large. */
 enum status cascade_add_sides(struct cascade *cascade);
-/* What k owes to the void ratio, and to the model's voxels: solved on a lattice of the cascade. */
+/* Computes the sensitivity of k to the void ratio and to the voxel size of the model, on a lattice
+ * of the cascade. */
 enum status cascade_add_model_parts(struct cascade *cascade, const struct lattice *lattice,
                                     double spacing, double k, const struct stokes_solver *from);
-/* Whether the share of the scan is solved for on the last lattice; and whether it will be on the
- * next, as it still grew from one to the next. */
+/* Whether the effect of the scan is to be computed on the last lattice; and whether it will be on
+ * the next, because it grew from one lattice to the next. */
 bool cascade_scan_is_due(const struct cascade *cascade);
 bool cascade_scan_grows(const struct cascade *cascade);
-/* What k owes to the scanner: the surface is blurred once more. */
+/* Computes the effect of the scanner's blur on k: the surface is blurred once more. */
 enum status cascade_add_scan_part(struct cascade *cascade, const struct lattice *lattice, double k,
                                   const struct stokes_solver *from);
 

@@ -9,10 +9,10 @@
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/plan/method.h"
 
-/* 1 / k_micro is made less by this share of it. The flux corrected by the residual is linear in it
- * but for the slip at surfaces, so that one step, and one assembly, is enough: rounding of single
- * precision leaves 2e-3 of the slope, slip 7e-3 of its part. */
-#define STEP 0.01
+/* Relative reduction of 1 / k_micro. The corrected flux is linear in 1 / k_micro except for the
+ * slip at surfaces, so that one step, and one assembly, is enough: rounding in single precision
+ * leaves an error of 2e-3 of the slope, slip one of 7e-3 of its part. */
+#define RESISTANCE_STEP 0.01
 
 static double along_force(const struct stokes_solver *s) {
   double mean = 0.0;
@@ -23,10 +23,10 @@ static double along_force(const struct stokes_solver *s) {
 static void find_shares(const struct stokes_solver *s, const struct lattice *l,
                         struct micropores_point *point) {
   const struct stokes_grid *grid = &s->grid;
-  double sums[2] = {0.0}, soils = 0.0; /* flux; sites on a path */
+  double sums[2] = {0.0}, soils = 0.0; /* flux through soil, soil sites on a path; all soil sites */
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     size_t n = grid->row_start[row];
-    double own = 0.0, sites = 0.0;
+    double row_flux = 0.0, sites = 0.0;
     for (size_t i = 0; i < grid->size[0]; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const bool soil = lattice_is_soil(l, row * grid->size[0] + i);
@@ -34,11 +34,11 @@ static void find_shares(const struct stokes_solver *s, const struct lattice *l,
       for (int a = 0; a < s->stencil.axis_count && soil; a++) {
         const int axis = s->stencil.axes[a];
         if (grid->mirrored && grid->parity[axis] < 0.0f) continue; /* both halves cancel */
-        own += s->force[axis] * s->x[(size_t)a * grid->active + n];
+        row_flux += s->force[axis] * s->x[(size_t)a * grid->active + n];
       }
       n++;
     }
-    sums[0] += stokes_grid_weight(grid, row) * own;
+    sums[0] += stokes_grid_weight(grid, row) * row_flux;
     sums[1] += stokes_grid_weight(grid, row) * sites;
   }
   ranks_sum_all(sums, 2);
@@ -56,12 +56,12 @@ enum status soil_response_measure(struct stokes_solver *s, const struct lattice 
   point->slope = NAN;
   memcpy(mean, s->mean, sizeof mean);
   if (s->walls_move) return STATUS_OK; /* no adjoint is known then */
-  const double own = stokes_solver_functional(s);
-  const double factor = 1.0 / (1.0 - STEP);
+  const double functional = stokes_solver_functional(s);
+  const double factor = 1.0 / (1.0 - RESISTANCE_STEP);
   TRY(lattice_soil_scale(lattice, factor, &scaled));
   scaled.micro_moved = factor;
   TRY(stokes_solver_set_soil(s, &scaled));
-  point->slope = (stokes_solver_functional(s) / own - 1.0) / STEP;
+  point->slope = (stokes_solver_functional(s) / functional - 1.0) / RESISTANCE_STEP;
   memcpy(s->mean, mean, sizeof mean);
 cleanup:
   if (scaled.micro_permeability != lattice->micro_permeability)
@@ -87,7 +87,8 @@ void soil_response_describe(const struct lattice *l, struct micropores *m) {
   m->permeability = exp(logarithm / soils);
 }
 
-/* One point of the curve, from the solution of another; `s` is its own afterwards, stripped. */
+/* Solves one point of the curve, starting from the solution of another; `s` is the solver of the
+ * point, of which soil_response_measure leaves the solution. */
 static enum status solve_point(const struct cascade *c, const struct lattice *lattice,
                                const struct stokes_solver *from, struct micropores_point *point,
                                struct stokes_solver *s) {
@@ -110,11 +111,12 @@ cleanup:
 enum status soil_response_curve(const struct cascade *c, const struct lattice *lattice, double k,
                                 struct micropores *m) {
   enum status status = STATUS_OK;
-  const double own = along_force(&c->coarse) * c->coarse.stencil.unit * c->coarse.stencil.unit;
+  const double k_last = along_force(&c->coarse) * c->coarse.stencil.unit * c->coarse.stencil.unit;
   const int count = c->scene->micro.factor_count;
   m->own.factor = 1.0, m->own.k = k;
   if (count > 0) micropores_add(m, &m->own);
-  /* Away from the soil as it is, up and then down, each from the one before. */
+  /* Starts from the model's own soil, first towards higher, then towards lower permeability; each
+   * point starts from the preceding one. */
   for (int up = 1; up >= 0; up--) {
     struct stokes_solver s[2];
     memset(s, 0, sizeof s);
@@ -126,7 +128,7 @@ enum status soil_response_curve(const struct cascade *c, const struct lattice *l
       stokes_solver_free(to);
       status = solve_point(c, lattice, from, &point, to);
       if (status == STATUS_OK) {
-        point.k *= k / own;
+        point.k *= k / k_last;
         micropores_add(m, &point);
         from = to;
       } else if (status == STATUS_NUMERIC) {

@@ -14,7 +14,8 @@ void stokes_solver_strip(struct stokes_solver *s) {
   s->residual = NULL;
 }
 
-/* One row of the coarse lattice: velocities, pressure and where it flows, with zeros between. */
+/* One row of the coarse lattice: velocities, pressure and a mask of active sites; zero at all
+ * others. */
 static void unpack_row(const struct stokes_solver *s, size_t row, float *out, size_t pitch) {
   const struct stokes_grid *grid = &s->grid;
   const bool image = row >= grid->row_end;
@@ -65,7 +66,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
 #pragma omp parallel for schedule(static)
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
     if (grid->row_start[row] == grid->row_start[row + 1] || interrupt_alone()) continue;
-    float *own = rows + 4 * block * (size_t)omp_get_thread_num(), share[3];
+    float *buffer = rows + 4 * block * (size_t)omp_get_thread_num(), share[3];
     size_t j[2], k[2], i[2], n = grid->row_start[row];
     const double y = ((double)(row % grid->size[1]) + 0.5) * ratio[1] - 0.5;
     // NOLINTNEXTLINE: whole rows
@@ -73,7 +74,7 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
     find_pair(y, from->size[1], j, &share[1]);
     find_pair(z, from->size[2], k, &share[2]);
     for (int r = 0; r < 4; r++)
-      unpack_row(coarse, k[r / 2] * from->size[1] + j[r % 2], own + (size_t)r * block, pitch);
+      unpack_row(coarse, k[r / 2] * from->size[1] + j[r % 2], buffer + (size_t)r * block, pitch);
     for (size_t x = 0; x < grid->size[0]; x++) {
       if (!stokes_grid_is_active(grid, row, x)) continue;
       float sum[5] = {0.0f};
@@ -82,10 +83,10 @@ enum status stokes_solver_start(struct stokes_solver *fine, const struct stokes_
         const int r = corner >> 1, sx = corner & 1, sy = r & 1, sz = r >> 1;
         const float w = (sx ? share[0] : 1.0f - share[0]) * (sy ? share[1] : 1.0f - share[1]) *
                         (sz ? share[2] : 1.0f - share[2]);
-        const float *values = own + (size_t)r * block + i[sx];
+        const float *values = buffer + (size_t)r * block + i[sx];
         for (int c = 0; c <= components; c++) sum[c] += w * values[(size_t)c * pitch];
       }
-      /* Velocity falls to zero in the walls; pressure has no value there. */
+      /* Velocity falls to zero in the walls; pressure is averaged over active sites only. */
       for (int c = 0; c + 1 < components; c++)
         fine->x[(size_t)c * grid->active + n] = scale[c] * (double)sum[c];
       fine->x[(size_t)(components - 1) * grid->active + n] =

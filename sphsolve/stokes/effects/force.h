@@ -1,5 +1,5 @@
-/* What drives the flow: gravity + body acceleration - imposed pressure gradient / rho, and walls
- * that move. The flow is linear in it. */
+/* Driving of the flow: gravity + body acceleration - imposed pressure gradient / rho, and moving
+ * walls. The flow is linear in it. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_FORCE_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_FORCE_H
 

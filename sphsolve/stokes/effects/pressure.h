@@ -1,7 +1,7 @@
 /* Pressure gradient and velocity divergence as a pair of transposes, V = rho = 1:
  * (G p)_a = sum over pore sites of (p_b - p_a) grad W_ab, div = -G^T, so that pressure does no
- * work on a solenoidal flow. A wall's pressure is its neighbour's; G^T then mirrors the velocity.
- */
+ * work on a solenoidal flow. The pressure of a wall site is that of its fluid neighbour; G^T then
+ * mirrors the velocity. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_PRESSURE_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_PRESSURE_H
 
@@ -9,7 +9,7 @@
 
 #include "sphsolve/plan/plan.h"
 
-/* Factor of the vector from a to b. */
+/* Factor of the vector from a to b in grad W_ab. */
 static inline double stokes_pressure_pair(double r, double dw) {
   return -dw / r;
 }

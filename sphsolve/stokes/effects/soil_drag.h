@@ -1,12 +1,12 @@
-/* Soil with pores below the sites resists in proportion to the superficial velocity v:
+/* Soil with pores below the site spacing resists in proportion to the superficial velocity v:
  *   0 = F - grad p + (1/n) laplace v - v / k        (nu = rho = 1; n porosity, k permeability)
- * the steady slow form of the unified equation of Morimoto, Akbari et al. (2015), where water has
- * n = 1 and 1/k = 0 (Darcy, Brinkman, Stokes; Whitaker 1999, ch. 4). p is the pressure in the
- * pores. Where k jumps, flux and pressure are continuous and the gradient of p is not (Whitaker
- * 1999, ch. 4). So sites have mobilities M, links between them the harmonic mean M_ab of both, and
+ * This is the steady, slow form of the unified equation of Morimoto, Akbari et al. (2015), where
+ * water has n = 1 and 1/k = 0 (Darcy, Brinkman, Stokes; Whitaker 1999, ch. 4). p is the pressure in
+ * the pores. Where k jumps, flux and pressure are continuous but the gradient of p is not (Whitaker
+ * 1999, ch. 4). Sites therefore have mobilities M, links between them the harmonic mean M_ab, and
  *   (G p)_a = (1/M_a) sum over b of M_ab (p_b - p_a) g_ab
- * is the gradient on site a's own side of the jump. The divergence is minus its transpose; the
- * stabilisation has gamma M for gamma, and M_ab in L. */
+ * is the gradient on the side of site a. The divergence is minus its transpose; the stabilisation
+ * uses gamma M in place of gamma, and M_ab in L. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_DRAG_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_SOIL_DRAG_H
 
@@ -15,23 +15,24 @@
 
 #include "sphsolve/plan/plan.h"
 
-/* The mobility of a pore site, spacing^2. The drag of layers in series is exact with any value.
- * With a small one the stabilisation lets flux through the surface of soil, with a large one too
- * little of it acts in the soil. Error of layers 8 sites thick, and iterations (verify_micro):
+/* Mobility of a pore site, spacing^2. The drag of layers in series is exact for any value. With a
+ * small value the stabilisation lets flux through the surface of the soil; with a large one too
+ * little of the stabilisation acts in the soil. Error of layers 8 sites thick, and iterations
+ * (verify_micro):
  *   0.05: 8 %, 35;  0.2: 2 %, 35;  0.4: 1 %, 50;  1: 1.6 %, 92;  4: 2 %, 250. */
 #define STOKES_SOIL_PORE 0.4
 
-/* Mobility over that of a pore: M = 1 / (1 / STOKES_SOIL_PORE + 1 / k), k in spacing^2. */
+/* Mobility of soil over that of a pore: M = 1 / (1 / STOKES_SOIL_PORE + 1 / k), k in spacing^2. */
 static inline double stokes_soil_mobility(double permeability) {
   return permeability / (permeability + STOKES_SOIL_PORE);
 }
 
-/* The inverse: k, spacing^2, from the mobility over that of a pore. */
+/* The inverse: k in spacing^2 from the mobility over that of a pore. */
 static inline double stokes_soil_permeability(double mobility) {
   return STOKES_SOIL_PORE * mobility / (1.0 - mobility);
 }
 
-/* Harmonic mean of the mobilities of soil and pore, over a pore's. */
+/* Harmonic mean of the mobilities of soil and pore, over that of a pore. */
 static inline double stokes_soil_mobility_to_pore(double mobility) {
   return 2.0 * mobility / (1.0 + mobility);
 }

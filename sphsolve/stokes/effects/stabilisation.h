@@ -1,7 +1,8 @@
-/* Velocity and pressure on the same sites leave checkerboard pressures free. The continuity
- * equation gets gamma (L + div G) p: L the viscous stencil over pore pairs, G the gradient. The two
- * Laplacians cancel for smooth pressures, which takes the error of L alone (Brezzi, Pitkaeranta
- * 1984) away (Rhie, Chow 1983); their difference is never negative (Cauchy, Schwarz). */
+/* With velocity and pressure on the same sites, checkerboard pressures are not controlled. The term
+ * gamma (L + div G) p is added to the continuity equation; L: the viscous stencil over pore pairs,
+ * G: the gradient. The two Laplacians cancel for smooth pressures, which removes the error of L
+ * alone (Brezzi, Pitkaeranta 1984), as in Rhie, Chow (1983); their difference is never negative
+ * (Cauchy, Schwarz). */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_STABILISATION_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_STABILISATION_H
 
@@ -9,9 +10,10 @@
 
 #include "sphsolve/plan/plan.h"
 
-/* In spacing^2 / nu. Besides, it takes the edge off the divergence that a flow along a wall oblique
- * to the lattice seems to have: a slit 8 wide turned by 30 degrees is 1.6 % off at .02, 1.0 % at
- * .05, .6 % at .1; but a large one lets pressure through walls a site thick (sand: +2 % at .05). */
+/* gamma, in spacing^2 / nu. The term also reduces the apparent divergence of a flow along a wall
+ * oblique to the lattice: the error of a slit 8 sites wide turned by 30 degrees is 1.6 % at .02,
+ * 1.0 % at .05, .6 % at .1. A large value, however, lets pressure through walls one site thick
+ * (sand: +2 % at .05). */
 #define STOKES_STABILISATION 0.05
 
 static inline bool stokes_stabilisation_wanted(const struct effect_context *context,

@@ -1,7 +1,7 @@
-/* Wall sites carry minus the kernel average of the fluid around them: v_b = 2 v_wall - <v>_b,
- * <v>_b = sum over pore sites of W v / sum of W (Adami, Hu, Adams 2012, eq. 22 and 23). Second
- * order for walls half-way between sites. Not self-adjoint: solved by correction of v_b = 2 v_wall
- * - v_a. */
+/* Wall sites mirror the kernel average of the velocity of the fluid around them:
+ * v_b = 2 v_wall - <v>_b, <v>_b = sum over pore sites of W v / sum of W (Adami, Hu, Adams 2012,
+ * eq. 22 and 23). Second order for walls half-way between sites. Not self-adjoint: solved by defect
+ * correction of the system with v_b = 2 v_wall - v_a. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_ADAMI_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_ADAMI_H
 

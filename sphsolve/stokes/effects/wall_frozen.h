@@ -1,5 +1,5 @@
-/* Wall sites at rest where they are: v_b = v_wall. Every gap is a spacing too wide (Saomoto,
- * Matsushima, Yamada, Hatano 2006); for comparison with that paper. */
+/* Wall sites have the velocity of the wall: v_b = v_wall. Every gap is one spacing too wide
+ * (Saomoto, Matsushima, Yamada, Hatano 2006); for comparison with that paper. */
 #ifndef TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_FROZEN_H
 #define TOSUI_SPHSOLVE_STOKES_EFFECTS_WALL_FROZEN_H
 

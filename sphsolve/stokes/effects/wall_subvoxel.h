@@ -11,16 +11,18 @@
 
 #include "sphsolve/plan/plan.h"
 
-/* A fluid site on the surface itself would make the quotient infinite. */
+/* Smallest wall distance of a fluid site, spacings; the quotient would be infinite at the
+ * surface. */
 #define WALL_DISTANCE_FLOOR 0.02
-/* Distances of two sites differ by no more than they are apart; beyond this they are noise. */
+/* Distances of two sites cannot differ by more than the sites are apart; beyond this ratio they are
+ * noise. */
 #define WALL_SMOOTH_TOLERANCE 1.1
-/* Upper bound of the sum of c_ab d_b (d_a + d_b) / 2: what a pore one site wide has. Keeps the
- * force on a site positive whatever the distances are. */
+/* Upper bound of the sum of c_ab d_b (d_a + d_b) / 2: its value for a pore one site wide. It keeps
+ * the force on a site positive for any distances. */
 #define WALL_PARABOLA_MAX 0.75
 
-/* The wall bends the profile: with the curvature H (Laplacian of d) the second derivative along the
- * normal is v'' = -(F - G p + H v_a / d_a) / (1 - H d_a / 2). */
+/* Effect of the curvature of the wall: with the curvature H (Laplacian of d) the second derivative
+ * along the normal is v'' = -(F - G p + H v_a / d_a) / (1 - H d_a / 2). */
 
 struct stokes_wall_image {
   double linear;   /* d_b / d_a */
@@ -38,15 +40,15 @@ static inline struct stokes_wall_image stokes_wall_image(double d_a, double d_b,
   return image;
 }
 
-/* The volume integral of the velocity from its values at the sites. Along a line of sites that
- * ends at a wall the plain sum has the error -(B2(s)/2) dv/dx (Euler, Maclaurin), s the distance of
- * the last site from the wall in spacings, B2(s) = s^2 - s + 1/6; dv/dx = n dv/dn with the normal's
- * component n along the line, dv/dn = v/d_a + (F - G p) d_a / 2 by the same parabola. A surface
- * that is cut by lines of all axes is shared among them by n^2. */
+/* Correction of the volume integral of the velocity from its values at the sites. Along a line of
+ * sites that ends at a wall the plain sum has the error -(B2(s)/2) dv/dx (Euler, Maclaurin), s the
+ * distance of the last site from the wall in spacings, B2(s) = s^2 - s + 1/6; dv/dx = n dv/dn with
+ * the component n of the normal along the line, dv/dn = v/d_a + (F - G p) d_a / 2 by the same
+ * parabola. Where lines of several axes cut the surface, each axis has the share n^2. */
 struct stokes_wall_quadrature {
   double velocity, force; /* factors of v_a and (F - G p)_a */
-  double wall;            /* and of a wall's velocity, for the part of the last cell behind it */
-  double share;           /* of the axis in the surface */
+  double wall;            /* factor of the wall's velocity, for the part of the last cell in it */
+  double share;           /* share n^2 of the axis in the surface */
 };
 
 static inline struct stokes_wall_quadrature stokes_wall_quadrature(double d_a, double d_b,

@@ -13,18 +13,19 @@
 #include "sphsolve/geometry/moment.h"
 #include "sphsolve/geometry/wall_shape.h"
 
-/* What the walls around one site do to its momentum equation, and its sums over pore sites. */
+/* Coefficients of one site: its momentum equation with the walls around it, and its sums over pore
+ * sites. */
 struct site_sums {
   double diagonal, parabola, pore_sum, pore_gradient[3], drag[3];
   double moment[3][3];     /* sum over pore sites of g_ab times the vector to b */
-  double surface;          /* part of D by the surface of soil beside a pore */
-  double unweighted[3][3]; /* where there is soil: the moment without weights by mobility */
-  double lost[3][3];       /* the moment with them, less that which B inverts */
-  double towards[3];       /* sum of g_ab (M_b - M_a): along the normal of the soil's surface */
-  double beside[3];        /* its length along each axis without signs, of the sites beside */
+  double surface;          /* part of D due to the surface of soil beside a pore */
+  double unweighted[3][3]; /* with soil: the moment without weights by mobility */
+  double lost[3][3];       /* the weighted moment minus the one that B inverts */
+  double jump_gradient[3]; /* sum of g_ab times the jump of mobility: along the soil's normal */
+  double axis_jump[3];     /* sum of the jumps to the two nearest sites along each axis */
   double inverse[3][3];    /* B */
-  struct wall_shape wall;  /* the nearest; without where there is none */
-  bool smooth;             /* the wall distances are those of a surface */
+  struct wall_shape wall;  /* of the nearest wall; zero if there is none */
+  bool smooth;             /* the wall distances are consistent with a smooth surface */
 };
 
 static double distance(const struct stokes_operator *op, size_t site) {
@@ -34,8 +35,8 @@ static double distance(const struct stokes_operator *op, size_t site) {
 static void add_wall(const struct stokes_operator *op, const struct stokes_offset *offset,
                      size_t site, size_t other, struct site_sums *sums) {
   const struct region *region = stokes_wall_region(op, other);
-  if (region && region->slip) return; /* moves along: no shear */
-  double factor = 1.0;                /* frozen: at rest where it is */
+  if (region && region->slip) return; /* moves with the fluid: no shear */
+  double factor = 1.0;                /* frozen: wall velocity at the wall site itself */
   if (op->wall == WALL_ADAMI) factor = 2.0;
   if (op->wall == WALL_SUBVOXEL) {
     const struct stokes_wall_image image =
@@ -49,7 +50,8 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
 }
 
-/* stokes_soil_at, which is `last` where the site beside is of the same kind. */
+/* stokes_soil_at for `site`; returns *last, the result for the site *known, if both are of the same
+ * kind. */
 static const struct stokes_soil_site *soil_beside(const struct stokes_operator *op, size_t site,
                                                   size_t *known, struct stokes_soil_site *last) {
   if (!stokes_soil_alike(op->soil, op->lattice, site, *known)) {
@@ -59,13 +61,13 @@ static const struct stokes_soil_site *soil_beside(const struct stokes_operator *
   return last;
 }
 
-/* A link to or from soil, or one between pores of a site that has such links. */
+/* Adds a link to or from soil, or a link between pores of a model with soil. */
 static void add_soil(const struct stokes_operator *op, const struct stokes_offset *offset,
                      const struct stokes_soil_site *own, const struct stokes_soil_site *other,
                      struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const double mobility = stokes_soil_weight(own->mobility, other->mobility);
-  const double relative = mobility / own->relative; /* weight of the pressure's difference */
+  const double relative = mobility / own->relative; /* weight of the pressure difference */
   sums->diagonal += offset->viscous * stokes_soil_weight(own->viscosity, other->viscosity);
   sums->pore_sum += offset->viscous * mobility;
   if (!own->soil && other->soil)
@@ -74,11 +76,11 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
   for (int a = 0; a < stencil->axis_count; a++) {
     const double g = offset->gradient[stencil->axes[a]];
     sums->pore_gradient[a] += g * mobility;
-    sums->towards[a] += g * jump;
+    sums->jump_gradient[a] += g * jump;
     if (offset->step[0] * offset->step[0] + offset->step[1] * offset->step[1] +
             offset->step[2] * offset->step[2] ==
         1)
-      sums->beside[a] += offset->step[stencil->axes[a]] != 0 ? jump : 0.0;
+      sums->axis_jump[a] += offset->step[stencil->axes[a]] != 0 ? jump : 0.0;
     for (int c = 0; c < stencil->axis_count; c++) {
       const int axis = stencil->axes[c];
       const double moment = g * offset->step[axis] * stencil->spacing[axis];
@@ -88,29 +90,30 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
   }
 }
 
-/* Jumps (M_b - M_a) / (M_b + M_a) on both sides of a site add up to more than one alone can. */
-#define BOTH_SIDES 1.1
+/* Bound above which the sum of the jumps (M_b - M_a) / (M_b + M_a) on both sides of a site cannot
+ * come from one side alone. */
+#define JUMP_ONE_SIDE_MAX 1.1
 
-/* The moment m that the correction B inverts, at a site beside the surface of soil, n its normal.
- * Along the surface the gradient of the pressure is continuous, and differences count by the
+/* Sets the moment m that the correction B inverts, at a site beside the surface of soil with normal
+ * n. Along the surface the pressure gradient is continuous, and differences are weighted by the
  * mobilities of their links, as in m. Across it the gradient jumps as the mobility does, so that
- * differences weighted by mobilities already are those of the site's own gradient, and m' without
- * weights is right:
+ * differences weighted by mobilities are already those of the site's own gradient, and the
+ * unweighted moment m' is correct:
  *   m = T m T + n (n.m'.n) n,   T = 1 - n n. */
-static void join_soil(int axes, struct site_sums *sums) {
+static void set_soil_moment(int axes, struct site_sums *sums) {
   double n[3] = {0}, length = 0.0, across = 0.0;
-  for (int a = 0; a < axes; a++) length = hypot(length, sums->towards[a]);
+  for (int a = 0; a < axes; a++) length = hypot(length, sums->jump_gradient[a]);
   memcpy(sums->lost, sums->moment, sizeof sums->lost);
   if (length > 1e-6)
-    for (int a = 0; a < axes; a++) n[a] = sums->towards[a] / length;
+    for (int a = 0; a < axes; a++) n[a] = sums->jump_gradient[a] / length;
   for (int a = 0; a < axes; a++)
     for (int c = 0; c < axes; c++) across += n[a] * sums->unweighted[a][c] * n[c];
   if (length > 1e-6) moment_free_normal(axes, n, sums->moment);
   for (int a = 0; length > 1e-6 && a < axes; a++)
     for (int c = 0; c < axes; c++) sums->moment[a][c] += (across - 1.0) * n[a] * n[c];
-  /* A layer one site thick has a surface on both sides, and no normal in the sum. */
+  /* A layer one site thick has a surface on both sides, whose normals cancel in the sum. */
   for (int a = 0; a < axes; a++) {
-    if (fabs(sums->beside[a]) < BOTH_SIDES) continue;
+    if (fabs(sums->axis_jump[a]) < JUMP_ONE_SIDE_MAX) continue;
     for (int c = 0; c < axes; c++) sums->moment[a][c] = sums->moment[c][a] = 0.0;
     sums->moment[a][a] = sums->unweighted[a][a];
   }
@@ -150,11 +153,11 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
   *sums = (struct site_sums){.smooth = true};
   struct stokes_soil_site own = {0}, last;
-  size_t known = site; /* the site that `last` is of */
+  size_t known = site; /* the site to which `last` belongs */
   if (op->soil) own = last = stokes_soil_at(op->soil, op->lattice, site);
-  /* At the walls of soil the velocity is linear to the wall, with soil's viscosity. */
+  /* Towards walls within soil the velocity is linear, with the viscosity of soil. */
   const double viscosity = own.soil ? stokes_soil_weight(own.viscosity, own.viscosity) : 1.0;
-  double linear = 0.0; /* friction of the walls without curvature, beyond that of sites at rest */
+  double linear = 0.0; /* part of the diagonal due to walls, without curvature */
   for (int o = 0; o < stencil->offset_count; o++) {
     const struct stokes_offset *offset = &stencil->offsets[o];
     const size_t row = stokes_grid_row(grid, at[1], at[2], offset->step[1], offset->step[2]);
@@ -170,12 +173,12 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
       sums->diagonal += (viscosity - 1.0) * (sums->diagonal - before);
       linear += sums->diagonal - before;
     } else {
-      /* a pore that cannot flow: at rest */
+      /* a pore without through-flow: at rest */
       sums->diagonal += offset->viscous * (op->wall == WALL_ADAMI ? 2.0 : 1.0);
     }
   }
   if (!sums->smooth) sums->parabola = 0.0;
-  if (op->soil) join_soil(stencil->axis_count, sums);
+  if (op->soil) set_soil_moment(stencil->axis_count, sums);
   if (linear > 0.0) wall_shape_find(op->lattice, site, stencil->unit, &sums->wall);
   const double curvature = sums->wall.curvature * stencil->unit;
   if (sums->parabola > 0.0 && !own.soil) {
@@ -204,8 +207,8 @@ static void store(struct stokes_operator *op, size_t n, const struct site_sums *
   }
 }
 
-/* Clears `inner` [nx] where a site of the row that begins at `row` is not what the one `step` along
- * the row at `other` is: pore, or soil of its kind. */
+/* Clears `inner` [nx] at the sites of the row beginning at `row` that differ in kind (pore, or soil
+ * of its kind) from the site `step` further along the row beginning at `other`. */
 static void clear_unlike(const struct stokes_operator *op, size_t row, size_t other, int step,
                          uint8_t *inner) {
   const long nx = (long)op->grid->size[0];
@@ -215,8 +218,8 @@ static void clear_unlike(const struct stokes_operator *op, size_t row, size_t ot
       inner[i] = 0;
 }
 
-/* For each site of a row, whether all its neighbours are pore sites; where there is soil, whether
- * they are what the site itself is. `line` [nx + 2 reach]. */
+/* For each site of a row, whether all its neighbours are pore sites or, with soil, of the same kind
+ * as the site itself. `line` [nx + 2 reach]: work space. */
 static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *line,
                        uint8_t *inner) {
   const struct stokes_stencil *stencil = op->stencil;
@@ -233,7 +236,7 @@ static void find_inner(const struct stokes_operator *op, size_t row, uint8_t *li
       at[nx + i] = at[i % nx];
       at[-1 - (long)i] = at[nx - 1 - i % nx];
     }
-    /* offsets of one row follow each other */
+    /* the offsets of one row are consecutive */
     for (; o < stencil->offset_count && stencil->offsets[o].step[1] == step[1] &&
            stencil->offsets[o].step[2] == step[2];
          o++) {
@@ -248,7 +251,7 @@ static enum status build_sites(struct stokes_operator *op) {
   enum status status = STATUS_OK;
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], length = 2 * nx + 2 * STOKES_REACH;
-  struct site_sums whole = {.smooth = true}; /* of a site with pore sites all around */
+  struct site_sums whole = {.smooth = true}; /* of a site with pore sites on all sides */
   uint8_t *lines = NULL;
   TRY(memory_allocate(&lines, (size_t)op->threads * length, 1, "row buffers"));
   for (int o = 0; o < op->stencil->offset_count; o++)
@@ -260,7 +263,7 @@ static enum status build_sites(struct stokes_operator *op) {
     uint8_t *inner = lines + (size_t)omp_get_thread_num() * length, *line = inner + nx;
     if (n == grid->row_start[row + 1] || interrupt_alone()) continue;
     find_inner(op, row, line, inner);
-    struct site_sums alike = {0}; /* of the row's last site with soil as its own all around */
+    struct site_sums alike = {0}; /* of the last site of the row surrounded by its own soil */
     size_t known = SIZE_MAX;      /* that site */
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
@@ -314,7 +317,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
   op->components = stencil->axis_count + 1;
   op->n = grid->active;
   op->threads = omp_get_max_threads();
-  /* one convolution in double precision, and three rows of a gradient */
+  /* space for one convolution in double precision, and three rows of a gradient */
   op->scratch_size = 2 * stokes_rows_scratch(grid->stride) + 8 * grid->stride;
   const size_t axes = (size_t)stencil->axis_count;
   TRY(memory_allocate(&op->diagonal, op->n, sizeof *op->diagonal, "diagonal"));
@@ -377,8 +380,8 @@ void stokes_operator_flux(struct stokes_operator *op, const double force[3], con
       for (size_t i = begin; i < end; i++) sum[a] += x[i];
       for (size_t e = op->edge_start[row]; e < op->edge_start[row + 1]; e++) {
         const size_t at = begin + op->edges[e].at;
-        /* Between two walls the force bends the profile by no more than its slope is; in a corner
-         * it would, as it is shared among the walls. */
+        /* Between two walls the force term is never larger than the velocity term; in a corner it
+         * would be, because the force is shared among the walls. It is therefore limited. */
         double slope = (double)op->edges[e].velocity * x[at];
         if (op->edge_moving) slope += (double)op->edge_moving[e][axis];
         const double most = fabs(slope);

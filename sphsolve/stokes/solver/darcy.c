@@ -6,7 +6,7 @@
 #include "common/variants.h"
 
 #define DAMPING 0.8f
-#define KAPPA 0 /* slots of fields */
+#define KAPPA 0 /* slots of the fields */
 #define PRESSURE 1
 
 enum { OWN, Y_LOW, Y_HIGH, Z_LOW, Z_HIGH, ROWS };
@@ -15,7 +15,7 @@ static inline float mean(float t, float here, float there) {
   return there > 0.0f ? t * (here + there) : 0.0f;
 }
 
-/* In series, as it jumps at the surface of soil. */
+/* Harmonic mean (resistances in series), for kappa that jumps at the surface of soil. */
 static inline float series(float t, float here, float there) {
   return there > 0.0f && here > 0.0f ? 4.0f * t * here * there / (here + there) : 0.0f;
 }
@@ -62,7 +62,7 @@ TARGETS static void series_row(size_t nx, const float *const kappa[ROWS],
   row_of(nx, kappa, x, t, series, sum, diagonal);
 }
 
-/* Packed T p (of the field) and diagonal of a row, in the buffers of the thread. */
+/* Computes packed T p (of the field) and the diagonal on a row, in the buffers of the thread. */
 static void find_row(const struct stokes_operator *op, size_t row, const float **sum,
                      const float **diagonal) {
   const struct stokes_grid *grid = op->grid;

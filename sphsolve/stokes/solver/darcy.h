@@ -1,9 +1,8 @@
-/* Darcy's law on the lattice's own sites, with the local permeability kappa: over distances longer
- * than a pore is wide the pressure of a Stokes flow obeys
+/* Darcy's law on the sites of the lattice, with the local permeability kappa: over distances longer
+ * than the width of a pore the pressure of a Stokes flow obeys
  *   (T p)_a = sum over the six neighbours b of (kappa_a + kappa_b) / (2 dx^2) (p_a - p_b) = r_a.
  * Where there is soil the two halves of a link are in series, 2 kappa_a kappa_b / (kappa_a +
- * kappa_b), as kappa jumps at its surface. Matrix-free: T is made again from kappa each time, and
- * takes no memory. */
+ * kappa_b), as kappa jumps at its surface. Matrix-free: T is computed from kappa in each call. */
 #ifndef TOSUI_SPHSOLVE_STOKES_DARCY_H
 #define TOSUI_SPHSOLVE_STOKES_DARCY_H
 

@@ -11,7 +11,7 @@ static double distance(const struct stokes_operator *op, size_t site) {
   return op->lattice->wall_distance[site] / op->stencil->unit;
 }
 
-/* The site beside one along an axis. */
+/* The site next to another along an axis, with periodic wrapping. */
 static size_t beside(const struct lattice *l, const size_t at[3], size_t site, int axis, bool up) {
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};
   const size_t last = (l->size[axis] - 1) * step[axis];
@@ -19,7 +19,7 @@ static size_t beside(const struct lattice *l, const size_t at[3], size_t site, i
             : (at[axis] > 0 ? site - step[axis] : site + last);
 }
 
-/* A line of sites along an axis ends at a wall, or at the surface of soil. */
+/* Whether a line of sites along an axis ends at this site: a wall, or the surface of soil. */
 static bool ends_line(const struct stokes_operator *op, size_t other) {
   return op->lattice->kind[other] == SITE_WALL ||
          (op->soil && stokes_soil_is(op->soil, op->lattice, other));
@@ -27,14 +27,14 @@ static bool ends_line(const struct stokes_operator *op, size_t other) {
 
 static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
   if (op->soil && stokes_soil_is(op->soil, op->lattice, site))
-    return false; /* its velocity does not end at a wall */
+    return false; /* the velocity in soil does not vanish linearly at a wall */
   for (int c = 0; c < op->stencil->axis_count; c++)
     for (int up = 0; up < 2; up++)
       if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up))) return true;
   return false;
 }
 
-/* Half-way to soil the slope is what its slip leaves of a wall's. */
+/* At soil, half a spacing away, the slope of the velocity is reduced by the slip. */
 static struct stokes_wall_quadrature soil_quadrature(const struct stokes_operator *op, size_t other,
                                                      int axis) {
   const struct stokes_soil_site soil = stokes_soil_at(op->soil, op->lattice, other);
@@ -50,7 +50,7 @@ static struct stokes_edge find_edge(const struct stokes_operator *op, const size
   const struct lattice *l = op->lattice;
   const double d_a = distance(op, site);
   double velocity = 0.0, force = 0.0, from_wall[3] = {0.0};
-  double shares = 0.0; /* of the axes; more than 1 in a corner */
+  double shares = 0.0; /* sum of the shares of the axes; more than 1 in a corner */
   for (int c = 0; c < op->stencil->axis_count; c++) {
     double share = 0.0;
     for (int up = 0; up < 2; up++) {

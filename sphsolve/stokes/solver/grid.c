@@ -57,7 +57,7 @@ cleanup:
   return status;
 }
 
-/* Solves the rows before the mirror of each plane. */
+/* Restricts the grid to the rows before the mirror plane in y of each plane. */
 static void halve(struct stokes_grid *grid) {
   size_t packed = 0, taken = 0;
   grid->columns = grid->size[1] / 2;
@@ -84,15 +84,15 @@ void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
     halve(grid);
   grid->mirrored = nz >= least && lattice_is_mirrored(lattice);
   const size_t planes = grid->mirrored ? (nz + 1) / 2 : nz;
-  /* The image of a flow is the flow of the image of its force: a force along z changes its sign,
-   * and with it all fields, but for velocities along z, which change theirs once more. */
+  /* The mirror image of a flow is the flow under the mirrored force: a force along z changes its
+   * sign, and with it all fields; velocities along z change sign once more. */
   const float force = along == 2 ? -1.0f : 1.0f;
   for (int c = 0; c < 4; c++) grid->parity[c] = c == 2 ? -force : force;
   grid->row_end = grid->inner_end = planes * ny;
   grid->active = grid->active_all = grid->row_start[grid->row_end];
 }
 
-/* Work of a plane, in units of that of a solved site; docs/scaling.md. */
+/* Work of a site that is not solved, relative to a solved one; docs/scaling.md. */
 #define WORK_SITE 0.2
 
 enum status stokes_grid_distribute(struct stokes_grid *grid, int reach) {
@@ -104,7 +104,8 @@ enum status stokes_grid_distribute(struct stokes_grid *grid, int reach) {
   for (size_t k = 0; k < planes; k++)
     work[k] = (double)(grid->row_start[(k + 1) * ny] - grid->row_start[k * ny]) +
               WORK_SITE * (double)(grid->size[0] * ny);
-  /* A slab is as thick as the ghosts on both sides of it, and whole blocks of the coarse levels. */
+  /* A slab is at least as thick as the ghosts on both sides together, and consists of whole blocks
+   * of the coarse levels. */
   const size_t blocks = (size_t)1 << STOKES_SHARED_LEVELS;
   const size_t unit = (2 * (size_t)reach + blocks - 1) / blocks * blocks;
   TRY(slabs_make(planes, work, unit, &grid->slabs));

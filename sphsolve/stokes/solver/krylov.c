@@ -63,7 +63,8 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
   const double start = stokes_krylov_norm(k, k->basis);
   *reached = start > 0.0 ? 1.0 : 0.0;
   if (!(start > 0.0)) return 0;
-  /* The first vector stays as long as the residual, so that a correction can be given up. */
+  /* The first vector is not normalised, so that the residual is preserved if the correction is
+   * abandoned. */
   const double unit = 1.0 / start;
   g[0] = start;
   int n = 0;
@@ -96,7 +97,7 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     *reached = fabs(g[n]) / start;
   }
   if (n == 0 || interrupt_alone()) return 0;
-  /* What is left: g[n] times the last unit vector, turned back by the rotations. */
+  /* The remaining residual: g[n] times the last unit vector, rotated back. */
   double left[BASIS_MAX + 1] = {0.0};
   left[n] = g[n];
   for (int i = n - 1; i >= 0; i--) {
@@ -107,15 +108,15 @@ int stokes_krylov_correct(struct stokes_krylov *k, double reduction, double *x, 
     for (int j = i + 1; j < n; j++) g[i] -= h[i][j] * g[j];
     g[i] /= h[i][i];
   }
-  /* Both sums in place, in the last and the first vector of the basis. */
+  /* Both sums are formed in place, in the last and the first vector of the basis. */
   float *first = k->basis, *last = k->basis + (size_t)n * k->length;
   scale(k, left[n], last);
   for (int i = 0; i < n; i++)
     subtract(k, -left[i] * (i == 0 ? unit : 1.0), k->basis + (size_t)i * k->length, last);
   scale(k, g[0] * unit, first);
   for (int i = 1; i < n; i++) subtract(k, -g[i], k->basis + (size_t)i * k->length, first);
-  float *free_one = n < k->basis_max ? last + k->length : first + k->length;
-  k->precondition(k->system, first, free_one, k->work);
+  float *scratch = n < k->basis_max ? last + k->length : first + k->length;
+  k->precondition(k->system, first, scratch, k->work);
 #pragma omp parallel for simd schedule(static)
   for (size_t i = 0; i < k->length; i++) x[i] += (double)k->work[i];
   memcpy(first, last, k->length * sizeof *first);

@@ -9,7 +9,7 @@
 #define SWEEPS 2
 #define SWEEPS_COARSEST 16
 #define DAMPING 0.8f
-/* Blocks with constant values make the coarse operator twice too stiff (Braess 1995). */
+/* Constant values on blocks make the coarse operator too stiff by a factor of two (Braess 1995). */
 #define OVERCORRECTION 0.5f
 #define PARALLEL_FROM 20000
 
@@ -71,7 +71,7 @@ static size_t index_of(const struct stokes_multigrid_level *l, size_t i, size_t 
   return (k * l->size[1] + j) * l->size[0] + i;
 }
 
-/* Site beyond the face along `axis`. */
+/* The site beyond the face in positive direction of `axis`. */
 static size_t next_of(const struct stokes_multigrid_level *l, size_t i, size_t j, size_t k,
                       int axis) {
   size_t at[3] = {i, j, k};
@@ -79,7 +79,7 @@ static size_t next_of(const struct stokes_multigrid_level *l, size_t i, size_t j
   return index_of(l, at[0], at[1], at[2]);
 }
 
-/* Sites of this rank. */
+/* First site of this rank, and the end of its sites. */
 static size_t first_of(const struct stokes_multigrid_level *l) {
   return RANKS ? l->begin * l->size[0] * l->size[1] : 0;
 }
@@ -87,14 +87,15 @@ static size_t end_of(const struct stokes_multigrid_level *l) {
   return RANKS ? l->end * l->size[0] * l->size[1] : l->count;
 }
 
-/* The planes beside those of this rank. */
+/* Exchanges the planes next to those of this rank. */
 static void fill_ghosts(const struct stokes_multigrid_level *l, float *values) {
   if (!RANKS || l->slabs == NULL) return;
   slabs_post(l->slabs, l->shift, values, l->size[0] * l->size[1] * sizeof *values, 1);
   ranks_wait();
 }
 
-/* Of a level that every rank has, this one computes what lies over its part of `fine`. */
+/* Range of coarse sites that this rank computes: on a level that every rank has, those above its
+ * part of `fine`. */
 static void share_range(const struct stokes_multigrid_level *fine,
                         const struct stokes_multigrid_level *coarse, size_t *first, size_t *end) {
   *first = 0, *end = coarse->count;
@@ -104,13 +105,13 @@ static void share_range(const struct stokes_multigrid_level *fine,
   *end = slabs_coarse(fine->slabs->end, coarse->shift) * plane;
 }
 
-/* After that all have all of it. */
+/* Gathers the values of such a level on all ranks. */
 static void gather(const struct stokes_multigrid_level *coarse, float *values) {
   if (!RANKS || coarse->start == NULL) return;
   ranks_gather(values, coarse->start, coarse->size[0] * coarse->size[1] * sizeof *values);
 }
 
-/* Every coarse site gathers its own: no two threads write to one place. */
+/* Each coarse site collects its own values: no two threads write to the same location. */
 static void coarsen_level(const struct stokes_multigrid_level *fine,
                           struct stokes_multigrid_level *coarse) {
   size_t first, end;
@@ -149,7 +150,7 @@ static void add_couplings(struct stokes_multigrid_level *l, size_t k) {
 static void invert_diagonal(struct stokes_multigrid_level *l) {
   const size_t first = first_of(l), end = end_of(l);
   if (end > first) memcpy(l->r + first, l->mass + first, (end - first) * sizeof *l->r);
-  /* In the order of the whole lattice, so that any number of ranks gives the same bits. */
+  /* In the order of the whole lattice, so that the results are identical on any number of ranks. */
   const bool ghost = RANKS && l->slabs != NULL && l->end > l->begin;
   if (ghost && l->begin > 0) add_couplings(l, l->begin - 1);
   for (size_t k = l->begin; k < l->end; k++) add_couplings(l, k);
@@ -243,8 +244,8 @@ static void prolong(const struct stokes_multigrid_level *coarse,
   }
 }
 
-/* Where nothing holds a constant, T is singular, and what rounding left of one in b would be taken
- * up to two to the power of the levels times over. */
+/* Without mass T is singular: a constant left in b by rounding would be amplified by up to two to
+ * the power of the number of levels. */
 static void remove_constant(struct stokes_multigrid_level *l) {
   double sum = 0.0, mass = 0.0, sites = 0.0;
   for (size_t i = 0; i < l->count; i++) {

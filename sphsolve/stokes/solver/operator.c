@@ -18,7 +18,7 @@ void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int
   stokes_grid_post(grid, component, field, grid->stride * sizeof *field);
 }
 
-#define NEXT_SUM 4 /* slots from the fields of one sum over soils to those of the next */
+#define SLOTS_PER_SUM 4 /* slots from the fields of one sum over weights of soil to the next */
 
 static void scale_row(const struct stokes_operator *op, size_t row, const float *packed,
                       const float *weight, float *field) {
@@ -30,7 +30,7 @@ static void scale_row(const struct stokes_operator *op, size_t row, const float 
                    field + row * grid->stride);
 }
 
-/* The fields that the sums over links to soil are taken of. */
+/* Unpacks the weighted fields for the sums over links to soil. */
 static void unpack_weighted(struct stokes_operator *op, const struct stokes_weights *weights,
                             const float *packed, int slot, int component) {
   const struct stokes_grid *grid = op->grid;
@@ -38,9 +38,9 @@ static void unpack_weighted(struct stokes_operator *op, const struct stokes_weig
   for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++)
     for (int s = 0; s < weights->count; s++)
       scale_row(op, row, packed + grid->row_start[row], weights->value[s],
-                stokes_operator_field(op, slot + s * NEXT_SUM));
+                stokes_operator_field(op, slot + s * SLOTS_PER_SUM));
   for (int s = 0; s < weights->count; s++)
-    stokes_grid_post(grid, component, stokes_operator_field(op, slot + s * NEXT_SUM),
+    stokes_grid_post(grid, component, stokes_operator_field(op, slot + s * SLOTS_PER_SUM),
                      grid->stride * sizeof(float));
 }
 
@@ -60,7 +60,7 @@ static void unpack_pressure(struct stokes_operator *op, const float *packed) {
     stokes_operator_unpack(op, packed, slot, 3);
 }
 
-/* Packed values of one convolution of one field on one row; the result lies in the buffers of the
+/* Packed values of a convolution of one field on one row; the result lies in the buffers of the
  * thread. */
 static const float *convolve(const struct stokes_operator *op,
                              const struct stokes_convolution *convolution, int component,
@@ -81,7 +81,7 @@ static const float *convolve(const struct stokes_operator *op,
   return packed;
 }
 
-/* The same with weights, where there is soil; in a buffer of its own. */
+/* The same with weights, where there is soil; the result lies in a separate buffer. */
 static const float *convolve_weighted(const struct stokes_operator *op,
                                       const struct stokes_convolution *convolution, int slot,
                                       size_t row, const struct stokes_weights *weights) {
@@ -93,7 +93,7 @@ static const float *convolve_weighted(const struct stokes_operator *op,
       op->scratch + ((size_t)omp_get_thread_num() + 1) * op->scratch_size - 2 * grid->stride;
   for (size_t i = 0; i < count; i++) out[i] = weights->value[0][start + i] * sum[i];
   for (int s = 1; s < weights->count; s++) {
-    sum = convolve(op, convolution, slot + s * NEXT_SUM, row);
+    sum = convolve(op, convolution, slot + s * SLOTS_PER_SUM, row);
     for (size_t i = 0; i < count; i++) out[i] += weights->value[s][start + i] * sum[i];
   }
   return out;
@@ -143,9 +143,9 @@ static void correct(const struct stokes_operator *op, size_t start, size_t end, 
   }
 }
 
-/* `packed`: a component of the velocity at the sites of a row. Where there is soil, divided by the
- * mobility of the site (that of the links is in the weights), and unpacked to a field for each sum
- * over the weights. */
+/* `packed`: a component of the velocity at the sites of a row, in a model with soil. It is divided
+ * by the mobility of the site (that of the links is in the weights) and unpacked to one field for
+ * each sum over the weights. */
 static void unpack_flux(struct stokes_operator *op, size_t row, int slot, float *packed) {
   const struct stokes_grid *grid = op->grid;
   const size_t start = grid->row_start[row], count = grid->row_start[row + 1] - start;
@@ -155,7 +155,7 @@ static void unpack_flux(struct stokes_operator *op, size_t row, int slot, float 
     for (size_t i = 0; i < count; i++)
       scaled[i] = weight[i] * packed[i] / op->soil->relative[start + i];
     op->rows->unpack(grid->mask + row * grid->chunks, grid->chunks, scaled,
-                     stokes_operator_field(op, slot + s * NEXT_SUM) + row * grid->stride);
+                     stokes_operator_field(op, slot + s * SLOTS_PER_SUM) + row * grid->stride);
   }
 }
 
@@ -192,7 +192,7 @@ static void unpack_corrected(struct stokes_operator *op, const float *x, const f
     stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a),
                      grid->stride * sizeof(float));
     for (int s = 1; op->soil && s < op->soil->mobility.count; s++)
-      stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * NEXT_SUM),
+      stokes_grid_post(grid, op->stencil->axes[a], stokes_operator_field(op, a + s * SLOTS_PER_SUM),
                        grid->stride * sizeof(float));
   }
 }
@@ -206,7 +206,8 @@ static void stabilisation_row(const struct stokes_operator *op, size_t row, cons
   for (size_t i = start; i < end; i++) y[i] = gamma * (op->pore_sum[i] * p[i] - sum[i - start]);
 }
 
-/* Adds the divergence of the corrected velocity; own values are taken back from the field. */
+/* Adds the divergence of the corrected velocity; a site's own values are read back from the
+ * field. */
 static void divergence_row(const struct stokes_operator *op, size_t row, float *y) {
   const struct stokes_grid *grid = op->grid;
   const size_t start = grid->row_start[row], end = grid->row_start[row + 1];
@@ -223,11 +224,11 @@ static void divergence_row(const struct stokes_operator *op, size_t row, float *
   }
 }
 
-/* What the equations of one row of sites need: x as it came in, y as it goes out. */
+/* Evaluates equations of one row of sites; x: input, y: output. */
 typedef void row_function(const struct stokes_operator *op, size_t row, const float *x, float *y);
 
-/* In a parallel region: all rows that have sites; those at other ranks' last, when the values from
- * there have come. */
+/* In a parallel region: calls a function for all rows that have sites; rows that depend on other
+ * ranks come last, after the ghosts have arrived. */
 static void for_rows(const struct stokes_operator *op, row_function *function, const float *x,
                      float *y) {
   const struct stokes_grid *grid = op->grid;

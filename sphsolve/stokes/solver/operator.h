@@ -29,10 +29,10 @@ static inline size_t stokes_symmetric(int axes, int a, int b) {
   return (size_t)(a == b ? a : axes + a + b - 1);
 }
 
-/* What the ends of lines at walls add to the value of one site in the volume integral: factors of v
- * and (f - G p). */
+/* Correction of the contribution of a site at the end of a line to the volume integral: factors of
+ * v and (f - G p). */
 struct stokes_edge {
-  uint32_t at; /* place in the packed row */
+  uint32_t at; /* index in the packed row */
   float velocity, force;
 };
 
@@ -42,34 +42,35 @@ struct stokes_operator {
   const struct lattice *lattice;
   const struct scene *scene; /* may be NULL */
   double velocity_unit;      /* m/s */
-  double force[3];           /* that drives; where there is soil, it is part of the gradient */
+  double force[3];           /* driving force; with soil it is treated as part of the gradient */
   const struct stokes_rows *rows;
   enum wall_scheme wall;
-  double stabilisation; /* s: gamma of the equations */
-  double laplace;       /* and before L: where there is soil, L and div G cancel for linear p */
-  int components;       /* axis_count velocities, then the pressure */
-  size_t n;             /* active sites; vectors are [components][n] */
-  float *diagonal;      /* [n] of A */
-  float *parabola;      /* [n] D */
-  float *pore_sum;      /* [n] sum of c_ab over pore sites: diagonal of L */
-  float *pore_gradient; /* [axis_count][n] sum of g_ab over pore sites */
-  float *correction;    /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
-  float *drag;          /* [axis_count][n] of moving walls; NULL: none moves */
+  double stabilisation;      /* gamma of the equations */
+  double laplace;            /* factor of L: with soil, such that L and div G cancel for linear p */
+  int components;            /* axis_count velocities, then the pressure */
+  size_t n;                  /* active sites; vectors are [components][n] */
+  float *diagonal;           /* [n] diagonal of A */
+  float *parabola;           /* [n] D */
+  float *pore_sum;           /* [n] sum of c_ab over pore sites: diagonal of L */
+  float *pore_gradient;      /* [axis_count][n] sum of g_ab over pore sites */
+  float *correction;         /* [axis_count (axis_count + 1) / 2][n] B, see stokes_symmetric */
+  float *drag;               /* [axis_count][n] of moving walls; NULL: none moves */
   struct stokes_edge *edges; /* sites with a wall beside them, row by row */
   size_t *edge_start;        /* [rows + 1] */
-  float (*edge_moving)[3];   /* and what moving walls add; NULL: none moves */
+  float (*edge_moving)[3];   /* contribution of moving walls; NULL: none moves */
   double *row_flux;          /* [rows][3] */
-  struct stokes_soil *soil;  /* weights of links to soil; NULL: there is none, all are 1 */
-  float *field;              /* [4][rows][stride] unpacked vectors; two in double precision; where
-                              * there is soil as many for each of its sums */
+  struct stokes_soil *soil;  /* weights of links to soil; NULL: there is none, all weights are 1 */
+  float *field;              /* [4][rows][stride] unpacked vectors, or two in double precision; with
+                              * soil as many for each sum over its weights */
   float *scratch;            /* [threads][scratch_size] */
   size_t scratch_size;
   int threads;
 };
 
-/* Distances and kinds of sites come from `lattice`; all three must outlive the operator.
- * `scene` (may be NULL) gives walls their velocity and slip; velocity_unit is that of the lattice
- * units in m/s; force as of stokes_operator_residual. */
+/* Assembles the operator. Distances and kinds of sites come from `lattice`; stencil, grid and
+ * lattice must outlive the operator. `scene` (may be NULL) gives walls their velocity and slip;
+ * velocity_unit: the lattice unit of velocity in m/s; force as in stokes_operator_residual. Free
+ * with stokes_operator_free. */
 enum status stokes_operator_build(const struct stokes_stencil *stencil,
                                   const struct stokes_grid *grid, const struct lattice *lattice,
                                   const struct scene *scene, enum wall_scheme wall,
@@ -79,13 +80,14 @@ void stokes_operator_free(struct stokes_operator *op);
 
 /* y = K x. */
 void stokes_operator_apply(struct stokes_operator *op, const float *x, float *y);
-/* The velocity block alone, of one component [n]: y = A x. component: the axis, or -1 for what is
- * even where the lattice is mirrored. For preconditioning: where drag rules in soil, links between
- * two of its sites have the product of their viscosities to a pore, less than their own. */
+/* The velocity block alone, for one component [n]: y = A x. component: the axis, or -1 for an even
+ * field on a mirrored lattice. For preconditioning only: where drag dominates in soil, links
+ * between two sites of soil have the product of their viscosities to a pore, which is less than
+ * their true viscosity. */
 void stokes_operator_apply_viscous(struct stokes_operator *op, int component, const float *x,
                                    float *y);
-/* Zero on a mirror plane that holds sites for all of y that is odd there: what rounding leaves of
- * its rows is no equation. */
+/* Sets odd components of y to zero on a mirror plane that holds sites: there the rows contain
+ * rounding errors only. */
 void stokes_operator_clear_plane(const struct stokes_operator *op, float *y);
 /* y = G p, y [axis_count][n]. */
 void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, float *y);
@@ -94,19 +96,19 @@ void stokes_operator_apply_gradient(struct stokes_operator *op, const float *p, 
  * number (x, y, z); work [n]. */
 void stokes_operator_residual(struct stokes_operator *op, const double force[3], const double *x,
                               double *work, float *residual);
-/* The same of x = 0, without soil, which holds still water too. */
+/* The same for x = 0; not with soil, where the residual at rest has further terms. */
 void stokes_operator_right_side(const struct stokes_operator *op, const double force[3],
                                 float *residual);
 /* Volume integral of the velocity over the pores; p_gradient: G p as apply_gradient gives it. */
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,
                           const float *p_gradient, double flux[3]);
 
-/* The field of a slot, 0 to 3: [rows][stride], free between two calls of the above. */
+/* The field of a slot, 0 to 3: [rows][stride]; may be used between two calls of the above. */
 static inline float *stokes_operator_field(const struct stokes_operator *op, int slot) {
   return op->field + (size_t)slot * op->grid->rows * op->grid->stride;
 }
-/* Within a parallel region: a packed vector into the field of `slot`, with its ghosts under way;
- * `component` as of stokes_grid_post. */
+/* Within a parallel region: unpacks a packed vector into the field of `slot` and starts the
+ * exchange of its ghosts; `component` as in stokes_grid_post. */
 void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot,
                             int component);
 
@@ -122,7 +124,7 @@ static inline void stokes_correct(const struct stokes_operator *op, size_t i, co
   }
 }
 
-/* The region whose wall a site is part of, NULL for none. */
+/* The region whose wall contains a site; NULL: none. */
 static inline const struct region *stokes_wall_region(const struct stokes_operator *op,
                                                       size_t site) {
   if (!op->scene || !op->lattice->region || op->lattice->region[site] == 0) return NULL;

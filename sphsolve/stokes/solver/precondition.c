@@ -12,8 +12,8 @@
 #define KAPPA_TOLERANCE 0.03
 #define KAPPA_ITERATIONS 400
 #define SOIL_SWEEPS 3
-/* Sweeps of Jacobi after the coarse velocities. With one, open fibres take twice the iterations;
- * three gain nothing. */
+/* Jacobi sweeps after the coarse correction of the velocities. With one sweep, open fibres need
+ * twice the iterations; a third one gains nothing. */
 #define VELOCITY_SWEEPS 2
 #define DAMPING 0.8f
 
@@ -37,7 +37,8 @@ static double step_kappa(struct stokes_preconditioner *pc, float alpha, const fl
   return ranks_sum(stokes_sum_total(n, partial));
 }
 
-/* A kappa = 1 by conjugate gradients with the diagonal; a few per cent are good enough. */
+/* Solves A kappa = 1 by diagonally preconditioned conjugate gradients; an error of a few per cent
+ * is sufficient. */
 static enum status solve_kappa(struct stokes_preconditioner *pc) {
   enum status status = STATUS_OK;
   struct stokes_operator *op = pc->op;
@@ -65,7 +66,8 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
     for (size_t i = 0; i < n; i++) d[i] = r[i] / op->diagonal[i] + beta * d[i];
     rho = next;
   }
-  /* Soil of low permeability counts for nothing in that norm, and is solved by its own diagonal. */
+  /* Soil of low permeability has no weight in that norm; there kappa is improved by Jacobi
+   * sweeps. */
   for (int sweep = 0; op->soil && sweep < SOIL_SWEEPS; sweep++) {
     stokes_operator_apply_viscous(op, -1, pc->kappa, Ad);
     for (size_t i = 0; i < n; i++)
@@ -131,8 +133,8 @@ static void prolong_packed(const struct stokes_preconditioner *pc,
   }
 }
 
-/* What a row adds to the couplings between its blocks and the next; kappa and Darcy's mobility by
- * lattice site. */
+/* Adds the contribution of a row to the couplings between its blocks and the next ones. kappa and
+ * darcy (the permeability of the pressure equation): unpacked, by lattice site. */
 static void add_row(struct stokes_preconditioner *pc, const float *kappa, const float *darcy,
                     size_t row) {
   const struct stokes_operator *op = pc->op;
@@ -162,7 +164,7 @@ static void add_row(struct stokes_preconditioner *pc, const float *kappa, const 
       const float there = kappa[beside];
       if (there == 0.0f) continue;
       v->face[axis][c] += t * here * there;
-      if (op->soil) { /* in series, as it jumps */
+      if (op->soil) { /* in series, because darcy jumps at the surface of soil */
         const float low = darcy[row * grid->stride + i], high = darcy[beside];
         p->face[axis][c] += t * 2.0f * low * high / (low + high);
       } else {
@@ -172,7 +174,7 @@ static void add_row(struct stokes_preconditioner *pc, const float *kappa, const 
   }
 }
 
-/* Couplings between neighbouring blocks from the faces between active sites. */
+/* Computes the couplings between neighbouring blocks from the faces between active sites. */
 static enum status fill_levels(struct stokes_preconditioner *pc) {
   struct stokes_operator *op = pc->op;
   const struct stokes_grid *grid = op->grid;
@@ -196,7 +198,8 @@ static enum status fill_levels(struct stokes_preconditioner *pc) {
     ranks_wait();
   }
   restrict_packed(pc, pc->kappa, false, v, v->mass);
-  /* The two planes of a layer of blocks by one thread, row by row: sums in one order. */
+  /* Both planes of a layer of blocks are summed by one thread, row by row: a fixed order of
+   * summation. */
   const size_t begin = stokes_grid_begin(grid), end = stokes_grid_end(grid);
 #pragma omp parallel for schedule(static)
   for (size_t first = begin; first < end; first += 2 * size[1])
@@ -235,9 +238,9 @@ void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
   stokes_multigrid_free(&pc->pressure);
 }
 
-/* A constant pressure has no effect, but in single precision it would swamp the small differences
- * that matter in soil. Odd pressures have none. */
-static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
+/* Subtracts the mean. A constant pressure has no effect, but in single precision it would hide the
+ * small differences that matter in soil. Odd pressures have no mean. */
+static void subtract_mean(const struct stokes_preconditioner *pc, float *p) {
   const struct stokes_grid *grid = pc->op->grid;
   double sum = 0.0;
   if (grid->mirrored && grid->parity[3] < 0.0f) return;
@@ -251,14 +254,15 @@ static void take_mean_away(const struct stokes_preconditioner *pc, float *p) {
   for (size_t i = 0; i < pc->op->n; i++) p[i] -= mean;
 }
 
-/* Over distances shorter than a pore the Schur complement is of order one, in soil of order M, its
- * mobility over a pore's (effects/soil_drag.h): of waves as short as a few sites the wide gradient
- * and the stabilisation leave a twentieth of Darcy's law there. So r itself is added without soil,
- * and this times r / M with it (docs/notes/2026-11-23-micropores.md). */
+/* Over distances shorter than a pore the Schur complement is of order one; in soil it is of order
+ * M, the mobility relative to that of a pore (effects/soil_drag.h), since for wavelengths of a few
+ * sites the wide gradient and the stabilisation leave a twentieth of Darcy's law there. The local
+ * part is therefore r without soil, and LOCAL_SOIL r / M with soil
+ * (docs/notes/2026-11-23-micropores.md). */
 #define LOCAL_SOIL 2.0f
 
-/* p = S~^-1 r: a two-grid cycle of Darcy's law, a sweep of Jacobi before and after the coarse
- * levels, and the local part. */
+/* p = S~^-1 r: a two-grid cycle for Darcy's law, with a Jacobi sweep before and after the coarse
+ * levels, plus the local part. */
 static void solve_pressure(struct stokes_preconditioner *pc, const float *r, float *left,
                            float *p) {
   struct stokes_operator *op = pc->op;
@@ -270,7 +274,7 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
   stokes_multigrid_cycle(&pc->pressure, 2);
   prolong_packed(pc, coarse, false, p);
   stokes_darcy_smooth(op, r, p);
-  if (op->soil) { /* also of a rank without sites */
+  if (op->soil) { /* also on a rank without sites */
     const float *relative = op->soil->relative;
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < op->n; i++) p[i] += LOCAL_SOIL * r[i] / relative[i];
@@ -280,7 +284,7 @@ static void solve_pressure(struct stokes_preconditioner *pc, const float *r, flo
   for (size_t i = 0; i < op->n; i++) p[i] += r[i];
 }
 
-/* y = A~^-1 x for one velocity component: coarse correction, then sweeps of Jacobi. */
+/* y = A~^-1 x for one velocity component: coarse correction, then Jacobi sweeps. */
 static void solve_velocity(struct stokes_preconditioner *pc, int axis, const float *x,
                            float *product, float *y) {
   struct stokes_operator *op = pc->op;
@@ -302,11 +306,11 @@ void stokes_preconditioner_apply(struct stokes_preconditioner *pc, const float *
   const size_t n = op->n, axes = (size_t)op->stencil->axis_count;
   float *p = y + axes * n, *r = work, *product = work + axes * n;
   const float *scale = op->soil ? op->soil->row_scale : NULL, *continuity = x + axes * n;
-  if (op->soil) { /* also of a rank without sites, which has no scale */
+  if (op->soil) { /* also on a rank without sites, which has no scale */
 #pragma omp parallel for simd schedule(static)
     for (size_t i = 0; i < n; i++) r[i] = continuity[i] * scale[i];
     solve_pressure(pc, r, product, p);
-    take_mean_away(pc, p);
+    subtract_mean(pc, p);
   } else {
     solve_pressure(pc, continuity, product, p);
   }

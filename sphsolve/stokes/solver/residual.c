@@ -21,7 +21,7 @@ static void unpack_double(struct stokes_operator *op, int component, const doubl
   stokes_grid_await(grid, 1);
 }
 
-/* The fields that sums over links to soil are taken of. */
+/* Unpacks the weighted fields for the sums over links to soil. */
 static void unpack_weighted(struct stokes_operator *op, int component,
                             const struct stokes_weights *weights, const double *packed) {
   const struct stokes_grid *grid = op->grid;
@@ -65,7 +65,7 @@ static const double *convolve_field(const struct stokes_operator *op,
   return packed;
 }
 
-/* `weights` are those that the fields were unpacked with; NULL: there is no soil. */
+/* `weights`: those with which the fields were unpacked; NULL: there is no soil. */
 static const double *convolve_double(const struct stokes_operator *op,
                                      const struct stokes_convolution *convolution,
                                      const struct stokes_weights *weights, size_t row) {
@@ -92,7 +92,7 @@ static const struct stokes_weights *viscosity_of(const struct stokes_operator *o
   return op->soil ? &op->soil->viscosity : NULL;
 }
 
-/* What the pressure does on one row: its gradient, before correction, and the stabilisation. */
+/* Pressure terms of one row: the gradient, before correction, and the stabilisation. */
 static void pressure_terms(const struct stokes_operator *op, size_t row, const double *p,
                            float *residual) {
   const int axes = op->stencil->axis_count;
@@ -123,7 +123,7 @@ static void divergence_terms(const struct stokes_operator *op, int axis, size_t 
     continuity[i] -= (float)(sum[i - start] + (double)own[i] * v[i]);
 }
 
-/* `momentum` holds the pressure gradient before, the residual after. */
+/* `momentum`: on entry the pressure gradient, on return the residual. */
 static void viscous_terms(const struct stokes_operator *op, int axis, size_t row, double force,
                           const double *v, float *momentum) {
   const size_t start = op->grid->row_start[row], end = op->grid->row_start[row + 1];
@@ -163,7 +163,8 @@ static void average_at_walls(const struct stokes_operator *op, int component) {
   stokes_grid_await(grid, 1);
 }
 
-/* What the average differs from the site's own velocity, which the operator takes. */
+/* Adds the difference between the average, which Adami walls mirror, and the site's own velocity,
+ * which the operator mirrors. */
 static void adami_terms(const struct stokes_operator *op, size_t row, const double *v,
                         float *momentum) {
   const struct stokes_grid *grid = op->grid;
@@ -176,7 +177,7 @@ static void adami_terms(const struct stokes_operator *op, size_t row, const doub
   }
 }
 
-/* packed = component of B (v + gamma g p), over the mobility where there is soil. */
+/* packed = a component of B (v + gamma g p), divided by the mobility where there is soil. */
 static void correct(const struct stokes_operator *op, int axis, const double *x,
                     const float *gradient, double *packed) {
   const int axes = op->stencil->axis_count;

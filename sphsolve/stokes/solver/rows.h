@@ -1,5 +1,5 @@
-/* The inner loops of method stokes: one lattice row (x) at a time, in vectors of STOKES_LANES
- * floats, once for every instruction set. */
+/* Inner loops of method stokes: one lattice row (x) at a time, in vectors of STOKES_LANES floats,
+ * compiled once for every instruction set. */
 #ifndef TOSUI_SPHSOLVE_STOKES_ROWS_H
 #define TOSUI_SPHSOLVE_STOKES_ROWS_H
 
@@ -11,8 +11,8 @@
 #define STOKES_LANES 16
 #define STOKES_CLASS_MAX ((STOKES_REACH + 1) * (STOKES_REACH + 1))
 
-/* Rows at (+-dj, +-dk) share their coefficients up to the sign: they are added up before they are
- * multiplied. */
+/* Rows at (+-dj, +-dk) have the same coefficients up to the sign: they are added up before the
+ * multiplication. */
 struct stokes_class {
   int row_count, plus_count; /* the first plus_count rows are added, the others subtracted */
   int dj[4], dk[4];
@@ -40,21 +40,21 @@ struct stokes_rows {
   void (*convolve_double)(const struct stokes_convolution *convolution,
                           const double *const (*rows)[4], size_t nx, size_t stride, double *scratch,
                           double *out);
-  /* Between a full row and the packed values of its active sites; bit b of mask[c] stands for site
-   * STOKES_LANES * c + b. Returns the number of packed values; `packed` of pack has room for
-   * `chunks` chunks, all of which it may overwrite. */
+  /* Conversion between a full row and the packed values of its active sites; bit b of mask[c]
+   * stands for site STOKES_LANES * c + b. Returns the number of packed values. `packed` of pack
+   * must have room for `chunks` chunks, all of which may be overwritten. */
   size_t (*unpack)(const uint16_t *mask, size_t chunks, const float *packed, float *row);
   size_t (*pack)(const uint16_t *mask, size_t chunks, const float *row, float *packed);
 };
 
-/* For eight sites whose pores are the bits of a byte, filled by stokes_rows_best: which of the
- * packed values each site takes, EMPTY none; which site each packed value is of. And for each n to
- * eight a mask of the first n values, EMPTY where it holds. */
+/* Tables for eight sites whose active sites are the bits of a byte, filled by stokes_rows_best:
+ * index of the packed value of each site (EMPTY: none); and site of each packed value. For n = 0 to
+ * 8: mask of the first n values, EMPTY for these. */
 #define STOKES_ROWS_EMPTY 0x80
 extern uint8_t stokes_rows_expand[256][8], stokes_rows_compress[256][8], stokes_rows_first[9][8];
 
 extern const struct stokes_rows stokes_rows_base, stokes_rows_avx2, stokes_rows_avx512;
-/* The fastest that this processor runs. */
+/* The fastest table that this processor supports. */
 const struct stokes_rows *stokes_rows_best(void);
 
 #endif

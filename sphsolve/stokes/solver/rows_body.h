@@ -1,4 +1,4 @@
-/* Body of the row loops, compiled once per instruction set by the files that include it and name
+/* Body of the row loops, compiled once per instruction set by the files that include it; they name
  * the table with STOKES_ROWS_TABLE and STOKES_ROWS_NAME. */
 #include <string.h>
 #ifdef __AVX2__
@@ -7,8 +7,8 @@
 
 #include "sphsolve/stokes/solver/rows.h"
 
-/* Vectors as wide as registers, as the compiler takes wider ones apart in memory, and so many at
- * once that their sums stay there. */
+/* Vectors as wide as the registers (the compiler splits wider ones up in memory), and the number of
+ * vectors whose sums fit into the registers at once. */
 #ifdef __AVX512F__
 #define VECTOR 16
 #define WIDTH 4
@@ -64,7 +64,7 @@ sum_rows(const struct stokes_convolution *convolution, const float *const (*rows
   for (; i < stride; i += VECTOR) sum_block(convolution, rows, i, pitch, partial, 1, reach);
 }
 
-/* The values beyond the ends of a row, from around the box; a row may be shorter than the reach. */
+/* Fills the values beyond the ends of a row periodically; a row may be shorter than the reach. */
 static void wrap(float *partial, size_t nx, size_t pitch, int reach) {
   for (int m = 1; m <= reach; m++) {
     float *p = partial + (size_t)m * pitch;
@@ -136,7 +136,8 @@ static void convolve_double(const struct stokes_convolution *convolution,
 }
 
 #if defined __AVX2__ && !defined __AVX512F__
-/* Bytes of a table to the indices of a permutation, the highest bit to the highest. */
+/* Converts bytes of a table to the indices of a permutation; the highest bit of a byte becomes the
+ * highest bit of the index. */
 static inline __m256i indices(const uint8_t bytes[8]) {
   return _mm256_cvtepi8_epi32(_mm_loadl_epi64((const __m128i *)(const void *)bytes));
 }
@@ -151,7 +152,7 @@ static size_t unpack(const uint16_t *mask, size_t chunks, const float *packed, f
     _mm512_store_ps(r, _mm512_maskz_expandloadu_ps((__mmask16)bits, p));
     p += __builtin_popcount(bits);
 #elif defined __AVX2__
-    /* Only what there is is read, as the vector may end with it. */
+    /* Only existing values are read, as the vector may end with them. */
     for (int half = 0; half < 2; half++, bits >>= 8) {
       const __m256i from = indices(stokes_rows_expand[bits & 255]);
       const int count = __builtin_popcount(bits & 255);
@@ -174,8 +175,8 @@ static size_t pack(const uint16_t *mask, size_t chunks, const float *row, float 
   for (size_t c = 0; c < chunks; c++) {
     const float *r = row + c * STOKES_LANES;
     unsigned bits = mask[c];
-    /* Compressed in a register and stored whole: what lies beyond the values is overwritten by the
-     * next chunk. */
+    /* Compressed in a register and stored as a whole: the next chunk overwrites what lies beyond
+     * the values. */
 #ifdef __AVX512F__
     /* A compress-store to memory is microcoded on AMD's Zen 4. */
     _mm512_storeu_ps(p, _mm512_maskz_compress_ps((__mmask16)bits, _mm512_loadu_ps(r)));

@@ -8,23 +8,25 @@
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 
-/* Enclosed pores are soil of this permeability, times the largest of soil, and porosity; where soil
- * of more than ENCLOSED_BELOW (spacing^2) occurs they stay pores. */
-#define ENCLOSED 500.0
-#define ENCLOSED_BELOW 2e-3
+/* Enclosed pores are treated as soil of porosity ENCLOSED_POROSITY and of ENCLOSED_FACTOR times the
+ * largest permeability of soil. If the model has soil of more than ENCLOSED_PERMEABILITY_MAX
+ * (spacing^2) they stay pores. */
+#define ENCLOSED_FACTOR 500.0
+#define ENCLOSED_PERMEABILITY_MAX 2e-3
 #define ENCLOSED_POROSITY 0.999
-/* Those that touch pores over an edge or a corner alone have links to them that the preconditioner,
- * which knows faces, has not: they are soil of its own permeability. With ENCLOSED times that the
- * solve takes four times the iterations. */
+/* Enclosed pores that touch other pores only over an edge or a corner have links to them that the
+ * preconditioner, which couples over faces, does not contain. They get the largest permeability of
+ * soil itself; with ENCLOSED_FACTOR times that value the solve would take four times the
+ * iterations. */
 enum { ENCLOSED_PORE = 1, ENCLOSED_TOUCHING };
 
 bool stokes_soil_is(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   return (s->enclosed && s->enclosed[site]) || lattice_is_soil(l, site);
 }
 
-/* Whether a pore touches others over an edge or a corner alone: no path over faces joins them among
- * its 26 neighbours. */
-static bool touches(const struct lattice *l, const uint8_t *kind, size_t site) {
+/* Whether a pore touches others only over an edge or a corner: some pore among its 26 neighbours is
+ * not connected to it over faces within these. */
+static bool touches_over_edges_only(const struct lattice *l, const uint8_t *kind, size_t site) {
   const size_t *size = l->size;
   const size_t at[3] = {site % size[0], site / size[0] % size[1], site / size[0] / size[1]};
   static const int step[3] = {1, 3, 9};
@@ -56,8 +58,9 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
   uint8_t *flowing = NULL;
   bool flows;
   const double most = lattice_soil_most(l), moved = l->micro_moved > 0.0 ? l->micro_moved : 1.0;
-  s->enclosed_permeability = ENCLOSED * most / (s->unit * s->unit);
-  if (s->enclosed_permeability / moved > ENCLOSED * ENCLOSED_BELOW) return STATUS_OK;
+  s->enclosed_permeability = ENCLOSED_FACTOR * most / (s->unit * s->unit);
+  if (s->enclosed_permeability / moved > ENCLOSED_FACTOR * ENCLOSED_PERMEABILITY_MAX)
+    return STATUS_OK;
   pores.kind = NULL;
   TRY(memory_allocate(&pores.kind, l->count, 1, "the soil"));
   TRY(memory_allocate(&flowing, l->count, 1, "labels of the pores"));
@@ -67,10 +70,10 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
   TRY(percolation_find(&pores, driving, false, flowing, &flows));
   for (size_t i = 0; i < l->count; i++)
     s->enclosed[i] = pores.kind[i] == SITE_FLUID && flowing[i] != PERCOLATION_FLOWS;
-  for (bool more = true; more;) { /* what is soil now may have joined others */
+  for (bool more = true; more;) { /* a site that became soil may have connected others */
     more = false;
     for (size_t i = 0; i < l->count; i++) {
-      if (s->enclosed[i] != ENCLOSED_PORE || !touches(l, pores.kind, i)) continue;
+      if (s->enclosed[i] != ENCLOSED_PORE || !touches_over_edges_only(l, pores.kind, i)) continue;
       s->enclosed[i] = ENCLOSED_TOUCHING;
       more = true;
     }
@@ -83,16 +86,16 @@ cleanup:
   return status;
 }
 
-/* Of soil, spacing^2. */
+/* Permeability of soil or of an enclosed pore, spacing^2. */
 static double permeability_at(const struct stokes_soil *s, const struct lattice *l, size_t site) {
   const int enclosed = s->enclosed ? s->enclosed[site] : 0;
   if (enclosed == ENCLOSED_PORE) return s->enclosed_permeability;
-  if (enclosed == ENCLOSED_TOUCHING) return s->enclosed_permeability / ENCLOSED;
+  if (enclosed == ENCLOSED_TOUCHING) return s->enclosed_permeability / ENCLOSED_FACTOR;
   return (double)l->micro_permeability[site] / (s->unit * s->unit);
 }
 
-/* Harmonic mean of two mobilities, over a pore's, less the first product V_0(a) V_0(b). */
-static double left_by_pores(double a, double b) {
+/* Harmonic mean of two mobilities, over that of a pore, minus the first product V_0(a) V_0(b). */
+static double mobility_remainder(double a, double b) {
   return 2.0 * a * b / (a + b) - stokes_soil_mobility_to_pore(a) * stokes_soil_mobility_to_pore(b);
 }
 
@@ -109,8 +112,9 @@ struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct
   const double k = permeability_at(s, l, site);
   const double m = stokes_soil_mobility(k);
   const double viscosity = stokes_soil_viscosity_to_pore(n, k);
-  const double second =
-      s->pivot > 0.0 ? left_by_pores(m, s->pivot) / sqrt(left_by_pores(s->pivot, s->pivot)) : 0.0;
+  const double second = s->pivot > 0.0 ? mobility_remainder(m, s->pivot) /
+                                             sqrt(mobility_remainder(s->pivot, s->pivot))
+                                       : 0.0;
   return (struct stokes_soil_site){
       .soil = true,
       .permeability = k,
@@ -118,14 +122,14 @@ struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct
       .relative = m,
       .viscosity = {viscosity, sqrt(fmax(1.0 / n - viscosity * viscosity, 0.0))},
       .mobility = {stokes_soil_mobility_to_pore(m),
-                   sqrt(fmax(left_by_pores(m, m) - second * second, 0.0)), second}};
+                   sqrt(fmax(mobility_remainder(m, m) - second * second, 0.0)), second}};
 }
 
-/* Soils whose mobilities differ by less are taken as one in the sums. */
-#define SOILS_ALIKE 1.05
+/* Soils whose mobilities differ by less than this factor count as one in the sums. */
+#define SOIL_MOBILITY_RATIO 1.05
 
-/* The mobility nearest to the geometric mean of the least and the largest; 0 where all are alike.
- */
+/* The mobility of soil nearest to the geometric mean of the least and the largest; 0 if all are
+ * alike. */
 static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
   double least = INFINITY, most = 0.0, pivot = 0.0;
   for (int pass = 0; pass < 2; pass++)
@@ -137,16 +141,17 @@ static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
       else if (pivot == 0.0 || fabs(log(m / middle)) < fabs(log(pivot / middle)))
         pivot = m;
     }
-  return most > SOILS_ALIKE * least ? pivot : 0.0;
+  return most > SOIL_MOBILITY_RATIO * least ? pivot : 0.0;
 }
 
-/* Where the velocity falls within a tenth of a spacing beneath the surface of soil, viscous forces
- * between soils are negligible beside the drag, and the second product is left out. */
+/* If the velocity decays within a tenth of a spacing beneath the surface of soil, viscous forces
+ * between soil sites are negligible beside the drag, and the second product is omitted. */
 #define THIN_LAYER 0.1
-/* And to precondition, within three tenths. */
+/* In the preconditioner it is omitted below three tenths. */
 #define THICK_LAYER 0.3
 
-/* sqrt(k / n), the largest. */
+/* The largest thickness sqrt(k / n) of the boundary layer beneath a surface of soil, in
+ * spacings. */
 static double boundary_layer(const struct stokes_soil *s, const struct lattice *l) {
   double most = 0.0;
   for (size_t i = 0; i < l->count; i++)

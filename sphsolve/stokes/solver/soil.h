@@ -1,10 +1,10 @@
 /* Weights of the links to and between sites of soil (effects/soil_drag.h, soil_viscosity.h), as
  * sums of products, so that the operators stay convolutions: w_ab = sum over s of V_s(a) V_s(b),
  *   sum over b of w_ab c_ab u_b = sum over s of V_s(a) sum over b of c_ab V_s(b) u_b.
- * V_0 is 1 in pores and the weight of a link to a pore in soil; the others are 0 in pores. The V
- * are the first columns of a Cholesky factor of w, taken as a matrix over all kinds of soil; the
- * last one is the root of the remainder of w_aa. This is exact for up to two soils; of more, links
- * between different soils have a weight between the harmonic and the geometric mean. */
+ * In pores V_0 is 1 and the others are 0; in soil V_0 is the weight of a link to a pore. The V are
+ * the first columns of a Cholesky factor of w, regarded as a matrix over all kinds of soil; the
+ * last one is the square root of the remainder of w_aa. This is exact for up to two soils; with
+ * more, links between different soils have a weight between the harmonic and the geometric mean. */
 #ifndef TOSUI_SPHSOLVE_STOKES_SOLVER_SOIL_H
 #define TOSUI_SPHSOLVE_STOKES_SOLVER_SOIL_H
 
@@ -25,34 +25,34 @@ struct stokes_weights {
 
 struct stokes_soil {
   double unit; /* m */
-  /* [sites] Pores that lead nowhere but through soil, which alone limits the flow through them.
-   * They are taken as soil of ENCLOSED times the largest permeability of soil (1), or of that
-   * permeability (2): the error is that small part of the resistance. NULL: there are none, or the
-   * operator is assembled. */
+  /* [sites] Enclosed pores: those connected only through soil, which alone limits the flow through
+   * them. They are treated as soil of ENCLOSED_FACTOR times the largest permeability of soil (1),
+   * or of that permeability (2); the error is this small part of the resistance. NULL: there are
+   * none, or the operator is already assembled. */
   uint8_t *enclosed;
   double enclosed_permeability; /* spacing^2 */
-  double pivot;                 /* mobility of the second column over a pore's; 0: there are two */
+  double pivot;                 /* mobility of the second column over a pore's; 0: two columns */
   struct stokes_weights viscosity, mobility;
-  bool thick_layer; /* the velocity falls over more than a part of a site beneath the surface */
-  float *relative;  /* [n] mobility over a pore's */
-  /* [n] its root. Residuals are of the momentum equation times this, and of continuity divided by
-   * this: both then have the size of their effect on the flux, also where soil lets through 1e-8 of
-   * what pores do. */
+  bool thick_layer; /* the boundary layer beneath the surface is not much thinner than a site */
+  float *relative;  /* [n] mobility over that of a pore */
+  /* [n] Square root of `relative`. Momentum residuals are multiplied and continuity residuals
+   * divided by it: both then have the size of their effect on the flux, even where the mobility of
+   * soil is 1e-8 of that of pores. */
   float *row_scale;
-  bool *rows; /* [rows] whether a row has soil */
-  /* [axes][n] G applied to a pressure whose gradient is the force everywhere, less the force: it is
-   * subtracted from G p, since it is the pressure without its hydrostatic part whose gradient jumps
-   * at the surface of soil. */
+  bool *rows; /* [rows] whether a row contains soil */
+  /* [axes][n] G applied to a pressure whose gradient is the force everywhere, minus the force. It
+   * is subtracted from G p, because at the surface of soil it is the gradient of the pressure
+   * without its hydrostatic part that jumps. */
   float *force_defect;
 };
 
-/* The larger number of products of the two. */
+/* The larger number of products, of the weights of viscosity and of mobility. */
 static inline int stokes_soil_sums(const struct stokes_soil *soil) {
   const int viscosity = soil->viscosity.count, mobility = soil->mobility.count;
   return viscosity > mobility ? viscosity : mobility;
 }
 
-/* What a site is, in lattice units. */
+/* Properties of a site, in lattice units. */
 struct stokes_soil_site {
   bool soil;
   double permeability, slip, relative;
@@ -65,10 +65,10 @@ static inline double stokes_soil_weight(const double a[STOKES_SOIL_SUMS],
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Whether a site is soil, or a pore that leads nowhere else. */
+/* Whether a site is soil or an enclosed pore. */
 bool stokes_soil_is(const struct stokes_soil *soil, const struct lattice *lattice, size_t site);
 
-/* Whether two sites are pores both, or soil of one kind. */
+/* Whether two sites are both pores, or soil of the same kind. */
 static inline bool stokes_soil_alike(const struct stokes_soil *soil, const struct lattice *lattice,
                                      size_t a, size_t b) {
   return lattice->micro_porosity[a] == lattice->micro_porosity[b] &&
@@ -76,8 +76,9 @@ static inline bool stokes_soil_alike(const struct stokes_soil *soil, const struc
          (soil->enclosed == NULL || soil->enclosed[a] == soil->enclosed[b]);
 }
 
-/* *soil is NULL where the lattice has none. `driving` (m/s^2): pores that lead through the box
- * along it are not enclosed; `unit`: m a spacing. Free with stokes_soil_free. */
+/* Builds the weights; *soil stays NULL if the lattice has no soil. `driving` (m/s^2): pores that
+ * lead through the box along it are not enclosed; `unit`: m per spacing. Free with
+ * stokes_soil_free. */
 enum status stokes_soil_build(const struct lattice *lattice, const struct stokes_grid *grid,
                               const double driving[3], double unit, struct stokes_soil **soil);
 void stokes_soil_free(struct stokes_soil **soil);

@@ -22,7 +22,7 @@ static void solve_ones(int n, double m[3][3], double x[3]) {
   }
 }
 
-/* Morris, Fox, Zhu 1997 eq. 22: c = -2 V (1/r) dW/dr; gradient V dW/dr e. The viscous
+/* Coefficients: c = -2 V (1/r) dW/dr, Morris, Fox, Zhu 1997 eq. 22; gradient V dW/dr e. The viscous
  * lattice sums are scaled axis by axis so that the operator is exact for a quadratic velocity on
  * this lattice, cubic or not; the gradient has its own correction. */
 static void scale_moments(struct stokes_stencil *s) {
@@ -49,7 +49,8 @@ static void scale_moments(struct stokes_stencil *s) {
   }
 }
 
-/* `axis` < 0: the viscous coefficients, even in all directions; else the gradient along it. */
+/* `axis` < 0: the viscous coefficients, even in all directions; otherwise those of the gradient
+ * along it. */
 static void build_convolution(const struct stokes_stencil *s, int axis,
                               struct stokes_convolution *convolution) {
   memset(convolution, 0, sizeof *convolution);
@@ -139,7 +140,7 @@ double stokes_stencil_moment(const struct stokes_stencil *s) {
   return sum / s->axis_count;
 }
 
-/* Compact supports have the least error for grains of few sites (docs/physics/stokes.md). */
+/* Compact supports have the smallest error for grains of few sites (docs/physics/stokes.md). */
 double stokes_support(const struct scene *scene, double spacing) {
   if (!isnan(scene->stokes.support)) return scene->stokes.support / spacing;
   return scene->stokes.kernel == KERNEL_QUINTIC ? 2.9 : 1.8;

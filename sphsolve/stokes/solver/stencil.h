@@ -29,10 +29,12 @@ struct stokes_stencil {
   struct stokes_convolution gradient[3]; /* sum_b g_ab u_b, by axis */
 };
 
-/* The support of method stokes, in spacings, where the scene's sites are `spacing` (m) apart. */
+/* Support of the kernel of method stokes, in spacings, for a scene with sites `spacing` (m)
+ * apart. */
 double stokes_support(const struct scene *scene, double spacing);
 
-/* Mean over the axes of sum of g_ab r_ab: 1 up to the error of the kernel's sums. */
+/* Mean over the axes of the sum of g_ab r_ab: 1 up to the discretisation error of the kernel's
+ * sums. */
 double stokes_stencil_moment(const struct stokes_stencil *stencil);
 
 /* Builds the stencil of a kernel with that support (m) at sites `spacing` (m) apart. A support of

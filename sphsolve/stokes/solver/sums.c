@@ -17,7 +17,7 @@ double stokes_sum_total(size_t n, const double *partial) {
 
 typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
 
-/* Sum of x y over a block: short runs in float lanes, then in double. */
+/* Sum of x y over a block: short runs in float, these added in double precision. */
 static double dot_block(size_t n, const float *x, const float *y) {
   double sum = 0.0;
   size_t i = 0;
