@@ -65,15 +65,10 @@ static struct scan_quality read_scan(struct h5_file *file) {
                                  .labels = true};
   }
   const double ratio = h5_attribute_or_nan(file, "/scanner", "contrast_to_noise");
-<<<<<<< HEAD
-  /* Noise is alike over a voxel at least. */
-  const double alike =
+  /* Even uncorrelated noise is constant within a voxel. */
+  const double correlation_length =
       fmax(h5_attribute_or_nan(file, "/model", "voxel_scanned"),
            2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation"));
-=======
-  const double correlation_length =
-      2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation");
->>>>>>> main
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
   struct scan_quality scan = {
       .blur = blur,
