@@ -17,7 +17,8 @@
  * Here g is the scan, A the local grey of the grain, H the scanner's blur combined with the average
  * M over a voxel, and S the surface of the grains (grain_surface.h). The minimum is found by
  * accelerated projected gradients (FISTA, Beck and Teboulle 2009). u itself has steps within
- * voxels, which would make a surface interpolated between voxels rough.
+ * voxels, which would make a surface interpolated between voxels rough. The gradient of the
+ * misfit is divided by A^2, so that grains of all greys are restored with the same cost of surface.
  *
  * With the noise power P, the variance times the correlation volume, -log likelihood is
  * |g - H A u|^2 / (2 P). A surface of s^2, the square of the blur (at least a voxel), costs

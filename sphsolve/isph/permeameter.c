@@ -97,15 +97,21 @@ static bool find_steadiness(const struct isph *s, double v, double third, double
   return true;
 }
 
-/* Mean of 1 / porosity over the bulk volume of the particles. */
+/* Mean of 1 / porosity over the bulk volume of the particles. Collective. */
 static double mean_inertia(const struct isph *s) {
-  double sum[2] = {0};
-  for (size_t i = 0; i < s->count; i++) {
-    sum[0] += s->volume[i];
-    sum[1] += s->volume[i] / (s->porosity ? s->porosity[i] : 1);
+  double total[2];
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double volume = 0, inertia = 0;
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      volume += s->volume[i];
+      inertia += s->volume[i] / (s->porosity ? s->porosity[i] : 1);
+    }
+    s->sums[c][0] = volume;
+    s->sums[c][1] = inertia;
   }
-  ranks_sum_all(sum, 2);
-  return sum[0] > 0 ? sum[1] / sum[0] : 1;
+  isph_sum_chunks(s, 2, total);
+  return total[0] > 0 ? total[1] / total[0] : 1;
 }
 
 /* In a periodic box full of water k = v / i along the force is already known; only its errors are

@@ -22,7 +22,7 @@
  * since the start, or of that in which saturated soil fills a site. */
 #define SHORT_STEPS_MAX 500
 #define SHORT_STEP 1e-8
-#define STEP_MIN 1e-13 /* over the time since the start, or over the spacing (m) */
+#define STEP_MIN 1e-13 /* share of the same time below which no step is tried */
 
 /* Newton's method changes the water content of soil that is dry or whose balance is dominated by
  * storage, and the head of other soil (primary variable switching, after Forsyth, Wu, Pruess 1995).
@@ -266,7 +266,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     memcpy(s->h, s->before, s->count * sizeof *s->h);
     dt *= isfinite(error) ? fmax(0.9 / sqrt(error), STEP_SHRINK_MIN) : STEP_SHRINK_MIN;
     s->next_dt = dt;
-    if (!(dt > STEP_MIN * fmax(s->time, s->spacing))) return no_step_found(s, dt);
+    if (!(dt > STEP_MIN * fmax(s->time, 1 / s->fastest))) return no_step_found(s, dt);
   }
   s->short_steps =
       dt < SHORT_STEP * fmax(s->time, 1 / s->fastest) && dt < left ? s->short_steps + 1 : 0;
