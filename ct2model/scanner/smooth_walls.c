@@ -40,10 +40,13 @@ static const double OCTAVES_BY_RISK = 0.66, OCTAVES_BY_RELIEF = 2.44, OCTAVES_CH
 /* With a blur of BLUR_SHARP voxels relief is visible; with one of BLUR_WIDE corners look like
  * relief, and a reduction of the cost is itself reduced by this fraction (ibid.). */
 static const double BLUR_SHARP = 2.2, BLUR_WIDE = 2.8, REDUCTION_WIDE = 0.67;
-/* Noise with a correlation length like the blur, or a voxel, looks like relief: from LENGTH_LONG
- * times that on neither can be told. Simulated noise is not longer than that either
- * (restore_scanner). */
+/* Noise with a correlation length like the blur, or a voxel, looks like fine relief: from
+ * LENGTH_LONG times that on the two cannot be distinguished. Simulated noise is not longer than
+ * that either (restore_scanner). Under much noise what smooth walls would remove tells the relief
+ * then: octaves per octave of the cost of least risk, and for a ratio of 1 above that of plain
+ * sands. */
 static const double LENGTH_SHORT = 0.6, LENGTH_LONG = 0.9;
+static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
 /* Range of the octaves: from the finest relief, a quarter of the usual cost, to smooth walls. At
  * contrasts of up to CONTRAST_NOISY times the noise, costs under OCTAVES_NOISY let noise through;
  * from CONTRAST_CLEAR on there is little noise. */
@@ -126,8 +129,8 @@ cleanup:
 
 /* Change of the cost of surface, in octaves of the usual cost, for walls with relief. */
 static enum status find_octaves(const struct region *region, const struct scanner *scanner,
-                                struct windows *scan, struct deblur *deblur, float *lower,
-                                double *octaves) {
+                                double smooth_ratio, struct windows *scan, struct deblur *deblur,
+                                float *lower, double *octaves) {
   enum status status = STATUS_OK;
   const double fine[2] = {COST_FINE, 1.0};
   struct removal seen, ratio;
@@ -140,12 +143,17 @@ static enum status find_octaves(const struct region *region, const struct scanne
   TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
                       scanner->noise_correlation / scan->unit, deblur, &least_risk));
   const double relief = ratio.cube < RATIO_IMPLAUSIBLE ? ratio.cube - 1.0 : 0.0;
-  const double wanted = OCTAVES_BY_RISK * log2(least_risk) - OCTAVES_BY_RELIEF * relief;
+  const double clear = ramp(scanner->contrast_to_noise, CONTRAST_NOISY, CONTRAST_CLEAR);
+  const double length = scanner->noise_correlation / fmax(scanner->blur, scanner->unit);
+  const double distinguishable = ramp(-length, -LENGTH_LONG, -LENGTH_SHORT);
+  const double by_fine = OCTAVES_BY_RISK * log2(least_risk) - OCTAVES_BY_RELIEF * relief;
+  const double by_smooth =
+      LONG_BY_RISK * log2(least_risk) - LONG_BY_RATIO * (smooth_ratio - RATIO_SAND);
+  const double wanted =
+      distinguishable * by_fine + (1.0 - distinguishable) * (1.0 - clear) * by_smooth;
   const double wide = ramp(scanner->blur / scan->unit, BLUR_SHARP, BLUR_WIDE);
   const double counts = wanted < 0.0 ? 1.0 - REDUCTION_WIDE * wide : 1.0;
-  const double least =
-      OCTAVES_NOISY + (OCTAVES_FINEST - OCTAVES_NOISY) *
-                          ramp(scanner->contrast_to_noise, CONTRAST_NOISY, CONTRAST_CLEAR);
+  const double least = OCTAVES_NOISY + (OCTAVES_FINEST - OCTAVES_NOISY) * clear;
   *octaves = fmax(counts * wanted * ramp(fabs(wanted), OCTAVES_CHANCE, OCTAVES_SIGNIFICANT), least);
 cleanup:
   return status;
@@ -203,11 +211,8 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(&scan, scanner, noise, smooth, &seen, &deblur, lower, &ratio));
   const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -RATIO_ROUGH, -RATIO_SMOOTH);
-  const double length = scanner->noise_correlation / fmax(scanner->blur, scanner->unit);
-  const double distinguishable = ramp(-length, -LENGTH_LONG, -LENGTH_SHORT);
-  if (smooth_share < 1.0 && distinguishable > 0.0)
-    TRY(find_octaves(region, scanner, &scan, &deblur, lower, &octaves));
-  octaves *= distinguishable;
+  if (smooth_share < 1.0)
+    TRY(find_octaves(region, scanner, ratio.cube, &scan, &deblur, lower, &octaves));
   octaves += smooth_share * (OCTAVES_SMOOTH - octaves);
   scanner->smooth_walls = fmax(octaves / OCTAVES_SMOOTH, 0.0);
   scanner->fine_relief = fmax(octaves / OCTAVES_FINEST, 0.0);

@@ -16,7 +16,7 @@
 #define EFFECT_MAX 40
 
 /* Peak memory and run time of the program with its libraries for a scene of a few sites. */
-#define PROGRAM_BYTES 16e6
+#define PROGRAM_BYTES 9e6
 /* Additional memory of file buffers and of the allocator, relative: of runs of 64 to 240 MB the
  * operating system reported 3 to 6 % more. */
 #define MEMORY_OVERHEAD 0.065
