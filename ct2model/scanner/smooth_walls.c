@@ -44,7 +44,7 @@ static const double BLUR_SHARP = 2.2, BLUR_WIDE = 2.8, REDUCTION_WIDE = 0.67;
  * LENGTH_LONG times that on the two cannot be distinguished. Simulated noise is not longer than
  * that either (restore_scanner). Under much noise what smooth walls would remove tells the relief
  * then: octaves per octave of the cost of least risk, and for a ratio of 1 above that of plain
- * sands. */
+ * sands (docs/notes/2026-11-28-sharper-scan-bars.md). */
 static const double LENGTH_SHORT = 0.6, LENGTH_LONG = 0.9;
 static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
 /* Range of the octaves: from the finest relief, a quarter of the usual cost, to smooth walls. At
