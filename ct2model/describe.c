@@ -61,7 +61,8 @@ static void describe_scanner(struct h5_file *file, json_t *out) {
                {"noise_correlation", "noise_correlation_m", NULL, 1.0},
                {"resolution", "resolution_m", "resolution, um", 1e6},
                {"smooth_walls", "smooth_walls", NULL, 1.0},
-               {"fine_relief", "fine_relief", NULL, 1.0}};
+               {"fine_relief", "fine_relief", NULL, 1.0},
+               {"two_phases", "two_phases", NULL, 1.0}};
   const bool known = h5_exists(file, "/scanner");
   json_t *object = out != NULL ? json_object() : NULL;
   for (size_t i = 0; i < sizeof LINES / sizeof *LINES; i++) {

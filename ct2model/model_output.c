@@ -100,6 +100,7 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
   if (removed) TRY(write_number(file, "/scanner", "averaged", (double)averaged));
   if (removed) TRY(write_number(file, "/scanner", "smooth_walls", scanner->smooth_walls));
   if (removed) TRY(write_number(file, "/scanner", "fine_relief", scanner->fine_relief));
+  if (removed) TRY(write_number(file, "/scanner", "two_phases", scanner->two_phases));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:

@@ -356,9 +356,9 @@ static enum status restore(struct pipeline *pipeline) {
   const struct mirroring mirroring = pipeline_mirroring(pipeline);
   const struct enclosed_sides sides = wall_level_sides(pipeline);
   if (pipeline->finer == NULL) TRY(smooth_walls_find(&pipeline->as_read, &pipeline->scanner));
-  TRY(restored_make(&pipeline->region, &pipeline->scanner, pipeline->scanner.blur, e, &sides,
-                    &pipeline->restored));
+  TRY(restored_make(&pipeline->region, &pipeline->scanner, e, &sides, &pipeline->restored));
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
+  pipeline->scanner.two_phases = pipeline->restored.two_phases;
   if (!pipeline->blur_removed) return STATUS_OK;
   pipeline->averaged = pipeline->restored.scan.step;
   if (pipeline->scanner.assumed)

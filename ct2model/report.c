@@ -171,7 +171,8 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
                                          .noise_correlation = NAN,
                                          .resolution = NAN,
                                          .smooth_walls = NAN,
-                                         .fine_relief = NAN};
+                                         .fine_relief = NAN,
+                                         .two_phases = NAN};
   if (!scanner->known || unsized) scanner = &UNKNOWN;
   json_put_number(object, "blur_m", scanner->blur);
   json_put_number(object, "blur_uncertainty_m", scanner->blur_error);
@@ -181,6 +182,7 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   json_put_number(object, "resolution_m", scanner->resolution);
   json_put_number(object, "smooth_walls", scanner->smooth_walls);
   json_put_number(object, "fine_relief", scanner->fine_relief);
+  json_put_number(object, "two_phases", scanner->two_phases);
   return object;
 }
 

@@ -24,6 +24,8 @@ struct scanner {
   double resolution;        /* m: period at which the modulation transfer falls to 0.1 */
   double smooth_walls;      /* 0: relief of sand, 1: none (smooth_walls.h); NAN: not estimated */
   double fine_relief;       /* 0: relief of sand, 1: much finer, as of fines; NAN: not estimated */
+  double two_phases;        /* 0: grey throats as restored, 1: grain and pore told to be two phases
+                               (narrow_throats.h); NAN: not estimated */
   double unit;              /* m: shortest voxel edge, the unit of distance of `response` */
   struct edge_response response; /* summed over all windows; greys 0 in pores, 1 in grains */
 };

@@ -9,6 +9,7 @@
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/grain_surface.h"
 #include "ct2model/scanner/grains.h"
+#include "ct2model/scanner/ramp.h"
 
 /* The share of grain is M u, where u, 0 <= u <= 1, minimises
  *
@@ -30,9 +31,21 @@
  * fringe f raises the scanner's transfer of relief of wavenumber 1 / s by a factor 1 + f'
  * (edge_fit_transfer), which enters the likelihood squared; surface costs more by the same factor.
  * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
- * are. SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
+ * are.
+ *
+ * Under a blur of more than a quarter of the pores' width the minimum is far from 0 and 1: throats
+ * are grey, and any threshold closes some of them. There u (1 - u) is added, times w, which rises
+ * slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual Reconstruction): grain
+ * and pore become two phases, and a throat is as wide as the pore volume that it contributes to the
+ * scan. u then has steps from voxel to voxel, which a narrow Gaussian removes.
+ *
+ * SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
  * 30 times the noise, and RELIEF was chosen on some of them (docs/notes/2026-11-23-scanner.md). */
 static const double SURFACE = 0.13, RELIEF = 1.5;
+/* w at the end, the iterations between which it rises, and the standard deviation of the Gaussian,
+ * voxels (docs/notes/2026-11-28-two-phases.md). */
+static const double WELL = 0.03, WELL_SMOOTHED = 0.5;
+enum { WELL_FIRST = 40, WELL_LAST = 180 };
 /* Variance that the average over a voxel adds to the blur, voxels^2. */
 static const double VOXEL_VARIANCE = 1.0 / 12.0;
 /* Iterations before the grains are separated. */
@@ -52,7 +65,9 @@ struct filters {
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner, .iterations = DEBLUR_ITERATIONS};
+  *deblur = (struct deblur){.scanner = *scanner,
+                            .iterations = scanner->two_phases > 0.0 ? DEBLUR_ITERATIONS_TWO_PHASES
+                                                                    : DEBLUR_ITERATIONS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -200,10 +215,11 @@ static void descent_of_misfit(struct deblur *deblur, const struct filters *filte
   }
 }
 
-TARGETS static void descend(const float *restrict downhill, float step, float momentum, size_t n,
-                            float *restrict u, float *restrict y) {
+/* A step downhill with momentum; -w (1 - 2 y) is the descent of w y (1 - y), w = `well`. */
+TARGETS static void descend(const float *restrict downhill, float step, float momentum, float well,
+                            size_t n, float *restrict u, float *restrict y) {
   for (size_t i = 0; i < n; i++) {
-    float next = y[i] + step * downhill[i];
+    float next = y[i] + step * (downhill[i] + well * (2.0F * y[i] - 1.0F));
     next = next < 0.0F ? 0.0F : next > 1.0F ? 1.0F : next;
     y[i] = next + momentum * (next - u[i]);
     u[i] = next;
@@ -225,9 +241,11 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int it
     const double next = 0.5 * (1.0 + sqrt(1.0 + 4.0 * t * t));
     descent_of_misfit(deblur, filters);
     grain_surface_pull(&surface, y, deblur->b, a);
+    const double well = WELL * deblur->scanner.two_phases * ramp(iteration, WELL_FIRST, WELL_LAST);
 #pragma omp parallel for schedule(static)
     for (size_t at = 0; at < rows * nx; at += nx) {
-      descend(a + at, (float)step, (float)((t - 1.0) / next), nx, deblur->u + at, y + at);
+      descend(a + at, (float)step, (float)((t - 1.0) / next), (float)well, nx, deblur->u + at,
+              y + at);
       multiply(deblur->grain + at, y + at, nx, a + at);
     }
     t = next;
@@ -245,7 +263,7 @@ enum status deblur_run(struct deblur *deblur) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   const bool whole = scan_fills_slab(deblur);
   struct filters filters = {.largest = 0.0};
-  double average[3];
+  double average[3], smoothed[3];
   for (int d = 0; d < 3; d++)
     average[d] = -0.5 * VOXEL_VARIANCE; /* M as a Laplacian: it blurs by twice the weight */
   choose_filters(&deblur->scanner, &filters);
@@ -259,6 +277,9 @@ enum status deblur_run(struct deblur *deblur) {
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
   iterate(deblur, &filters, deblur->iterations);
+  for (int d = 0; d < 3; d++)
+    smoothed[d] = WELL_SMOOTHED * deblur->scanner.two_phases / deblur->scanner.stretch[d];
+  gaussian_filter(deblur->u, deblur->size, smoothed, deblur->a, deblur->u);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;

@@ -16,6 +16,8 @@
  * at most (docs/notes/2026-11-27-faces.md). Slabs that are compared with a simulated scan restored
  * in the same way need fewer. */
 enum { DEBLUR_ITERATIONS = 60, DEBLUR_ITERATIONS_COMPARED = 30 };
+/* The same where grain and pore are told to be two phases. */
+enum { DEBLUR_ITERATIONS_TWO_PHASES = 200 };
 
 /* Properties of the scanner in the units of the slab. Arrays of 3 are along x, y, z, in voxels of
  * the slab. */
@@ -27,6 +29,7 @@ struct deblur_scanner {
                          in shortest voxel edges */
   double stretch[3];  /* voxel edges over the shortest one */
   double surface;     /* cost of surface relative to the usual one; 1 where walls have relief */
+  double two_phases;  /* weight from 0 to 1 with which each voxel is to be grain or pore */
 };
 
 struct deblur {

@@ -160,13 +160,13 @@ void restore_scanner(const struct region *region, const struct scanner *scanner,
                                                : 1.0;
 }
 
-enum status restore_run(const struct region *region, const struct scanner *scanner, double width,
-                        struct coarse *restored) {
+enum status restore_run(const struct region *region, const struct scanner *scanner,
+                        double two_phases, struct coarse *restored) {
   enum status status = STATUS_OK;
   struct deblur slab = {0};
   struct deblur_scanner work;
   struct progress progress;
-  const size_t step = restore_step(region->size, region->voxel, width);
+  const size_t step = restore_step(region->size, region->voxel, scanner->blur);
   double voxels = 1.0;
   *restored = (struct coarse){.step = step, .unit = 1.0 / LEVELS};
   for (int d = 0; d < 3; d++) {
@@ -174,7 +174,8 @@ enum status restore_run(const struct region *region, const struct scanner *scann
     voxels *= (double)restored->size[d];
   }
   if (voxels > VOXELS_HELD) return STATUS_OK;
-  restore_scanner(region, scanner, width, step, &work);
+  restore_scanner(region, scanner, scanner->blur, step, &work);
+  work.two_phases = two_phases;
   size_t beyond[3];
   voxels_beyond(restored->size, work.blur, beyond);
   const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];

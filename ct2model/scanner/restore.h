@@ -17,14 +17,14 @@
 size_t restore_step(const size_t size[3], const double voxel[3], double blur);
 
 /* Properties of the scanner as deblur_start expects them, for a region averaged over `step` voxels
- * a side. */
+ * a side, with no weight of two phases. */
 void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
                      size_t step, struct deblur_scanner *work);
 
 /* Restores the region into `restored`, whose levels 0 to 255 are shares 0 to 1 (free with
- * coarse_end). A region that is too large is averaged first (restore_step). `blur` (m) replaces
- * that of the scanner. `restored` has no levels if they would not fit in memory. */
-enum status restore_run(const struct region *region, const struct scanner *scanner, double blur,
-                        struct coarse *restored);
+ * coarse_end). A region that is too large is averaged first (restore_step). `two_phases`: as in
+ * deblur.h. `restored` has no levels if they would not fit in memory. */
+enum status restore_run(const struct region *region, const struct scanner *scanner,
+                        double two_phases, struct coarse *restored);
 
 #endif

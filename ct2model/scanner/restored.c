@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/scanner/narrow_throats.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
@@ -101,21 +102,61 @@ struct region restored_region(const struct restored *restored, const struct regi
   return coarse_region(&restored->scan, region);
 }
 
-enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
+/* Restores the scan and finds the void ratio at the middle level and the level that encloses
+ * `void_ratio`. */
+static enum status restore_and_match(const struct region *region, const struct scanner *scanner,
+                                     double two_phases, double void_ratio,
+                                     struct restored *restored) {
+  enum status status = STATUS_OK;
+  const struct coarse *scan = &restored->scan;
+  restored_end(restored);
+  TRY(restore_run(region, scanner, two_phases, &restored->scan));
+  if (scan->levels == NULL) return STATUS_OK;
+  const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
+  restored->middle = middle / (1.0 - middle);
+  restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
+cleanup:
+  return status;
+}
+
+static bool allows_void_ratio(const struct restored *restored) {
+  return restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX;
+}
+
+/* Restores the scan again with what its narrow throats require. */
+static enum status open_throats(const struct region *region, const struct scanner *scanner,
+                                double void_ratio, struct restored *restored) {
+  enum status status = STATUS_OK;
+  struct scanner corrected = *scanner;
+  const struct narrow_throats throats =
+      narrow_throats_measure(&restored->scan, region->voxel, restored->threshold);
+  const double excess = narrow_throats_pore_excess(&throats, scanner, restored->threshold);
+  corrected.pore -= excess * (scanner->grain - scanner->pore);
+  restored->two_phases = narrow_throats_two_phases(&throats, scanner);
+  if (excess > 0.0 || restored->two_phases > 0.0)
+    TRY(restore_and_match(region, &corrected, restored->two_phases, void_ratio, restored));
+  if (restored->two_phases > 0.0 && !allows_void_ratio(restored)) {
+    restored->two_phases = 0.0;
+    TRY(restore_and_match(region, &corrected, 0.0, void_ratio, restored));
+  }
+cleanup:
+  return status;
+}
+
+enum status restored_make(const struct region *region, const struct scanner *scanner,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored) {
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
-  TRY(restore_run(region, scanner, blur, scan));
+  TRY(restore_and_match(region, scanner, 0.0, void_ratio, restored));
+  if (scan->levels != NULL && allows_void_ratio(restored))
+    TRY(open_throats(region, scanner, void_ratio, restored));
   if (scan->levels == NULL) {
     log_warning("the scan is too large for its blur to be taken out in memory: %zux%zux%zu; --crop",
                 region->size[0], region->size[1], region->size[2]);
     return STATUS_OK;
   }
-  const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
-  restored->middle = middle / (1.0 - middle);
-  restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
-  if (!(restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX)) {
+  if (!allows_void_ratio(restored)) {
     log_warning("the edges of the scan give a void ratio of %.3g, not %.3g: the surface is taken "
                 "where the threshold says, with the scanner's blur and noise",
                 restored->middle, void_ratio);

@@ -15,12 +15,13 @@ struct restored {
   double threshold;   /* level at which the walls enclose the void ratio */
   double middle;      /* void ratio at the middle level, where the scan's own edges lie */
   double void_ratio;  /* void ratio enclosed at `threshold` */
+  double two_phases;  /* weight with which grain and pore were told to be two phases (deblur.h) */
 };
 
-/* Removes `blur` (m) from the region and finds the level that encloses `void_ratio`. `restored` has
+/* Removes the blur from the region and finds the level that encloses `void_ratio`. `restored` has
  * no levels, and a warning is given, where the edges of the scan do not allow that void ratio or
  * memory would not suffice. `sides`: as in enclosed.h. Free with restored_end. */
-enum status restored_make(const struct region *region, const struct scanner *scanner, double blur,
+enum status restored_make(const struct region *region, const struct scanner *scanner,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored);
 void restored_end(struct restored *restored);

@@ -372,7 +372,8 @@ enum status scanner_measure(const struct region *region, const struct survey *su
                               .noise_correlation = NAN,
                               .resolution = NAN,
                               .smooth_walls = NAN,
-                              .fine_relief = NAN};
+                              .fine_relief = NAN,
+                              .two_phases = NAN};
   if (!(phases->contrast_to_noise > 0.0)) return STATUS_OK;
   TRY(windows_read(region, phases, &all));
   TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));

@@ -1,0 +1,69 @@
+#include "ct2model/scanner/narrow_throats.h"
+
+#include <math.h>
+
+#include "ct2model/scanner/ramp.h"
+
+/* All constants were chosen on generated sands of seeds up to 9521
+ * (docs/notes/2026-11-28-two-phases.md). */
+
+/* If the greys of pore and grain are right, the measured void ratio is enclosed by the middle level
+ * of 127.5, or one a little lower where there are specks. A pore grey that is too bright by the
+ * whole contrast lowers it by LEVELS_PER_CONTRAST. With the true greys it is lowered by up to
+ * LOWERED_CHANCE. */
+static const double LEVEL_EXPECTED = 124.0, LEVELS_PER_CONTRAST = 250.0;
+static const double LOWERED_CHANCE = 6.0, LOWERED_SIGNIFICANT = 11.0;
+/* From there on, to where nothing is corrected any more, something else than the grey is wrong. */
+static const double LOWERED_MOST = 38.0, LOWERED_IMPLAUSIBLE = 50.0;
+/* Mean pore widths, in blurs, between which pores begin to show their grey; and Sauter mean
+ * diameters of grains, in blurs, between which throats begin to stay open. Those of the restored
+ * scan are a sixth too large, as closed throats are missing. Open throats need no help, and two
+ * phases would make k 5 % too low there, as walls then follow the voxels. */
+static const double WIDTH_SHOWS_NO_GREY = 5.5, WIDTH_SHOWS_GREY = 6.0;
+static const double DIAMETER_CLOSED = 8.5, DIAMETER_OPEN = 9.5;
+/* Contrast over noise between which noise would be taken for a phase of its own. */
+static const double CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
+
+struct narrow_throats narrow_throats_measure(const struct coarse *scan, const double voxel[3],
+                                             double threshold) {
+  const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2];
+  size_t pores = 0, faces[3] = {0};
+#pragma omp parallel for schedule(static) reduction(+ : pores, faces[:3])
+  for (size_t row = 0; row < ny * nz; row++) {
+    const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
+    const uint8_t *at = scan->levels + row * nx;
+    const uint8_t *y_next = y + 1 < ny ? at + nx : at, *z_next = z + 1 < nz ? at + nx * ny : at;
+    for (size_t x = 0; x < nx; x++) {
+      const bool grain = at[x] > threshold;
+      pores += !grain;
+      faces[0] += grain != (at[x + 1 < nx ? x + 1 : x] > threshold);
+      faces[1] += grain != (y_next[x] > threshold);
+      faces[2] += grain != (z_next[x] > threshold);
+    }
+  }
+  /* By stereology the surface per volume is twice the intersections per length of random lines
+   * (Saltykov 1958); here the mean of lines along the three axes. */
+  double crossings = 0.0; /* per length, times the voxels */
+  for (int d = 0; d < 3; d++) crossings += (double)faces[d] / (voxel[d] * (double)scan->step) / 3.0;
+  const double surface = crossings > 0.0 ? 2.0 * crossings : NAN;
+  return (struct narrow_throats){.pore_width = 4.0 * (double)pores / surface,
+                                 .grain_diameter = 6.0 * (double)(nx * ny * nz - pores) / surface};
+}
+
+double narrow_throats_pore_excess(const struct narrow_throats *throats,
+                                  const struct scanner *scanner, double threshold) {
+  const double lowered = LEVEL_EXPECTED - threshold;
+  if (scanner->assumed) return 0.0; /* the blur is unknown */
+  return (1.0 - scanner->smooth_walls) * ramp(lowered, LOWERED_CHANCE, LOWERED_SIGNIFICANT) *
+         ramp(-lowered, -LOWERED_IMPLAUSIBLE, -LOWERED_MOST) *
+         ramp(-throats->pore_width / scanner->blur, -WIDTH_SHOWS_GREY, -WIDTH_SHOWS_NO_GREY) *
+         fmax(lowered, 0.0) / LEVELS_PER_CONTRAST;
+}
+
+double narrow_throats_two_phases(const struct narrow_throats *throats,
+                                 const struct scanner *scanner) {
+  if (scanner->assumed) return 0.0;
+  return (1.0 - scanner->smooth_walls) *
+         ramp(scanner->contrast_to_noise, CONTRAST_NOISY, CONTRAST_CLEAR) *
+         ramp(-throats->grain_diameter / scanner->blur, -DIAMETER_OPEN, -DIAMETER_CLOSED);
+}
