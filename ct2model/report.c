@@ -348,7 +348,9 @@ static void print_scan(const struct pipeline *pipeline) {
            "noise, noise correlated over %.2g um%s\n",
            1e6 * scanner->blur, 1e6 * scanner->blur_error, scanner->blur / scanner->unit,
            scanner->fringe, scanner->contrast_to_noise, 1e6 * scanner->noise_correlation,
-           scanner->smooth_walls > 0.5 ? "; walls are smooth but for noise" : "");
+           scanner->smooth_walls > 0.5 ? "; walls are smooth but for noise"
+           : scanner->two_phases > 0.5 ? "; it closes throats: opened, as all is grain or pore"
+                                       : "");
   if (isfinite(survey->rings))
     printf("radial            grain %+.1f +- %.1f %% of the contrast from middle to rim%s; rings "
            "%.1f %%%s\n",
