@@ -33,11 +33,12 @@
  * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
  * are.
  *
- * Under a blur of more than a quarter of the pores' width the minimum is far from 0 and 1: throats
- * are grey, and any threshold closes some of them. There u (1 - u) is added, times w, which rises
- * slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual Reconstruction): grain
- * and pore become two phases, and a throat is as wide as the pore volume that it contributes to the
- * scan. u then has steps from voxel to voxel, which a narrow Gaussian removes.
+ * Where grains are few blurs wide (narrow_throats.h) the minimum is far from 0 and 1: throats are
+ * grey, and any threshold closes some of them. There the sum of w u (1 - u) over voxels is added,
+ * with w rising slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual
+ * Reconstruction): grain and pore become two phases, and a throat is as wide as the pore volume
+ * that it contributes to the scan. u then has steps from voxel to voxel, which a narrow Gaussian
+ * removes.
  *
  * SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
  * 30 times the noise, and RELIEF was chosen on some of them (docs/notes/2026-11-23-scanner.md). */
@@ -252,6 +253,14 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int it
   }
 }
 
+/* Smooths the steps from voxel to voxel that two phases leave in u. */
+static void smooth_steps(struct deblur *deblur) {
+  double deviation[3];
+  for (int d = 0; d < 3; d++)
+    deviation[d] = WELL_SMOOTHED * deblur->scanner.two_phases / deblur->scanner.stretch[d];
+  gaussian_filter(deblur->u, deblur->size, deviation, deblur->a, deblur->u);
+}
+
 /* Where grains lie close together, the blur hides the pores between them; the scan then seems to
  * show the inside of a darker grain, which would fill these pores. So no grain is taken to be
  * darker at first, and its grey is estimated again once pores have appeared
@@ -263,7 +272,7 @@ enum status deblur_run(struct deblur *deblur) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   const bool whole = scan_fills_slab(deblur);
   struct filters filters = {.largest = 0.0};
-  double average[3], smoothed[3];
+  double average[3];
   for (int d = 0; d < 3; d++)
     average[d] = -0.5 * VOXEL_VARIANCE; /* M as a Laplacian: it blurs by twice the weight */
   choose_filters(&deblur->scanner, &filters);
@@ -277,9 +286,7 @@ enum status deblur_run(struct deblur *deblur) {
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
   iterate(deblur, &filters, deblur->iterations);
-  for (int d = 0; d < 3; d++)
-    smoothed[d] = WELL_SMOOTHED * deblur->scanner.two_phases / deblur->scanner.stretch[d];
-  gaussian_filter(deblur->u, deblur->size, smoothed, deblur->a, deblur->u);
+  if (deblur->scanner.two_phases > 0.0) smooth_steps(deblur);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);
 cleanup:
   return status;

@@ -4,7 +4,7 @@
 
 #include "ct2model/scanner/ramp.h"
 
-/* All constants were chosen on generated sands of seeds up to 9521
+/* All constants were chosen on generated sands of seeds up to 9521, and 9579
  * (docs/notes/2026-11-28-two-phases.md). */
 
 /* If the greys of pore and grain are right, the measured void ratio is enclosed by the middle level
@@ -13,7 +13,8 @@
  * LOWERED_CHANCE. */
 static const double LEVEL_EXPECTED = 124.0, LEVELS_PER_CONTRAST = 250.0;
 static const double LOWERED_CHANCE = 6.0, LOWERED_SIGNIFICANT = 11.0;
-/* From there on, to where nothing is corrected any more, something else than the grey is wrong. */
+/* Where it is lowered by more than LOWERED_MOST something else than the grey is wrong, such as the
+ * blur; from LOWERED_IMPLAUSIBLE on the grey is not corrected. */
 static const double LOWERED_MOST = 38.0, LOWERED_IMPLAUSIBLE = 50.0;
 /* Mean pore widths, in blurs, between which pores begin to show their grey; and Sauter mean
  * diameters of grains, in blurs, between which throats begin to stay open. Those of the restored

@@ -119,6 +119,9 @@ cleanup:
   return status;
 }
 
+/* Correction of the grey of pore, as a fraction of the contrast, that is not worth a word. */
+static const double EXCESS_SMALL = 0.01;
+
 static bool allows_void_ratio(const struct restored *restored) {
   return restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX;
 }
@@ -132,6 +135,11 @@ static enum status open_throats(const struct region *region, const struct scanne
       narrow_throats_measure(&restored->scan, region->voxel, restored->threshold);
   const double excess = narrow_throats_pore_excess(&throats, scanner, restored->threshold);
   corrected.pore -= excess * (scanner->grain - scanner->pore);
+  if (excess > EXCESS_SMALL)
+    log_warning("pores are too narrow to show their grey: it is taken as darker by %.0f %% of the "
+                "contrast, so that the edges of the scan give a void ratio near %.3g; check the "
+                "void ratio",
+                100.0 * excess, void_ratio);
   restored->two_phases = narrow_throats_two_phases(&throats, scanner);
   if (excess > 0.0 || restored->two_phases > 0.0)
     TRY(restore_and_match(region, &corrected, restored->two_phases, void_ratio, restored));

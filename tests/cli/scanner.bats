@@ -80,6 +80,17 @@ assert kept / true < 0.85 and abs(without / true - 1) < 0.5 * abs(kept / true - 
 P
 }
 
+# k_of NAME VOXEL SIZE [OPTION...]: builds scan NAME at the void ratio of its true model, and runs both.
+k_of() {
+  local name=$1 e
+  e=$(python3 -c "import json; print(json.load(open('$WORK/$name-true.json'))['void_ratio_original'])")
+  "$CT" build "$WORK/$name" --void-ratio "$e" --voxel-size "$2" --size "$3" "${@:4}" --json --quiet -o "$WORK/$name.hdf" > "$WORK/$name.json"
+  for model in "$name-true" "$name"; do
+    sed "s#dense.hdf#$WORK/$model.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/$name.cfg"
+    "$BUILD/bin/sphsolve" run "$WORK/$name.cfg" -o "$WORK/$model-run" --json --quiet > "$WORK/$model-run.json"
+  done
+}
+
 # bats test_tags=long
 @test "throats that the blur closes open where grain and pore are two phases" {
   # Round grains of 18 voxels with fines, blur a 7.7th of a grain, contrast 25 times the noise. As one phase k is 5 % too high.
@@ -87,12 +98,7 @@ P
     --noise-ratio 24.55 --noise-length 0.73 --fringe 0 --ring 0.06 --grains round --fines 0.1 --truth "$WORK/throats.raw" --truth-refine 3
   "$CT" build "$WORK/throats.raw" --raw 288x288x192:u8 --voxel-size 1.943333um --threshold 0.5 --crop 0,0,0,288,288,180 --size 96x96x60 --json --quiet \
     -o "$WORK/throats-true.hdf" > "$WORK/throats-true.json"
-  e=$(python3 -c "import json; print(json.load(open('$WORK/throats-true.json'))['void_ratio_original'])")
-  "$CT" build "$WORK/throats" --void-ratio "$e" --voxel-size 5.83um --crop 0,0,0,96,96,60 --size 96x96x60 --json --quiet -o "$WORK/throats.hdf" > "$WORK/throats.json"
-  for name in throats-true throats; do
-    sed "s#dense.hdf#$WORK/$name.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/throats.cfg"
-    "$BUILD/bin/sphsolve" run "$WORK/throats.cfg" -o "$WORK/$name-run" --json --quiet > "$WORK/$name-run.json"
-  done
+  k_of throats 5.83um 96x96x60 --crop 0,0,0,96,96,60
   python3 - "$WORK" << 'P'
 import json, sys
 true, found, built = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("throats-true-run", "throats-run", "throats"))
@@ -108,12 +114,7 @@ P
   "$GENERATE" --quiet --output "$WORK/fines" --size 96x96x64 --seed 8415 --void-ratio 0.805 --grain-size 275.77um --voxel-size 10.762um --blur 18.29um \
     --noise-ratio 8.57 --noise-length 1.1 --grains long --fines 0.12 --truth "$WORK/fines.raw" --truth-refine 2
   "$CT" build "$WORK/fines.raw" --raw 192x192x128:u8 --voxel-size 5.381um --threshold 0.5 --size 48x48x32 --json --quiet -o "$WORK/fines-true.hdf" > "$WORK/fines-true.json"
-  e=$(python3 -c "import json; print(json.load(open('$WORK/fines-true.json'))['void_ratio_original'])")
-  "$CT" build "$WORK/fines" --void-ratio "$e" --voxel-size 10.762um --size 48x48x32 --json --quiet -o "$WORK/fines.hdf" > "$WORK/fines.json"
-  for name in fines-true fines; do
-    sed "s#dense.hdf#$WORK/$name.hdf#" "$BATS_TEST_DIRNAME/../../data-samples/scenes/demo.cfg" > "$WORK/fines.cfg"
-    "$BUILD/bin/sphsolve" run "$WORK/fines.cfg" -o "$WORK/$name-run" --json --quiet > "$WORK/$name-run.json"
-  done
+  k_of fines 10.762um 48x48x32
   python3 - "$WORK" << 'P'
 import json, sys
 true, found, built = (json.load(open(f"{sys.argv[1]}/{n}.json")) for n in ("fines-true-run", "fines-run", "fines"))
