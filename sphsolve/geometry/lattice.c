@@ -341,6 +341,9 @@ void lattice_free(struct lattice *lattice) {
   memory_free(&lattice->region);
   memory_free(&lattice->micro_porosity);
   memory_free(&lattice->micro_permeability);
+  memory_free(&lattice->cut);
+  if (lattice->own_surface) lattice_free(lattice->own_surface);
+  memory_free(&lattice->own_surface);
 }
 
 /* Distances lie first in the file, then regions. */

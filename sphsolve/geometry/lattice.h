@@ -44,6 +44,16 @@ struct lattice {
   double micro_moved;
   struct model_facts model;
   bool y_mirrored; /* built so that sites j and size[1] - 1 - j are identical */
+  /* The lattice whose wall distances are the surface from which this one was sampled, with walls
+   * `surface_moved` (m) further in the grains; NULL: this one. After so many of its periods along an
+   * axis its mirror image follows; 0: it only repeats. Not owned, unless it is `own_surface`. */
+  const struct lattice *surface;
+  struct lattice *own_surface;
+  double surface_moved;
+  size_t folded[3];
+  /* Bit a: a wall thinner than the spacing separates the site from the next one along axis a
+   * (link.h). NULL if there is none. */
+  uint8_t *cut;
 };
 
 /* Arrays of a lattice that are stored in a file on disk during the computation. */

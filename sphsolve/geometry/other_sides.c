@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "common/side_distance.h"
+#include "sphsolve/geometry/link.h"
 #include "sphsolve/geometry/soil.h"
 
 /* Index of the original of a mirrored site. */
@@ -38,9 +39,14 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
   *mirrored = *wrapped;
   mirrored->kind = NULL, mirrored->wall_distance = NULL, mirrored->region = NULL;
   mirrored->micro_porosity = mirrored->micro_permeability = NULL;
+  mirrored->cut = NULL, mirrored->own_surface = NULL;
   TRY(distances_inside(wrapped, axes, &distance));
   for (int a = 0; a < 3; a++)
     if (axes[a]) {
+      if (wrapped->surface != NULL)
+        mirrored->folded[a] =
+            (size_t)lround((double)n[a] * wrapped->spacing[a] /
+                           ((double)wrapped->surface->size[a] * wrapped->surface->spacing[a]));
       mirrored->size[a] *= 2;
       mirrored->model.unlike[a] = false;
       copies *= 2;
@@ -62,6 +68,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
     mirrored->wall_distance[at] = distance[from];
     lattice_soil_copy(wrapped, from, mirrored, at);
   }
+  if (wrapped->cut) TRY(link_find_cut_faces(mirrored));
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(mirrored);
@@ -98,6 +105,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
   *closed = *wrapped;
   closed->kind = NULL, closed->wall_distance = NULL, closed->region = NULL;
   closed->micro_porosity = closed->micro_permeability = NULL;
+  closed->cut = NULL, closed->own_surface = NULL;
   TRY(distances_inside(wrapped, (const bool[3]){true, true, false}, &distance));
   closed->size[0] = n[0] + layers, closed->size[1] = n[1] + layers;
   closed->count = closed->size[0] * closed->size[1] * n[2];
@@ -118,6 +126,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
     closed->wall_distance[at] = fminf(distance[from], (float)side);
     lattice_soil_copy(wrapped, from, closed, at);
   }
+  if (wrapped->cut) TRY(link_find_cut_faces(closed));
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(closed);

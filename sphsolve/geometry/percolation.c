@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "common/node_memory.h"
 #include "common/ranks.h"
+#include "sphsolve/geometry/link.h"
 
 /* Pores as unions of runs, i.e. of maximal rows of fluid sites along x (union-find with path
  * halving, Tarjan, van Leeuwen 1984; of runs, He, Chao, Suzuki 2008, IEEE Trans. Image Process.
@@ -34,9 +35,10 @@ static bool work_is_done(const struct runs *runs, const int turns[3]) {
 }
 
 /* The end of the run of fluid that begins at `x`, and the first fluid site from `x` on; nx if there
- * is none. */
-static size_t run_end(const uint8_t *kind, size_t nx, size_t x) {
-  while (x < nx && kind[x] == SITE_FLUID) x++;
+ * is none. cut: that of the row (lattice.h), or NULL. */
+static size_t run_end(const uint8_t *kind, const uint8_t *cut, size_t nx, size_t x) {
+  bool ended = false;
+  for (; x < nx && kind[x] == SITE_FLUID && !ended; x++) ended = cut != NULL && (cut[x] & 1) != 0;
   return x;
 }
 static size_t run_begin(const uint8_t *kind, size_t nx, size_t x) {
@@ -51,8 +53,9 @@ static enum status find_runs(struct runs *runs) {
   TRY(memory_allocate(&runs->start, rows + 1, sizeof *runs->start, "pieces of the pores"));
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < rows; row++) {
-    const uint8_t *kind = l->kind + row * nx;
-    for (size_t x = run_begin(kind, nx, 0); x < nx; x = run_begin(kind, nx, run_end(kind, nx, x)))
+    const uint8_t *kind = l->kind + row * nx, *cut = l->cut ? l->cut + row * nx : NULL;
+    for (size_t x = run_begin(kind, nx, 0); x < nx;
+         x = run_begin(kind, nx, run_end(kind, cut, nx, x)))
       runs->start[row + 1]++;
   }
   for (size_t row = 0; row < rows; row++) runs->start[row + 1] += runs->start[row];
@@ -66,10 +69,10 @@ static enum status find_runs(struct runs *runs) {
   TRY(memory_allocate(&runs->flows, runs->count, 1, "paths in the pores"));
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < rows; row++) {
-    const uint8_t *kind = l->kind + row * nx;
+    const uint8_t *kind = l->kind + row * nx, *cut = l->cut ? l->cut + row * nx : NULL;
     size_t n = runs->start[row];
     for (size_t x = run_begin(kind, nx, 0); x < nx; n++) {
-      const size_t end = run_end(kind, nx, x);
+      const size_t end = run_end(kind, cut, nx, x);
       runs->parent[n] = (uint32_t)n;
       runs->sites[n][0] = (uint32_t)x, runs->sites[n][1] = (uint32_t)(end - 1);
       x = run_begin(kind, nx, end);
@@ -110,15 +113,26 @@ static void join(struct runs *runs, size_t first, size_t second, const int step[
   for (int i = 0; i < 3; i++) runs->turns[child][i] = a < b ? between[i] : -between[i];
 }
 
-/* Joins the touching runs of two rows that are `step` turns apart; with `corners` also across
- * edges. */
-static void join_rows(struct runs *runs, size_t row, size_t other, const int step[3],
+/* Whether two runs of rows beside each other along `axis` touch; reach: 1 if edges count, too. */
+static bool runs_touch(const struct runs *runs, size_t row, int axis, const uint32_t one[2],
+                       const uint32_t two[2], uint32_t reach) {
+  const struct lattice *l = runs->lattice;
+  if (l->cut == NULL) return one[0] <= two[1] + reach && two[0] <= one[1] + reach;
+  const size_t first = one[0] > two[0] ? one[0] : two[0], last = one[1] < two[1] ? one[1] : two[1];
+  for (size_t x = first; x <= last; x++)
+    if (!link_face_is_cut(l, row * l->size[0] + x, axis)) return true;
+  return false;
+}
+
+/* Joins the touching runs of two rows beside each other along `axis`, `step` turns apart; with
+ * `corners` also across edges. */
+static void join_rows(struct runs *runs, size_t row, size_t other, int axis, const int step[3],
                       bool corners) {
   const size_t end = runs->start[row + 1], end_other = runs->start[other + 1];
   const uint32_t last = (uint32_t)runs->lattice->size[0] - 1, reach = corners ? 1 : 0;
   for (size_t i = runs->start[row], j = runs->start[other]; i < end && j < end_other;) {
     const uint32_t *one = runs->sites[i], *two = runs->sites[j];
-    if (one[0] <= two[1] + reach && two[0] <= one[1] + reach) join(runs, i, j, step);
+    if (runs_touch(runs, row, axis, one, two, reach)) join(runs, i, j, step);
     if (one[1] < two[1])
       i++;
     else
@@ -132,21 +146,24 @@ static void join_rows(struct runs *runs, size_t row, size_t other, const int ste
     join(runs, runs->start[row], end_other - 1, (const int[3]){step[0] - 1, step[1], step[2]});
 }
 
+/* Thin walls are known between faces only: where there are any, edges join nothing. */
 static enum status join_all(struct runs *runs, bool corners) {
   const size_t ny = runs->lattice->size[1], nz = runs->lattice->size[2];
   const uint32_t last = (uint32_t)runs->lattice->size[0] - 1;
   static const int steps[4][2] = {{1, 0}, {0, 1}, {1, 1}, {-1, 1}};
+  corners = corners && runs->lattice->cut == NULL;
   for (size_t row = 0, j = 0, k = 0; row < ny * nz && !interrupt_alone(); row++, j++) {
     if (j == ny) j = 0, k++;
     const size_t begin = runs->start[row], end = runs->start[row + 1];
     if (begin == end) continue;
-    if (runs->sites[begin][0] == 0 && runs->sites[end - 1][1] == last)
+    if (runs->sites[begin][0] == 0 && runs->sites[end - 1][1] == last &&
+        !link_face_is_cut(runs->lattice, row * runs->lattice->size[0] + last, 0))
       join(runs, end - 1, begin, (const int[3]){1, 0, 0});
     for (int s = 0; s < (corners ? 4 : 2); s++) {
       const long y = (long)j + steps[s][0], z = (long)k + steps[s][1];
       const int turns[3] = {0, y < 0 ? -1 : y >= (long)ny, z >= (long)nz};
       const long to_y = y - turns[1] * (long)ny, to_z = z - turns[2] * (long)nz;
-      join_rows(runs, row, (size_t)to_z * ny + (size_t)to_y, turns, corners);
+      join_rows(runs, row, (size_t)to_z * ny + (size_t)to_y, 1 + s, turns, corners);
     }
   }
   return interrupt_look();

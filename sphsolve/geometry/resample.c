@@ -6,6 +6,7 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/geometry/link.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/geometry/throats.h"
 
@@ -192,7 +193,11 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   enum status status = STATUS_OK;
   struct target t;
   const bool mirrored = lattice_is_mirrored(fine);
-  *out = (struct lattice){.dimensions = fine->dimensions, .model = fine->model};
+  *out = (struct lattice){.dimensions = fine->dimensions,
+                          .model = fine->model,
+                          .surface = fine->surface ? fine->surface : fine,
+                          .surface_moved = fine->surface_moved + offset};
+  memcpy(out->folded, fine->folded, sizeof out->folded);
   TRY(find_target(fine, spacing, mirrored, &t));
   out->count = t.count;
   out->bulk_count = fine->bulk_count;
@@ -214,6 +219,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);
+  TRY(link_find_cut_faces(out));
 cleanup:
   if (status != STATUS_OK) lattice_free(out);
   return status;
@@ -271,8 +277,15 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
   struct throats throats;
   const enum status compared = throats_compare(lattice, &wanted, &throats);
-  lattice_free(lattice);
+  struct lattice *surface = NULL;
+  const enum status kept = memory_allocate(&surface, 1, sizeof *surface, "a lattice");
+  if (kept != STATUS_OK) {
+    lattice_free(&wanted);
+    return kept;
+  }
+  *surface = *lattice;
   *lattice = wanted;
+  lattice->surface = lattice->own_surface = surface;
   if (compared == STATUS_OK && throats.closed + throats.opened > 0)
     log_warning("%s: sites %.4g um apart close %zu throats of the model's and open %zu",
                 scene->path, 1e6 * scene->lattice_spacing, throats.closed, throats.opened);

@@ -15,19 +15,19 @@
 static json_t *error_json(const struct uncertainty *u) {
   return json_pack(
       "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-      "s:s, s:o}",
+      "s:o, s:s, s:o}",
       "resolution", json_number(u->resolution), "scan", json_number(u->scan), "sides",
       json_number(u->sides), "void_ratio", json_number(u->void_ratio), "threshold",
       json_number(u->threshold), "micro", json_number(u->micro), "averaging",
       json_number(u->averaging), "steadiness", json_number(u->steadiness), "total",
-      json_number(uncertainty_largest(u)), "model_voxels", json_number(u->model), "observed_order",
-      json_number(u->order), "extrapolated_permeability", json_number(u->extrapolated),
-      "finest_permeability", json_number(u->finest), "dlnk_dvoid_ratio",
-      json_number(u->slope_void_ratio), "dlnk_sides_closed", json_number(u->sides_closed),
-      "dlnk_blurred_again", json_number(u->slope_blur), "dlnk_dthreshold",
-      json_number(u->slope_threshold), "dlnk_dlnk_micro", json_number(u->slope_micro),
-      "resolution_needs", resolution_needs_names[u->needs], "blur_assumed",
-      json_number(u->blur_assumed));
+      json_number(uncertainty_largest(u)), "model_voxels", json_number(u->model), "critical_width",
+      json_number(u->critical_width), "observed_order", json_number(u->order),
+      "extrapolated_permeability", json_number(u->extrapolated), "finest_permeability",
+      json_number(u->finest), "dlnk_dvoid_ratio", json_number(u->slope_void_ratio),
+      "dlnk_sides_closed", json_number(u->sides_closed), "dlnk_blurred_again",
+      json_number(u->slope_blur), "dlnk_dthreshold", json_number(u->slope_threshold),
+      "dlnk_dlnk_micro", json_number(u->slope_micro), "resolution_needs",
+      resolution_needs_names[u->needs], "blur_assumed", json_number(u->blur_assumed));
 }
 
 /* Lattices of the cascade, coarsest first; `to_speed`: factor from m^2 to m/s. */
@@ -117,6 +117,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
            "says %.4g m^2",
            u->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, u->finest);
     print_part("; the model's voxels leave", u->model);
+    print_part("; the narrowest ways leave", u->critical_width > 1e-3 ? u->critical_width : NAN);
     putchar('\n');
   }
   if (isfinite(u->blur_assumed))

@@ -24,6 +24,7 @@ struct error_level {
   /* Relative resolution error of the estimate: k (1 - low) .. k (1 + high). */
   double low, high;
   double slope_blur;     /* slope_blur (below) on this lattice; NAN: not computed */
+  double critical;       /* critical_width (below) on this lattice */
   double sites, seconds; /* number of sites; processor seconds including set-up */
   long iterations;
 };
@@ -39,6 +40,8 @@ struct uncertainty {
 
   double resolution_low, resolution_high; /* the true value lies in k (1 - low) .. k (1 + high) */
   double model; /* part of the resolution error due to the model's voxels */
+  /* Part of it due to the width, in spacings, of the narrowest way that the flow has to take. */
+  double critical_width;
   enum resolution_needs needs;
   double order;        /* observed order of convergence; NAN: unknown */
   double extrapolated; /* intrinsic permeability, best estimate, m^2 */

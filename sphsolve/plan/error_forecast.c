@@ -64,7 +64,8 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   double before = 0.0, behind = 0.0, edges = 0.0;
   int axes = 0;
   bool across = false;
-  *shape = (struct pore_shape){.width = INFINITY, .open = INFINITY, .grain = INFINITY};
+  *shape = (struct pore_shape){
+      .width = INFINITY, .open = INFINITY, .throat = INFINITY, .grain = INFINITY};
   if (l->wall_count == 0) return;
   for (int a = 0; a < 3; a++) {
     const double counted = sums.count;

@@ -10,11 +10,13 @@
 
 /* Lengths are in spacings; without walls they are infinite and the slope is 0. */
 struct pore_shape {
-  double width;  /* mean pore width, 4 V / S of the pores */
-  double open;   /* the same without the pore volume filled by soil */
-  double grain;  /* mean thickness, 2 V / S of the grains; infinite between boxes */
-  double slope;  /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
-  double outer;  /* mean depth of the wall sites next to fluid behind the surface */
+  double width; /* mean pore width, 4 V / S of the pores */
+  double open;  /* the same without the pore volume filled by soil */
+  double
+      throat;   /* critical width along the force (geometry/throat_width.h); infinite without one */
+  double grain; /* mean thickness, 2 V / S of the grains; infinite between boxes */
+  double slope; /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
+  double outer; /* mean depth of the wall sites next to fluid behind the surface */
   double middle; /* mean depth of the midpoint of these pairs of sites (< 0: in the fluid) */
   bool sharp;    /* walls are boxes or voxel faces */
   bool straight; /* and has hardly any edges: ducts */

@@ -6,6 +6,7 @@
 
 #include "common/units.h"
 #include "sphsolve/geometry/percolation.h"
+#include "sphsolve/geometry/throat_width.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/plan/reynolds.h"
@@ -133,6 +134,10 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
+    if (context->driving > 0.0 && *scene->model_path) {
+      TRY(throat_width_find(lattice, scene->driving, &plan->shape.throat));
+      plan->shape.throat /= context->spacing;
+    }
     const struct scan_quality *scan = &lattice->model.scan;
     /* Soil narrows the pores, but the blur does not move its surface: the geometric mean of both
      * widths. */

@@ -149,6 +149,60 @@ void stokes_solver_measure(struct stokes_solver *s, bool recompute) {
   s->residual_now = norm / s->residual_start;
 }
 
+/* Power of force and pressure, e = v . (f - G p), at an active site; raw: G p before correction. */
+static double power_at(const struct stokes_solver *s, const float *raw, size_t i) {
+  const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
+  float gradient[3];
+  double power = 0.0;
+  stokes_correct(&s->operator, i, raw, n, gradient);
+  for (size_t a = 0; a < axes; a++)
+    power += s->x[a * n + i] * (s->force[s->stencil.axes[a]] - (double)gradient[a]);
+  return power;
+}
+
+/* Axis along which the force is largest. */
+static int main_axis(const struct stokes_solver *s) {
+  int axis = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabs(s->force[a]) > fabs(s->force[axis])) axis = a;
+  return axis;
+}
+
+enum status stokes_solver_find_dissipating(struct stokes_solver *s) {
+  enum status status = STATUS_OK;
+  const struct stokes_grid *grid = &s->grid;
+  const size_t n = grid->active, axes = (size_t)s->stencil.axis_count;
+  const int axis = main_axis(s);
+  const size_t planes = grid->size[axis];
+  float *p = s->krylov.work, *raw = s->krylov.basis + s->krylov.length;
+  double *sums = NULL, total = 0.0, weighted = 0.0; /* of e and of e^2 in each plane */
+  TRY(memory_allocate(&sums, 2 * planes, sizeof *sums, "planes across the flow"));
+  for (size_t i = 0; i < n; i++) p[i] = (float)s->x[axes * n + i];
+  stokes_operator_apply_gradient(&s->operator, p, raw);
+  for (size_t row = stokes_grid_begin(grid); row < stokes_grid_end(grid); row++) {
+    if (stokes_grid_is_y_image(grid, row)) continue;
+    const double weight = stokes_grid_weight(grid, row);
+    size_t at = grid->row_start[row];
+    for (size_t i = 0; i < grid->size[0]; i++) {
+      if (!stokes_grid_is_active(grid, row, i)) continue;
+      const size_t plane = axis == 0 ? i : axis == 1 ? row % grid->size[1] : row / grid->size[1];
+      const double power = power_at(s, raw, at++);
+      sums[2 * plane] += weight * power;
+      sums[2 * plane + 1] += weight * power * power;
+    }
+  }
+  ranks_sum_all(sums, 2 * planes);
+  for (size_t k = 0; k < planes; k++) {
+    const double e = fmax(sums[2 * k], 0.0);
+    total += e;
+    if (e > 0.0) weighted += e * (e * e / sums[2 * k + 1]);
+  }
+  s->dissipating = total > 0.0 ? weighted / total : 0.0;
+cleanup:
+  memory_free(&sums);
+  return status;
+}
+
 /* Sets the units of acceleration and velocity from the driving force and the fastest wall. */
 static enum status set_units(struct stokes_solver *s, const struct scene *scene, double nu,
                              const double driving[3]) {

@@ -32,6 +32,7 @@ struct stokes_solver {
   double residual_before; /* the same before the last round */
   double divergence;      /* rms of the continuity residual over rms |grad v| */
   double mean[3];         /* volume integral of the velocity / bulk volume */
+  double dissipating;     /* sites of a plane that dissipate, see stokes_solver_find_dissipating */
   double change;          /* relative change of the mean in the last round */
   bool exact;             /* the residual was computed from x, not updated by the Krylov cycles */
   long iterations;
@@ -58,6 +59,12 @@ enum status stokes_solver_set_soil(struct stokes_solver *solver, const struct la
  * error is of second order in the difference of the two. At surfaces of soil, v approximates the
  * adjoint solution better than v / D does. */
 double stokes_solver_functional(struct stokes_solver *solver);
+
+/* Sets solver->dissipating of a solved system: the number of sites of a plane across the flow among
+ * which the energy would be dissipated evenly, (sum of e)^2 / sum of e^2 with e = v . (f - G p),
+ * the power of force and pressure at a site (participation ratio, Bell, Dean 1970, Discuss. Faraday
+ * Soc. 50: 55); the mean over the planes, weighted by their energy. */
+enum status stokes_solver_find_dissipating(struct stokes_solver *solver);
 
 /* Number of vectors of the Krylov basis, and total bytes, for a model with so many sites of which
  * `active` are solved. `soil`: the model has soil. */

@@ -80,6 +80,30 @@ cleanup:
   return status;
 }
 
+/* Error of k by the position of the sites in the ways where the energy is dissipated, relative. A
+ * way of N spacings is uncertain by part of a spacing, and with it k by CRITICAL_WIDTH / N; the
+ * errors of independent ways side by side average. Their number is that of the sites among which a
+ * plane across the flow dissipates, over N^(d - 1) with d = 2 or 3 dimensions:
+ *   CRITICAL_WIDTH / sqrt(N^(3 - d) sites).
+ * CRITICAL_WIDTH: fitted, see docs/errors.md. */
+#define CRITICAL_WIDTH 0.5
+/* With a larger error a lattice shows nothing of how k converges: it may close the only way, or let
+ * far too much through. It is that of a single way of one spacing. */
+#define CRITICAL_ERROR_MAX 0.5
+
+static double critical_width_error(const struct cascade *c, const struct lattice *lattice,
+                                   double spacing, double dissipating) {
+  const double width = c->plan->shape.throat * c->plan->context.spacing / spacing;
+  int dimensions = 0;
+  for (int a = 0; a < 3; a++) dimensions += lattice->size[a] > 1;
+  if (!(dissipating > 0.0) || !isfinite(width)) return 0.0;
+  return CRITICAL_WIDTH / sqrt(pow(width, 3 - dimensions) * dissipating);
+}
+
+static bool is_finest(const struct cascade *c, double spacing) {
+  return c->fixed > 0 ? c->tried == c->fixed : spacing <= 1.01 * c->plan->context.spacing;
+}
+
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
                        const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
@@ -87,13 +111,16 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
   c->tried++;
   c->left_tried = c->left;
   c->counted = u->level_count;
-  if (!(k > 0.0)) return STATUS_OK;
-  u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
-                                                     .permeability = k,
-                                                     .slope_blur = NAN,
-                                                     .sites = (double)lattice->count,
-                                                     .seconds = seconds,
-                                                     .iterations = from->iterations};
+  const double critical = critical_width_error(c, lattice, spacing, from->dissipating);
+  if (!(k > 0.0) || (critical > CRITICAL_ERROR_MAX && !is_finest(c, spacing))) return STATUS_OK;
+  u->levels[u->level_count++] =
+      (struct error_level){.spacing = spacing,
+                           .permeability = k,
+                           .slope_blur = NAN,
+                           .critical = critical > CRITICAL_ERROR_MAX ? 1.0 : critical,
+                           .sites = (double)lattice->count,
+                           .seconds = seconds,
+                           .iterations = from->iterations};
   if (!c->model_parts && u->level_count == 2) {
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
     c->model_parts = true;
@@ -105,7 +132,11 @@ cleanup:
 }
 
 enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
-                        const struct stokes_solver *s, double seconds) {
+                        struct stokes_solver *s, double seconds) {
+  if (s->grid.active_all > 0) {
+    const enum status status = stokes_solver_find_dissipating(s);
+    if (status != STATUS_OK) return status;
+  }
   return add(c, lattice, spacing, s->grid.active_all > 0 ? cascade_permeability(s) : 0.0, s,
              seconds);
 }
@@ -202,7 +233,7 @@ cleanup:
 
 /* /state/cascade: the state of a cascade other than the current solve. */
 #define CASCADE_NUMBERS 16
-#define LEVEL_NUMBERS 6
+#define LEVEL_NUMBERS 7
 
 enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *file) {
   const struct uncertainty *u = &c->uncertainty;
@@ -222,6 +253,7 @@ enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *
     numbers[count++] = l->seconds;
     numbers[count++] = (double)l->iterations;
     numbers[count++] = l->slope_blur;
+    numbers[count++] = l->critical;
   }
   return h5_write(file, "/state/cascade", H5_F64, 1, &count, numbers, false);
 }
@@ -258,7 +290,8 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
                                                        .sites = n[2],
                                                        .seconds = n[3],
                                                        .iterations = (long)n[4],
-                                                       .slope_blur = n[5]};
+                                                       .slope_blur = n[5],
+                                                       .critical = n[6]};
     cascade_estimate(c);
   }
 cleanup:

@@ -51,9 +51,9 @@ enum status cascade_build(const struct cascade *cascade, const struct lattice *l
  * the share of the wanted error that is allowed to the solver, whichever is larger. */
 struct stokes_goal cascade_goal(const struct cascade *cascade);
 /* Adds the solved k of a lattice to the estimate. `seconds`: processor time of the solve. The
- * solver is not changed. */
+ * solution is not changed. */
 enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,
-                        const struct stokes_solver *solver, double seconds);
+                        struct stokes_solver *solver, double seconds);
 /* To be called after the last lattice. Computes the effect of the sides if a time limit was given
  * (it takes as long as several coarse lattices, which are solved first), and the effect of the scan
  * if the third lattice was the last. */

@@ -74,9 +74,10 @@ static struct limit_estimate limit_of(const struct cascade *c, const double *h, 
   return limit;
 }
 
-/* Sets the error of resolution from those of the limit and of the model's voxels. */
+/* Sets the error of resolution from those of the limit, of the narrowest ways and of the model's
+ * voxels. */
 static void set_resolution(const struct limit_estimate *limit, struct uncertainty *u) {
-  const double model = isfinite(u->model) ? u->model : 0.0;
+  const double model = hypot(isfinite(u->model) ? u->model : 0.0, u->critical_width);
   u->resolution_low = fmin(hypot(limit->low, model), 1.0); /* k is above 0 */
   u->resolution_high = hypot(limit->high, model);
   u->resolution = fmax(u->resolution_low, u->resolution_high);
@@ -107,6 +108,7 @@ void cascade_estimate(struct cascade *c) {
   u->extrapolated = limit.value;
   u->finest = k[0];
   u->order = limit.order;
+  u->critical_width = level->critical;
   set_resolution(&limit, u);
   set_sides(c, u);
 }
@@ -133,6 +135,7 @@ static struct uncertainty predicted_uncertainty(const struct cascade *c, int ste
   struct limit_estimate limit = limit_of(c, h, k, n + 1);
   limit.low *= PREDICTION_MARGIN;
   limit.high *= PREDICTION_MARGIN;
+  if (u.critical_width < 1.0) u.critical_width *= h[0] / h[1];
   set_resolution(&limit, &u);
   return u;
 }

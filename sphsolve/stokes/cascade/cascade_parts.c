@@ -58,6 +58,7 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
       error_clear();
     status = stokes_solver_run(&s, goal);
     if (status == STATUS_OK) *k = cascade_permeability(&s);
+    if (status == STATUS_OK && keep) status = stokes_solver_find_dissipating(&s);
   }
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) {
     log_warning("a part of the error of k is not known: %s", error_message());

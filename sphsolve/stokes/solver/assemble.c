@@ -9,6 +9,7 @@
 #include "common/memory.h"
 #include "sphsolve/stokes/effects/soil_viscosity.h"
 #include "sphsolve/stokes/effects/wall_subvoxel.h"
+#include "sphsolve/stokes/solver/cuts.h"
 #include "sphsolve/stokes/solver/edges.h"
 #include "sphsolve/geometry/moment.h"
 #include "sphsolve/geometry/wall_shape.h"
@@ -25,6 +26,7 @@ struct site_sums {
   double axis_jump[3];     /* sum of the jumps to the two nearest sites along each axis */
   double inverse[3][3];    /* B */
   struct wall_shape wall;  /* of the nearest wall; zero if there is none */
+  double cut_normal[3];    /* weighted sum of the normals of thin walls */
   bool smooth;             /* the wall distances are consistent with a smooth surface */
 };
 
@@ -48,6 +50,21 @@ static void add_wall(const struct stokes_operator *op, const struct stokes_offse
   sums->diagonal += offset->viscous * factor;
   for (int a = 0; region && a < 3; a++)
     sums->drag[a] += offset->viscous * factor * region->velocity[a] / op->velocity_unit;
+}
+
+/* A wall thinner than the spacing, with a neighbour behind it. */
+static void add_cut(const struct stokes_operator *op, const struct stokes_cut *cut,
+                    struct site_sums *sums) {
+  const struct stokes_offset *offset = &op->stencil->offsets[cut->offset];
+  double factor = op->wall == WALL_ADAMI ? 2.0 : 1.0;
+  if (op->wall == WALL_SUBVOXEL) {
+    const struct stokes_wall_image image =
+        stokes_wall_image((double)cut->before, (double)cut->behind, offset->r);
+    factor = 1.0 + image.linear;
+    sums->parabola += offset->viscous * image.parabola;
+  }
+  sums->diagonal += offset->viscous * factor;
+  for (int a = 0; a < 3; a++) sums->cut_normal[a] += offset->viscous * (double)cut->normal[a];
 }
 
 /* stokes_soil_at for `site`; returns *last, the result for the site *known, if both are of the same
@@ -136,6 +153,14 @@ static void add_pore(const struct stokes_operator *op, const struct stokes_offse
   }
 }
 
+/* Beside a thin wall the distances on its two sides give no normal; its faces do. */
+static void set_cut_normal(struct site_sums *sums) {
+  const double *n = sums->cut_normal, length = hypot(hypot(n[0], n[1]), n[2]);
+  sums->wall.curvature = 0.0;
+  if (length > 0.0)
+    for (int a = 0; a < 3; a++) sums->wall.normal[a] = n[a] / length;
+}
+
 static void find_correction(const struct stokes_operator *op, struct site_sums *sums) {
   const int axes = op->stencil->axis_count;
   double normal[3] = {0}, moment[3][3] = {{0}};
@@ -147,10 +172,14 @@ static void find_correction(const struct stokes_operator *op, struct site_sums *
   moment_invert_bounded(axes, moment, sums->inverse);
 }
 
-static void sum_site(const struct stokes_operator *op, const size_t at[3], struct site_sums *sums) {
+/* cut .. cut_end: the cut links of the site. */
+static void sum_site(const struct stokes_operator *op, const size_t at[3],
+                     const struct stokes_cut *cut, const struct stokes_cut *cut_end,
+                     struct site_sums *sums) {
   const struct stokes_stencil *stencil = op->stencil;
   const struct stokes_grid *grid = op->grid;
   const size_t nx = grid->size[0], site = (at[2] * grid->size[1] + at[1]) * nx + at[0];
+  const struct stokes_cut *first_cut = cut;
   *sums = (struct site_sums){.smooth = true};
   struct stokes_soil_site own = {0}, last;
   size_t known = site; /* the site to which `last` belongs */
@@ -163,7 +192,13 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
     const size_t row = stokes_grid_row(grid, at[1], at[2], offset->step[1], offset->step[2]);
     const long x = ((long)at[0] + offset->step[0]) % (long)nx;
     const size_t i = (size_t)(x < 0 ? x + (long)nx : x), other = row * nx + i;
-    if (stokes_grid_is_active(grid, row, i) && op->soil) {
+    const bool is_cut = cut < cut_end && cut->offset == (uint32_t)o;
+    if (is_cut) {
+      const double before = sums->diagonal;
+      add_cut(op, cut++, sums);
+      sums->diagonal += (viscosity - 1.0) * (sums->diagonal - before);
+      linear += sums->diagonal - before;
+    } else if (stokes_grid_is_active(grid, row, i) && op->soil) {
       add_soil(op, offset, &own, soil_beside(op, other, &known, &last), sums);
     } else if (stokes_grid_is_active(grid, row, i)) {
       add_pore(op, offset, sums);
@@ -180,6 +215,7 @@ static void sum_site(const struct stokes_operator *op, const size_t at[3], struc
   if (!sums->smooth) sums->parabola = 0.0;
   if (op->soil) set_soil_moment(stencil->axis_count, sums);
   if (linear > 0.0) wall_shape_find(op->lattice, site, stencil->unit, &sums->wall);
+  if (cut_end > first_cut) set_cut_normal(sums);
   const double curvature = sums->wall.curvature * stencil->unit;
   if (sums->parabola > 0.0 && !own.soil) {
     const double d_a = fmax(distance(op, site), WALL_DISTANCE_FLOOR);
@@ -270,12 +306,14 @@ static enum status build_sites(struct stokes_operator *op) {
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
       struct site_sums own;
       const struct site_sums *sums = &whole;
-      if (!inner[i]) {
-        sum_site(op, at, &own);
+      size_t cut_end;
+      const size_t cut = stokes_cuts_of(op, row, n - grid->row_start[row], &cut_end);
+      if (!inner[i] || cut < cut_end) {
+        sum_site(op, at, op->cuts + cut, op->cuts + cut_end, &own);
         sums = &own;
       } else if (op->soil && stokes_soil_is(op->soil, op->lattice, row * nx + i)) {
         if (known == SIZE_MAX || !stokes_soil_alike(op->soil, op->lattice, known, row * nx + i))
-          sum_site(op, at, &alike);
+          sum_site(op, at, NULL, NULL, &alike);
         known = row * nx + i;
         sums = &alike;
       }
@@ -339,6 +377,7 @@ enum status stokes_operator_build(const struct stokes_stencil *stencil,
                              "fields on the lattice"));
   TRY(memory_allocate(&op->scratch, (size_t)op->threads * op->scratch_size, sizeof *op->scratch,
                       "row buffers"));
+  TRY(stokes_cuts_build(op));
   TRY(build_sites(op));
   TRY(stokes_edges_build(op));
   if (op->soil) memory_free(&op->soil->enclosed);
@@ -359,6 +398,8 @@ void stokes_operator_free(struct stokes_operator *op) {
   memory_free(&op->edges);
   memory_free(&op->edge_start);
   memory_free(&op->edge_moving);
+  memory_free(&op->cuts);
+  memory_free(&op->cut_start);
   memory_free(&op->row_flux);
   memory_free(&op->field);
   memory_free(&op->scratch);

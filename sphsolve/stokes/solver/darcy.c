@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/variants.h"
+#include "sphsolve/stokes/solver/cuts.h"
 
 #define DAMPING 0.8f
 #define KAPPA 0 /* slots of the fields */
@@ -62,6 +63,27 @@ TARGETS static void series_row(size_t nx, const float *const kappa[ROWS],
   row_of(nx, kappa, x, t, series, sum, diagonal);
 }
 
+/* Takes the faces of a row that thin walls cut out of T p and its diagonal. */
+static void subtract_cuts(const struct stokes_operator *op, size_t row, const float t[3],
+                          float *sum, float *diagonal) {
+  const size_t nx = op->grid->size[0], stride = op->grid->stride;
+  const float *kappa = stokes_operator_field(op, KAPPA), *p = stokes_operator_field(op, PRESSURE);
+  if (op->cuts == NULL) return;
+  for (size_t c = op->cut_start[row]; c < op->cut_start[row + 1]; c++) {
+    const size_t there = op->cuts[c].other;
+    const int *step = op->stencil->offsets[op->cuts[c].offset].step;
+    if (step[0] * step[0] + step[1] * step[1] + step[2] * step[2] != 1) continue;
+    const size_t i = (size_t)((long)(there % stride + nx) - step[0]) % nx;
+    const size_t here = row * stride + i;
+    const float coupling = (op->soil ? series : mean)(t[step[0]   ? 0
+                                                        : step[1] ? 1
+                                                                  : 2],
+                                                      kappa[here], kappa[there]);
+    sum[i] -= coupling * (p[here] - p[there]);
+    diagonal[i] -= coupling;
+  }
+}
+
 /* Computes packed T p (of the field) and the diagonal on a row, in the buffers of the thread. */
 static void find_row(const struct stokes_operator *op, size_t row, const float **sum,
                      const float **diagonal) {
@@ -84,6 +106,7 @@ static void find_row(const struct stokes_operator *op, size_t row, const float *
   float *packed = full + 2 * stride;
   const uint16_t *mask = grid->mask + row * grid->chunks;
   (op->soil ? series_row : mean_row)(grid->size[0], k_rows, p_rows, t, full, full + stride);
+  subtract_cuts(op, row, t, full, full + stride);
   op->rows->pack(mask, grid->chunks, full, packed);
   op->rows->pack(mask, grid->chunks, full + stride, packed + stride);
   *sum = packed;

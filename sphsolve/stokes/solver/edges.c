@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/wall_shape.h"
 #include "sphsolve/stokes/effects/wall_subvoxel.h"
+#include "sphsolve/stokes/solver/cuts.h"
 
 static double distance(const struct stokes_operator *op, size_t site) {
   return op->lattice->wall_distance[site] / op->stencil->unit;
@@ -25,12 +26,17 @@ static bool ends_line(const struct stokes_operator *op, size_t other) {
          (op->soil && stokes_soil_is(op->soil, op->lattice, other));
 }
 
-static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site) {
+/* `packed`: index of the site in its packed row. */
+static bool is_edge(const struct stokes_operator *op, const size_t at[3], size_t site,
+                    size_t packed) {
+  const size_t row = site / op->grid->size[0];
   if (op->soil && stokes_soil_is(op->soil, op->lattice, site))
     return false; /* the velocity in soil does not vanish linearly at a wall */
   for (int c = 0; c < op->stencil->axis_count; c++)
     for (int up = 0; up < 2; up++)
-      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up))) return true;
+      if (ends_line(op, beside(op->lattice, at, site, op->stencil->axes[c], up)) ||
+          stokes_cut_beside(op, row, packed, op->stencil->axes[c], up))
+        return true;
   return false;
 }
 
@@ -46,7 +52,7 @@ static struct stokes_wall_quadrature soil_quadrature(const struct stokes_operato
 }
 
 static struct stokes_edge find_edge(const struct stokes_operator *op, const size_t at[3],
-                                    size_t site, float moving[3]) {
+                                    size_t site, size_t packed, float moving[3]) {
   const struct lattice *l = op->lattice;
   const double d_a = distance(op, site);
   double velocity = 0.0, force = 0.0, from_wall[3] = {0.0};
@@ -56,6 +62,15 @@ static struct stokes_edge find_edge(const struct stokes_operator *op, const size
     for (int up = 0; up < 2; up++) {
       const int a = op->stencil->axes[c];
       const size_t other = beside(l, at, site, a, up);
+      const struct stokes_cut *cut = stokes_cut_beside(op, site / op->grid->size[0], packed, a, up);
+      if (cut) {
+        const struct stokes_wall_quadrature end = stokes_wall_quadrature(
+            (double)cut->before, (double)cut->behind, op->stencil->spacing[a]);
+        velocity += end.velocity;
+        force += end.force;
+        share = fmax(share, end.share);
+        continue;
+      }
       if (!ends_line(op, other)) continue;
       if (l->kind[other] != SITE_WALL) {
         const struct stokes_wall_quadrature end = soil_quadrature(op, other, a);
@@ -93,12 +108,15 @@ enum status stokes_edges_build(struct stokes_operator *op) {
   if (op->wall != WALL_SUBVOXEL) return STATUS_OK;
   start = op->edge_start;
 #pragma omp parallel for schedule(dynamic, 16)
-  for (size_t row = begin; row < end; row++)
-    for (size_t i = 0; i < nx && (i > 0 || !interrupt_alone()); i++) {
+  for (size_t row = begin; row < end; row++) {
+    size_t n = 0;
+    if (interrupt_alone() || stokes_grid_is_y_image(grid, row)) continue;
+    for (size_t i = 0; i < nx; i++) {
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      if (stokes_grid_is_y_image(grid, row)) continue;
-      if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i)) start[row + 1]++;
+      if (stokes_grid_is_active(grid, row, i) && is_edge(op, at, row * nx + i, n++))
+        start[row + 1]++;
     }
+  }
   TRY(interrupt_look());
   for (size_t row = 0; row < grid->rows; row++) start[row + 1] += start[row];
   const size_t count = start[grid->rows];
@@ -112,8 +130,9 @@ enum status stokes_edges_build(struct stokes_operator *op) {
     for (size_t i = 0; i < nx; i++) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const size_t at[3] = {i, row % grid->size[1], row / grid->size[1]};
-      if (is_edge(op, at, row * nx + i)) {
-        op->edges[e] = find_edge(op, at, row * nx + i, op->edge_moving ? op->edge_moving[e] : NULL);
+      if (is_edge(op, at, row * nx + i, n)) {
+        op->edges[e] =
+            find_edge(op, at, row * nx + i, n, op->edge_moving ? op->edge_moving[e] : NULL);
         op->edges[e++].at = (uint32_t)n;
       }
       n++;

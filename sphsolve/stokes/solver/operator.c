@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/stokes/solver/cuts.h"
 
 void stokes_operator_unpack(struct stokes_operator *op, const float *packed, int slot,
                             int component) {
@@ -78,6 +79,7 @@ static const float *convolve(const struct stokes_operator *op,
   op->rows->convolve(convolution, (const float *const(*)[4])rows, grid->size[0], grid->stride,
                      scratch, out);
   op->rows->pack(grid->mask + row * grid->chunks, grid->chunks, out, packed);
+  stokes_cuts_subtract(op, convolution, row, field, packed);
   return packed;
 }
 

@@ -58,6 +58,8 @@ struct stokes_operator {
   struct stokes_edge *edges; /* sites with a wall beside them, row by row */
   size_t *edge_start;        /* [rows + 1] */
   float (*edge_moving)[3];   /* contribution of moving walls; NULL: none moves */
+  struct stokes_cut *cuts;   /* links cut by thin walls (cuts.h), row by row; NULL: none */
+  size_t *cut_start;         /* [rows + 1] */
   double *row_flux;          /* [rows][3] */
   struct stokes_soil *soil;  /* weights of links to soil; NULL: there is none, all weights are 1 */
   float *field;              /* [4][rows][stride] unpacked vectors, or two in double precision; with

@@ -4,6 +4,8 @@
 #include <omp.h>
 #include <string.h>
 
+#include "sphsolve/stokes/solver/cuts.h"
+
 static void unpack_double(struct stokes_operator *op, int component, const double *packed) {
   const struct stokes_grid *grid = op->grid;
   double *field = (double *)(void *)op->field;
@@ -62,6 +64,7 @@ static const double *convolve_field(const struct stokes_operator *op,
   for (size_t c = 0; c < grid->chunks; c++)
     for (unsigned bits = grid->mask[row * grid->chunks + c]; bits; bits &= bits - 1)
       *p++ = out[c * STOKES_LANES + (size_t)__builtin_ctz(bits)];
+  stokes_cuts_subtract_double(op, convolution, row, field, packed);
   return packed;
 }
 

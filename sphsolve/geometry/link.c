@@ -1,0 +1,265 @@
+#include "sphsolve/geometry/link.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/interrupt.h"
+#include "common/memory.h"
+
+/* The wall distance bounds how far a point is from any wall, so that the walk may advance by it
+ * (sphere tracing, Hart 1996), less the error of its interpolation; and at least by half a spacing
+ * of the surface, which no wall of its sites is thinner than. Both in spacings of the surface. */
+#define STEP_MIN 0.5
+#define INTERPOLATION_ERROR 0.5
+/* A link that only clips a convex grain has fluid beside the wall on one side, this share of the
+ * way in the wall off, and deeper wall on the other. On a ball these are chords up to 1.6 radii. */
+#define BYPASS 0.25
+/* How far from a face, on its fluid side, its normal is taken: in a wall as thin as the surface's
+ * spacing the distances inside have no direction. */
+#define BESIDE_FACE 0.05
+
+/* A link in the coordinates of the surface: index space, where its site (0, 0, 0) is at 0. */
+struct walk {
+  const struct lattice *surface;
+  double moved;              /* m, see lattice.surface_moved */
+  const size_t *folded;      /* see lattice.folded */
+  double start[3], along[3]; /* first site, and the way along each axis per m of the link */
+  double length, unit;       /* m: of the link; shortest spacing of the surface */
+  double direction[3];       /* unit vector, x, y, z */
+};
+
+/* Index of a site of the surface along one axis. */
+static inline size_t wrap(long i, size_t n, size_t folded) {
+  if (i >= 0 && i < (long)n) return (size_t)i;
+  const long whole = (long)(folded ? folded * n : n), period = folded ? 2 * whole : whole;
+  long at = i % period;
+  if (at < 0) at += period;
+  return (size_t)(at < whole ? at : period - 1 - at) % n;
+}
+
+/* The eight sites around a place `t` m from the first site and `aside` (m, x, y, z; may be NULL)
+ * from there, and its position between them. */
+static void find_corners(const struct walk *w, double t, const double *aside, float corner[8],
+                         double at[3]) {
+  const struct lattice *s = w->surface;
+  size_t index[3][2];
+  for (int a = 0; a < 3; a++) {
+    const double x = w->start[a] + t * w->along[a] + (aside ? aside[a] / s->spacing[a] : 0.0);
+    const long whole = (long)x - (x < 0.0); /* not far below 0 */
+    at[a] = x - (double)whole;
+    index[a][0] = wrap(whole, s->size[a], w->folded[a]);
+    index[a][1] = wrap(whole + 1, s->size[a], w->folded[a]);
+  }
+  for (int c = 0; c < 8; c++)
+    corner[c] =
+        s->wall_distance[(index[2][c >> 2] * s->size[1] + index[1][c >> 1 & 1]) * s->size[0] +
+                         index[0][c & 1]];
+}
+
+/* Wall distance (m) there, trilinear. */
+static double distance_beside(const struct walk *w, double t, const double *aside) {
+  float corner[8];
+  double x[3], d = w->moved;
+  find_corners(w, t, aside, corner, x);
+  for (int c = 0; c < 8; c++)
+    d += (double)corner[c] * (c & 1 ? x[0] : 1.0 - x[0]) * (c & 2 ? x[1] : 1.0 - x[1]) *
+         (c & 4 ? x[2] : 1.0 - x[2]);
+  return d;
+}
+
+static double distance_at(const struct walk *w, double t) {
+  return distance_beside(w, t, NULL);
+}
+
+/* Direction in which that distance increases; 0 where it does not change. */
+static void normal_at(const struct walk *w, double t, double normal[3]) {
+  float corner[8];
+  double x[3], length = 0.0;
+  find_corners(w, t, NULL, corner, x);
+  for (int a = 0; a < 3; a++) {
+    normal[a] = 0.0;
+    for (int c = 0; c < 8; c++) {
+      double weight = c >> a & 1 ? 1.0 : -1.0;
+      for (int b = 0; b < 3; b++)
+        if (b != a) weight *= c >> b & 1 ? x[b] : 1.0 - x[b];
+      normal[a] += weight * (double)corner[c] / w->surface->spacing[a];
+    }
+    length = hypot(length, normal[a]);
+  }
+  for (int a = 0; a < 3; a++) normal[a] = length > 0.0 ? normal[a] / length : 0.0;
+}
+
+/* The place between `from` and `to` where the distance changes its sign: by bisection, as the
+ * distance has kinks in thin walls, and linear at last. */
+#define BISECTIONS 5
+static double find_face(const struct walk *w, double from, double d_from, double to, double d_to) {
+  for (int i = 0; i < BISECTIONS; i++) {
+    const double middle = 0.5 * (from + to), d = distance_at(w, middle);
+    if ((d >= 0.0) == (d_from >= 0.0))
+      from = middle, d_from = d;
+    else
+      to = middle, d_to = d;
+  }
+  return from + (to - from) * d_from / (d_from - d_to);
+}
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static struct link_face face_of(const struct walk *w, double from_near, const double normal[3]) {
+  const double slope = fabs(dot(w->direction, normal));
+  struct link_face face = {.before = slope * from_near, .behind = slope * (w->length - from_near)};
+  memcpy(face.normal, normal, sizeof face.normal);
+  return face;
+}
+
+/* From a place in the wall on along the link, or back: where the wall ends, and the normal of its
+ * face there. False if it does not within the length of the link. */
+static bool leave_wall(const struct walk *w, double from, double sign, double *face,
+                       double normal[3]) {
+  const double unit = w->unit;
+  double t = 0.0, d = distance_at(w, from);
+  while (t < w->length) {
+    const double next = t + fmax(STEP_MIN * unit, fabs(d) - INTERPOLATION_ERROR * unit);
+    const double ahead = distance_at(w, from + sign * next);
+    if (ahead >= 0.0) {
+      *face = find_face(w, from + sign * t, d, from + sign * next, ahead);
+      normal_at(w, *face + sign * BESIDE_FACE * unit, normal);
+      return true;
+    }
+    t = next, d = ahead;
+  }
+  return false;
+}
+
+/* Whether the wall from `entered` to `left` is only a piece of a convex grain. */
+static bool is_clipped(const struct walk *w, double entered, double left) {
+  const double middle = 0.5 * (entered + left), way = BYPASS * (left - entered);
+  double up[3], down[3], length = 0.0;
+  normal_at(w, middle, up);
+  const double along = dot(up, w->direction);
+  for (int a = 0; a < 3; a++) {
+    up[a] -= along * w->direction[a];
+    length = hypot(length, up[a]);
+  }
+  if (!(length > 0.0)) return false;
+  for (int a = 0; a < 3; a++) {
+    up[a] *= way / length;
+    down[a] = -up[a];
+  }
+  return distance_beside(w, middle, up) > 0.0 &&
+         distance_beside(w, middle, down) < distance_at(w, middle) - 0.5 * way;
+}
+
+/* Follows the link from its first site; fills the first face of the first wall that separates the
+ * sites, and the last face of the last one. An end of the link in the wall, as the interpolation at
+ * a site and here may differ, belongs to the wall through which it lies. */
+static bool follow(const struct walk *w, struct link_face *near, struct link_face *far) {
+  double t = 0.0, d = distance_at(w, 0.0);
+  bool found = false;
+  while (t < w->length) {
+    double entered = t, left, entry[3], exit[3];
+    if (d >= 0.0) { /* on to the next wall */
+      const double free_way = d - INTERPOLATION_ERROR * w->unit;
+      const double next = fmin(t + fmax(STEP_MIN * w->unit, free_way), w->length);
+      const double ahead = distance_at(w, next);
+      if (ahead < 0.0) {
+        entered = find_face(w, t, d, next, ahead);
+        normal_at(w, entered - BESIDE_FACE * w->unit, entry);
+      }
+      t = next, d = ahead;
+      if (ahead >= 0.0) continue;
+    } else if (!leave_wall(w, t, -1.0, &entered, entry)) {
+      return found; /* thick */
+    }
+    if (!leave_wall(w, t, 1.0, &left, exit)) return found;
+    if (!is_clipped(w, entered, left)) {
+      if (!found && near) *near = face_of(w, fmax(entered, 0.0), entry);
+      if (far) *far = face_of(w, fmax(w->length - left, 0.0), exit);
+      found = true;
+    }
+    t = left + BESIDE_FACE * w->unit, d = distance_at(w, t);
+    if (d < 0.0) d = 0.0; /* beside the face by rounding */
+  }
+  return found;
+}
+
+bool link_is_open_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
+  size_t index[3][2];
+  for (int a = 0; a < 3; a++) {
+    if (step[a] > 1 || step[a] < -1) return false;
+    index[a][0] = at[a];
+    index[a][1] = wrap((long)at[a] + step[a], l->size[a], 0);
+  }
+  if (l->surface == NULL) return true;
+  for (int c = 0; c < 8; c++) {
+    const size_t s =
+        (index[2][c >> 2] * l->size[1] + index[1][c >> 1 & 1]) * l->size[0] + index[0][c & 1];
+    if (l->kind[s] != SITE_FLUID || (l->cut != NULL && l->cut[s] != 0)) return false;
+  }
+  return true;
+}
+
+bool link_is_cut(const struct lattice *l, const size_t at[3], const int step[3],
+                 struct link_face *near, struct link_face *far) {
+  const struct lattice *s = l->surface ? l->surface : l;
+  struct walk w = {.surface = s, .moved = l->surface_moved, .folded = l->folded};
+  /* One of the two directions is always followed, so that rounding cannot make them differ. */
+  const bool back = step[2] < 0 || (step[2] == 0 && (step[1] < 0 || (step[1] == 0 && step[0] < 0)));
+  size_t here = 0, there = 0;
+  double square = 0.0, coarsest = 0.0;
+  for (int a = 2; a >= 0; a--) {
+    const long n = (long)l->size[a];
+    long to = ((long)at[a] + step[a]) % n;
+    if (to < 0) to += n;
+    here = here * l->size[a] + at[a];
+    there = there * l->size[a] + (size_t)to;
+    const double x =
+        (l->origin[a] + (double)(back ? to : (long)at[a]) * l->spacing[a] - s->origin[a]);
+    const double length = (back ? -step[a] : step[a]) * l->spacing[a];
+    w.start[a] = x / s->spacing[a];
+    w.along[a] = length / s->spacing[a];
+    w.direction[a] = length;
+    square += length * length;
+    coarsest = fmax(coarsest, s->spacing[a]);
+  }
+  w.length = sqrt(square);
+  w.unit = fmin(s->spacing[0], fmin(s->spacing[1], s->spacing[2]));
+  /* The distances at the two sites leave no room for a wall. */
+  if ((double)l->wall_distance[here] + (double)l->wall_distance[there] >
+      w.length + (l->surface ? INTERPOLATION_ERROR * coarsest : 0.0))
+    return false;
+  for (int a = 0; a < 3; a++) w.direction[a] /= w.length, w.along[a] /= w.length;
+  return back ? follow(&w, far, near) : follow(&w, near, far);
+}
+
+enum status link_find_cut_faces(struct lattice *l) {
+  enum status status = STATUS_OK;
+  const size_t plane = l->size[0] * l->size[1];
+  uint8_t *cut = NULL;
+  size_t count = 0;
+  TRY(memory_allocate(&cut, l->count, 1, "walls between sites"));
+#pragma omp parallel for schedule(dynamic, 1) reduction(+ : count)
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t s = k * plane; s < (k + 1) * plane && !interrupt_alone(); s++) {
+      const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], k};
+      const size_t stride[3] = {1, l->size[0], plane};
+      if (l->kind[s] != SITE_FLUID) continue;
+      for (int a = 0; a < 3; a++) {
+        if (l->size[a] == 1) continue;
+        const int step[3] = {a == 0, a == 1, a == 2};
+        const size_t next =
+            at[a] + 1 < l->size[a] ? s + stride[a] : s - (l->size[a] - 1) * stride[a];
+        if (l->kind[next] != SITE_FLUID || !link_is_cut(l, at, step, NULL, NULL)) continue;
+        cut[s] |= (uint8_t)(1U << a);
+        count++;
+      }
+    }
+  TRY(interrupt_look());
+  memory_free(&l->cut);
+  if (count > 0) l->cut = cut, cut = NULL;
+cleanup:
+  memory_free(&cut);
+  return status;
+}
