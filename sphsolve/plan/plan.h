@@ -88,7 +88,7 @@ struct plan {
    * results during a run. */
   double bytes_method, bytes_copy, bytes_split, bytes_disk;
   struct pore_shape shape;
-  double steps, seconds;          /* predicted */
+  double steps, seconds; /* predicted */
   /* If the effect of the sides is large, which cannot be predicted: additional seconds at most;
    * total bytes in place of bytes_total, or 0 if that is not exceeded. */
   double seconds_sides, bytes_sides;

@@ -250,7 +250,8 @@ static void report_level(const struct cascade *c) {
   char known[80] = " cm/s, no estimate from one lattice";
   if (isfinite(l->low)) {
     const double low = 100 * fmin(u->resolution_low, 1.0), high = 100 * u->resolution_high;
-    const int n = snprintf(known, sizeof known, ", estimate %.4g cm/s ", 100 * to_speed * l->estimate);
+    const int n =
+        snprintf(known, sizeof known, ", estimate %.4g cm/s ", 100 * to_speed * l->estimate);
     const int digits = fmax(low, high) < 99.5 ? 2 : 3;
     if (fabs(low - high) < 0.05 * high)
       snprintf(known + n, sizeof known - (size_t)n, "+- %.*g %%", digits, high);
@@ -454,10 +455,11 @@ static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
     snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
              context->reynolds, REYNOLDS_CREEPING);
   else if (soil)
-    snprintf(why, EFFECT_WHY,
-             "no other method takes the model's soil; Re about %.2g is not below %g, and inertia is "
-             "left out",
-             context->reynolds, REYNOLDS_CREEPING);
+    snprintf(
+        why, EFFECT_WHY,
+        "no other method takes the model's soil; Re about %.2g is not below %g, and inertia is "
+        "left out",
+        context->reynolds, REYNOLDS_CREEPING);
   return creeps || soil;
 }
 

@@ -75,9 +75,9 @@ struct found {
 };
 
 static struct found read_found(void) {
-  static const char *const names[NUMBERS] = {"k",        "k_low",      "k_high",     "k_finest",
-                                             "k_solver_error", "reynolds", "residual", "divergence",
-                                             "iterations", "sites_solved"};
+  static const char *const names[NUMBERS] = {
+      "k",        "k_low",    "k_high",     "k_finest",   "k_solver_error",
+      "reynolds", "residual", "divergence", "iterations", "sites_solved"};
   struct found found = {.flow = 0.0};
   struct h5_file *file;
   float *velocity = NULL;
