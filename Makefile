@@ -1,7 +1,6 @@
 # Tosui: one Makefile, no recursion but for the set-up.
-#   make demo    install what is missing, build, and go from CT slices to k with plots
-#   make check   install what is missing, build, and run all fast tests
 #   make         build the three programs into build/bin; MPI=1: sphsolve-mpi too
+#   make help    what else there is
 BUILD ?= build
 # The same folder by its full name is the same build: nothing is made again.
 override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
@@ -52,12 +51,17 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: scan-quality package fuzz all check demo deps s06 m15 scans verify tradeoff hard scenes bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
-all: $(BINARIES)
+.PHONY: help scan-quality package fuzz all check long demo debug deps s06 m15 scans verify tradeoff hard scenes bench clean install uninstall lint format format-check asan ubsan tsan valgrind coverage dist tests
+all: $(BINARIES) ## the programs, in build/bin; with MPI=1 sphsolve-mpi, too
+# Every target with a line of its own below, `target: ... ## what it does`.
+help: ## this list
+	@sed -n 's/^\([a-z0-9.][a-z0-9_.-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-30s %s\n", $$1, $$2 }'
+	@echo 'Variables: MPI=1 (sphsolve-mpi, and the tests of ranks), T="NAME ..." (of check and long: these files of tests alone,'
+	@echo '  as T=resume), V=1 (commands in full), BUILD=FOLDER, OPT=FLAGS, PREFIX=FOLDER'
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
-NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
+NEEDS_NOTHING = help clean format format-check debug deps dist uninstall package asan ubsan tsan
+INSTALLS = $(filter demo check long s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 # HDF5 from its archive where there is one: Debian's shared library loads curl, Kerberos and GnuTLS with it, and a program
 # that needs none of them takes four times as long to start.
@@ -78,7 +82,7 @@ $(BUILD)/config-mpi.mk: Makefile scripts/install-deps
 	$(Q)printf 'MPI_CFLAGS = %s\nMPI_LIBS = %s -lm -lz -lpthread\n' \
 	  "$$(pkg-config --cflags $(MPI_PACKAGES) | sed 's/-I/-isystem /g') -isystem /usr/include/trilinos" \
 	  "$$(pkg-config --libs $(MPI_PACKAGES)) -ltrilinos_zoltan" > $@
-deps:
+deps: ## install what is built and tested with
 	scripts/install-deps $(if $(filter 1,$(MPI)),--mpi)
 
 # ---- a changed flag rebuilds what it concerns ----
@@ -89,7 +93,9 @@ FORCE:
 .PHONY: FORCE
 
 # ---- compile ----
-ISA_FLAGS = $(if $(findstring .avx512.,$@),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$@),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$@),-include sphsolve/wcsph/kernels/$(basename $(notdir $*)).h)
+# Of an object: its instruction set and, of pair loops, its kernel (sphsolve/wcsph/kernels/KERNEL.ISA.c.o).
+isa_flags = $(if $(findstring .avx512.,$(1)),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$(1)),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$(1)),-include sphsolve/wcsph/kernels/$(firstword $(subst ., ,$(notdir $(1)))).h)
+ISA_FLAGS = $(call isa_flags,$@)
 define compile
 	$(call say,CC,$*.c)
 	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(ISA_FLAGS) -MMD -MP -c $< -o $@
@@ -103,6 +109,14 @@ $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/obj && find $(BUILD)/obj -name '*.d')
 .PRECIOUS: $(BUILD)/obj/%.c.o $(BUILD)/obj-mpi/%.c.o
+
+# What editors and clang's tools ask for.
+compile_entry = {"directory": "$(CURDIR)", "file": "$(2)", "command": "$(CC) $(CFLAGS_ALL) $(call isa_flags,$(call object,$(1))) -c $(2) -o $(call object,$(1))"}
+COMPILED = $(filter %.c,$(foreach p,common $(MODULES) generator unit long,$(SOURCES_$(p))))
+comma := ,
+compile_commands.json: Makefile $(BUILD)/config.mk ## how each file is compiled, for editors
+	$(file >$@,[)$(foreach s,$(COMPILED),$(file >>$@,$(call compile_entry,$(s),$(if $(filter $(s),$(PAIR_LOOPS)),$(PAIR_SOURCE),$(s)))$(if $(filter $(s),$(lastword $(COMPILED))),,$(comma))))$(file >>$@,])
+	$(call say,WROTE,$@)
 
 # ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
@@ -187,15 +201,24 @@ $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))
 
 # What tests of tests/cli run beside the three programs.
 CLI_TESTS = $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
-check: all $(UNIT_TESTS) $(REPLAYS) $(CLI_TESTS)
-	$(Q)BUILD=$(BUILD) scripts/run-tests $(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)
+# Of the tests given, those that T names, all where it is empty: T="resume stack" are resume.bats and test_stack.
+T ?=
+named = $(filter tests/cli/$(2:.bats=).bats $(BUILD)/tests/$(2) $(BUILD)/tests/test_$(2) $(BUILD)/tests/replay_$(2),$(1))
+chosen = $(if $(T),$(foreach t,$(T),$(or $(call named,$(1),$(t)),$(error T=$(t): no such test; names are those of tests/cli/NAME.bats, tests/unit/test_NAME.c, tests/fuzz/fuzz_NAME.c))),$(1))
+BATS_LONG = $(if $(filter check long verify,$(MAKECMDGOALS)),$(shell grep -l 'bats test_tags=long' tests/cli/*.bats))
+CHECKED = $(if $(filter check,$(MAKECMDGOALS)),$(call chosen,$(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)))
+check: all $(filter $(BUILD)/%,$(CHECKED)) $(if $(filter %.bats,$(CHECKED)),$(CLI_TESTS)) ## install what is missing, build, and run the tests of every day
+	$(Q)BUILD=$(BUILD) scripts/run-tests $(CHECKED)
+# What check leaves out.
+long: all $(CLI_TESTS) ## the long tests, tagged so in tests/cli; with check, all of them
+	$(Q)BUILD=$(BUILD) LONG=1 scripts/run-tests $(call chosen,$(BATS_LONG))
 
 # ---- the main job ----
-demo: all
+demo: all ## install what is missing, build, and go from CT slices to k with plots
 	$(Q)BUILD=$(BUILD) scripts/demo
 
 # ---- studies ----
-s06: all
+s06: all ## study: the six cases of Saomoto et al. (2006); others: m15, scans, scan-quality, tradeoff
 	$(Q)BUILD=$(BUILD) scripts/studies/s06
 m15: all $(BUILD)/tests/verify_m15
 	$(Q)BUILD=$(BUILD) scripts/studies/m15
@@ -211,28 +234,33 @@ docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/sca
 	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
 # The tables, and the tests that make check leaves out; both run, whichever fails.
-verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(CLI_TESTS)
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(CLI_TESTS) ## tables of exact and independent solutions, then the long tests
 	$(Q)BUILD=$(BUILD) scripts/verify; code=$$?; \
-	  BUILD=$(BUILD) LONG=1 scripts/run-tests $$(grep -l 'bats test_tags=long' tests/cli/*.bats) && exit $$code
-package:
+	  BUILD=$(BUILD) LONG=1 scripts/run-tests $(BATS_LONG) && exit $$code
+package: ## a Debian package
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/studies/tradeoff
-hard: all $(BUILD)/tests/hard_engine
+hard: all $(BUILD)/tests/hard_engine ## the hard cases of the engine
 	$(Q)BUILD=$(BUILD) scripts/hard
-scenes: all
+scenes: all ## every sample scene
 	$(Q)BUILD=$(BUILD) scripts/hard --scenes
-bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan
+bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan ## timings
 	$(Q)BUILD=$(BUILD) scripts/bench
 
-clean:
+clean: ## remove what was built
 	rm -rf $(BUILD)
-format:
+format: ## clang-format over all sources
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
-lint: $(BUILD)/config.mk
+format-check: ## whether that would change anything
+	clang-format --dry-run -Werror $$(git ls-files '*.c' '*.h' '*.cc')
+# Programs to step through, in a build folder of their own.
+debug: ## the programs for a debugger, in BUILD-debug/bin
+	$(MAKE) all BUILD=$(BUILD)-debug OPT="-Og -g3"
+lint: $(BUILD)/config.mk ## clang-tidy, cppcheck and gcc's analyser
 	BUILD=$(BUILD) scripts/lint
 # A part of these runs the part of the tests: make asan PART=2/3.
-asan:
+asan: ## check with the address sanitizer; ubsan, tsan: the other two
 	ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
 ubsan:
 	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
@@ -241,11 +269,11 @@ ARCHER = $(firstword $(wildcard /usr/lib/llvm-*/lib/libarcher.so))
 tsan:
 	OMP_NUM_THREADS=2 OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS="ignore_noninstrumented_modules=1 allocator_may_return_null=1" $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
 # Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
-valgrind: $(UNIT_TESTS)
+valgrind: $(UNIT_TESTS) ## the unit tests under memcheck
 	$(Q)BUILD=$(BUILD) TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
 	  scripts/run-tests $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t)))
 # With the ranks, whose code is there to be covered too; the parts add up on one build.
-coverage:
+coverage: ## check, and which lines it reached
 	$(MAKE) check MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
 	scripts/coverage $(BUILD)-coverage
 
@@ -270,7 +298,7 @@ $(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
 	$(call say,LINK,$@)
 	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_OPENCV) $(DEP_LIBS)
 $(BUILD)/fuzz/run $(BUILD)/fuzz/hdf5: $(BUILD)/fuzz/obj/analyze/run_file.o
-fuzz: $(FUZZ:%=$(BUILD)/fuzz/%)
+fuzz: $(FUZZ:%=$(BUILD)/fuzz/%) ## fuzz the readers
 	$(Q)for n in $(FUZZ); do scripts/fuzz $(BUILD)/fuzz $$n $(FUZZ_SECONDS) || exit 1; done
 .SECONDARY: $(FUZZ:%=$(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o)
 
@@ -280,13 +308,13 @@ $(BUILD)/man/%.1: $(BUILD)/bin/%
 	$(Q)mkdir -p $(@D) && $< --man > $@
 COMPLETIONS = $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 PYTHON_DIR = $(DESTDIR)$(PREFIX)/lib/python3/dist-packages
-install: all $(MAN)
+install: all $(MAN) ## into PREFIX
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(COMPLETIONS)
 	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sphsolve-mpi) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(MAN) $(DESTDIR)$(PREFIX)/share/man/man1
 	for p in $(PROGRAMS); do install -m 644 scripts/tosui-completion.bash $(COMPLETIONS)/$$p; done
 	install -d $(PYTHON_DIR) && install -m 644 python/tosui.py $(PYTHON_DIR)
-uninstall:
+uninstall: ## what install put there
 	rm -f $(PYTHON_DIR)/tosui.py $(DESTDIR)$(PREFIX)/bin/sphsolve-mpi $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
 dist:
 	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD
