@@ -33,9 +33,18 @@ MODULES = ct2model sphsolve analyze
 PROGRAMS = $(foreach p,$(MODULES),$(if $(wildcard $(p)/$(p).c),$(p)))
 SOURCES_common = $(sort $(wildcard common/*.c))
 SOURCES_ct2model = $(sort $(foreach e,c cc,$(wildcard ct2model/*.$(e) ct2model/*/*.$(e))))
-# The pair loops of wcsph are one source, compiled for each kernel and each instruction set.
+# The pair loops of wcsph are one source, compiled for each kernel and each instruction set: for all, but in make check,
+# where MPI=1 does not ask for the whole, for this machine's alone and for those that are there already.
 PAIR_SOURCE = sphsolve/wcsph/engine/pair_loops.c
-PAIR_LOOPS = $(foreach k,$(wildcard sphsolve/wcsph/kernels/*.h),$(foreach i,baseline avx2 avx512,$(k:.h=.$(i).c)))
+PAIR_HEADERS = $(wildcard sphsolve/wcsph/kernels/*.h)
+ISA_NAMES = baseline avx2 avx512
+ISA_HERE = $(or $(shell grep -m1 '^flags' /proc/cpuinfo | awk '{ for (i = 1; i <= NF; i++) f[$$i] = 1 } \
+  END { print f["avx512f"] && f["avx512vl"] && f["avx512dq"] && f["avx512bw"] ? "avx512" : f["avx2"] && f["fma"] ? "avx2" : "baseline" }'),baseline)
+ISA_THERE = $(foreach i,$(ISA_NAMES),$(if $(wildcard $(patsubst %.h,$(BUILD)/obj/%.$(i).c.o,$(firstword $(PAIR_HEADERS)))),$(i)))
+ISAS := $(if $(filter check/0,$(filter check,$(MAKECMDGOALS))/$(MPI)),$(sort $(ISA_HERE) $(ISA_THERE)),all)
+override ISAS := $(if $(filter all,$(ISAS)),$(ISA_NAMES),$(filter $(ISA_NAMES),$(ISAS)))
+ISA_MASK = $(if $(filter baseline,$(ISAS)),1,0)$(if $(filter avx2,$(ISAS)),+2)$(if $(filter avx512,$(ISAS)),+4)
+PAIR_LOOPS = $(foreach k,$(PAIR_HEADERS),$(foreach i,$(ISAS),$(k:.h=.$(i).c)))
 SOURCES_sphsolve = $(sort $(filter-out $(PAIR_SOURCE),$(wildcard sphsolve/*.c sphsolve/*/*.c sphsolve/*/*/*.c)) $(PAIR_LOOPS))
 SOURCES_analyze = $(sort $(wildcard analyze/*.c analyze/*/*.c))
 SOURCES_generator = $(sort $(wildcard data-samples/*.c))
@@ -94,7 +103,7 @@ FORCE:
 
 # ---- compile ----
 # Of an object: its instruction set and, of pair loops, its kernel (sphsolve/wcsph/kernels/KERNEL.ISA.c.o).
-isa_flags = $(if $(findstring .avx512.,$(1)),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$(1)),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$(1)),-include sphsolve/wcsph/kernels/$(firstword $(subst ., ,$(notdir $(1)))).h)
+isa_flags = $(if $(findstring .avx512.,$(1)),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$(1)),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$(1)),-include sphsolve/wcsph/kernels/$(firstword $(subst ., ,$(notdir $(1)))).h)$(if $(findstring engine/pairs.,$(1)),-DPAIR_ISAS="($(ISA_MASK))")
 ISA_FLAGS = $(call isa_flags,$@)
 define compile
 	$(call say,CC,$*.c)
@@ -104,6 +113,9 @@ $(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
 	$(compile)
 $(BUILD)/obj/sphsolve/wcsph/kernels/%.c.o: $(PAIR_SOURCE) $(BUILD)/flags
 	$(compile)
+$(BUILD)/isas: FORCE
+	@mkdir -p $(@D); echo '$(ISAS)' | cmp -s - $@ || echo '$(ISAS)' > $@
+$(BUILD)/obj/sphsolve/wcsph/engine/pairs.c.o $(BUILD)/fuzz/obj/sphsolve/wcsph/engine/pairs.o: $(BUILD)/isas
 $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
@@ -205,13 +217,14 @@ CLI_TESTS = $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter
 T ?=
 named = $(filter tests/cli/$(2:.bats=).bats $(BUILD)/tests/$(2) $(BUILD)/tests/test_$(2) $(BUILD)/tests/replay_$(2),$(1))
 chosen = $(if $(T),$(foreach t,$(T),$(or $(call named,$(1),$(t)),$(error T=$(t): no such test; names are those of tests/cli/NAME.bats, tests/unit/test_NAME.c, tests/fuzz/fuzz_NAME.c))),$(1))
-BATS_LONG = $(if $(filter check long verify,$(MAKECMDGOALS)),$(shell grep -l 'bats test_tags=long' tests/cli/*.bats))
+TESTS_LONG = $(if $(filter long verify,$(MAKECMDGOALS)),$(shell grep -l 'bats test_tags=long' tests/cli/*.bats) \
+  $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(shell grep -l 'unit_test.long_test_' tests/unit/*.c)))
 CHECKED = $(if $(filter check,$(MAKECMDGOALS)),$(call chosen,$(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)))
 check: all $(filter $(BUILD)/%,$(CHECKED)) $(if $(filter %.bats,$(CHECKED)),$(CLI_TESTS)) ## install what is missing, build, and run the tests of every day
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(CHECKED)
 # What check leaves out.
-long: all $(CLI_TESTS) ## the long tests, tagged so in tests/cli; with check, all of them
-	$(Q)BUILD=$(BUILD) LONG=1 scripts/run-tests $(call chosen,$(BATS_LONG))
+long: all $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS) ## the long tests, which check leaves out
+	$(Q)BUILD=$(BUILD) LONG=1 scripts/run-tests $(call chosen,$(TESTS_LONG))
 
 # ---- the main job ----
 demo: all ## install what is missing, build, and go from CT slices to k with plots
@@ -234,9 +247,9 @@ docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/sca
 	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
 # The tables, and the tests that make check leaves out; both run, whichever fails.
-verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(CLI_TESTS) ## tables of exact and independent solutions, then the long tests
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS) ## tables of exact and independent solutions, then the long tests
 	$(Q)BUILD=$(BUILD) scripts/verify; code=$$?; \
-	  BUILD=$(BUILD) LONG=1 scripts/run-tests $(BATS_LONG) && exit $$code
+	  BUILD=$(BUILD) LONG=1 scripts/run-tests $(TESTS_LONG) && exit $$code
 package: ## a Debian package
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all

@@ -283,6 +283,7 @@ assert all(abs(v / w - 1) < 1e-9 for v, w in zip(a["voxel_size_m"], (5e-6, 5e-6,
 END
 }
 
+# bats test_tags=long
 @test "slices far apart: told, in the error of k, and refused where nothing is known between them" {
   mkdir -p apart
   for i in $(seq 0 4 55); do cp "$(printf '%s/slice_%04d.png' "$ROOT/data-samples/small" "$i")" apart; done
@@ -351,6 +352,7 @@ END
   [ "$status" -eq 2 ]
 }
 
+# bats test_tags=long
 @test "pores that are cut where the model repeats itself along the flow are told; of periodic images and mirrored ones none are" {
   small="$ROOT/data-samples/small --voxel-size 8.745um --blur keep -o cut.hdf --force" part="--crop 0,0,0,64,64,28"
   ct2model build $small $part --void-ratio 0.725 --mirror none 2> said.txt
@@ -395,6 +397,7 @@ assert k["ends"]["error"]["dlnk_sides_closed"] is None
 END
 }
 
+# bats test_tags=long
 @test "the share of the scan is that of fine lattices, where slits of few voxels are wider than a site" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   # Balls whose parts meet in slits where the image is wrapped round.

@@ -434,6 +434,7 @@ assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.
 END
 }
 
+# bats test_tags=long
 @test "soil that still fills has no steady flow through it: its flow net is no result" {
   cat > fills.cfg <<'END'
 scene = { name = "fills"; method = "isph"; end_time = "4 s"; };
@@ -639,6 +640,7 @@ for name, exact, most in (("border", 1.04545, 0.012), ("below", 1.06364, 0.003))
 END
 }
 
+# bats test_tags=long
 @test "the +- of what a drain takes holds its exact flow; soil between windows has it to a thousandth" {
   cat > strip.cfg <<'END'
 scene = { name = "strip"; method = "isph"; end_time = "12 s"; };
@@ -670,6 +672,7 @@ assert abs(mid["darcy"] / 5e-4 - 1) < 2e-3 and abs(mid["mean"] - 5e-4) < mid["er
 END
 }
 
+# bats test_tags=long
 @test "water that does not stand at the head of its window: told, and the +- hold what the scene's heads give" {
   cat > foot.cfg <<'END'
 scene = { name = "foot"; method = "isph"; end_time = "10 s"; };
@@ -769,6 +772,7 @@ assert sum(name.startswith("volume_in_region") for name in h) == 3
 END
 }
 
+# bats test_tags=long
 @test "analyze seepage: a wall of many boxes is one, by its name, or by its number in the scene" {
   cat > weir.cfg <<'END'
 scene = { name = "weir"; method = "isph"; end_time = "2 s"; };

@@ -121,6 +121,7 @@ P
   [[ "$stderr" == *"direction x, mirrored along it"*": its record is there already"* ]]
 }
 
+# bats test_tags=long
 @test "the tensor to an asked error, each direction by its own lattices; --resume takes what is there" {
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   sphsolve run mirrored.cfg -o open --tensor --error 20% --json > open.json

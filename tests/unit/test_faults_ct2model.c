@@ -1,5 +1,6 @@
 /* Every allocation and every write of ct2model fails once, on a small stack. */
 #include "faults.h"
+#include "long_tests.h"
 
 int ct2model_main(int argc, char **argv);
 #define main ct2model_main
@@ -32,13 +33,13 @@ static int write_stack(void **state) {
   return faults_run(ct2model_main, command);
 }
 
-static void test_build(void **state) {
+static void long_test_build(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model build %s --size 12x12x4 -o out.hdf", slices);
   faults_both(ct2model_main, NULL, command);
 }
-static void test_build_of_large_voxels(void **state) {
+static void long_test_build_of_large_voxels(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model build %s --size 3x3x1 -o out.hdf", slices);
@@ -81,9 +82,10 @@ static void test_info_model(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_build),  cmocka_unit_test(test_build_of_large_voxels),
-      cmocka_unit_test(test_sweep),  cmocka_unit_test(test_info),
-      cmocka_unit_test(test_levels), cmocka_unit_test(test_export),
-      cmocka_unit_test(test_tiff),   cmocka_unit_test(test_info_model)};
+      cmocka_unit_test(long_test_build), cmocka_unit_test(long_test_build_of_large_voxels),
+      cmocka_unit_test(test_sweep),      cmocka_unit_test(test_info),
+      cmocka_unit_test(test_levels),     cmocka_unit_test(test_export),
+      cmocka_unit_test(test_tiff),       cmocka_unit_test(test_info_model)};
+  long_tests_choose();
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }
