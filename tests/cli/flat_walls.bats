@@ -76,6 +76,7 @@ END
   /usr/bin/python3 -c 'import json; e = json.load(open("thin.json"))["error"]; assert e["scan"] < 0.04, e'
 }
 
+# bats test_tags=long
 @test "a triangle whose pore the blur leaves no grey of its own: its level is the mean's, corners come back, k holds" {
   # Side 12 voxels, blur 2 voxels, contrast 8 times the noise.
   /usr/bin/python3 - <<'P'

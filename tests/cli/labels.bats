@@ -161,17 +161,8 @@ END
     run --separate-stderr ct2model build "$@" -o wrong.hdf
     [ "$status" -eq "$code" ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
   }
-  wrong 3 "labels 3, 7, 8" three.raw $CUBE --segmented
   wrong 3 "more than 32 greys: leave --segmented out" "$ROOT/data-samples/small" --voxel-size 8.745um --segmented 0
-  wrong 2 "void-ratio is missing" three.raw $CUBE
-  wrong 3 "label 8" three.raw $CUBE --segmented 3=pore,7=grain
-  wrong 3 "all of the region is grain" sphere.raw $CUBE --segmented 5
-  wrong 2 "--threshold is for greys" sphere.raw $CUBE --segmented 0 --threshold 0.5
-  wrong 2 "--segmented 0=air" sphere.raw $CUBE --segmented 0=air
   wrong 3 "--segmented 1" sphere.raw $CUBE --void-ratio 0.273
-  run --separate-stderr ct2model sweep sphere.raw $CUBE --segmented 0
-  [ "$status" -eq 3 ]
-  [[ "$stderr" == *"no threshold to sweep"* ]]
 }
 
 @test "a threshold on two labels: told, and so is that no share of the scan is known" {
@@ -345,11 +336,6 @@ assert k["mirrored"]["error"]["dlnk_sides_closed"] is None
 assert k["mirrored"]["error"]["sides"] is None and k["closed"]["error"]["sides"] is None
 assert k["periodic"]["error"]["total"] >= said
 END
-  run --separate-stderr ct2model build $eighth --sides closed --mirror x -o wrong.hdf
-  [ "$status" -eq 2 ]
-  [[ "$stderr" == *"--sides closed"* ]]
-  run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf
-  [ "$status" -eq 2 ]
 }
 
 # bats test_tags=long

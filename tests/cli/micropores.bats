@@ -217,20 +217,7 @@ assert run["error"]["threshold"] > 0
 END
 }
 
-@test "soil that cannot be is refused in a line that says what to do" {
-  wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(0,1e-15m^2)"
-  wrong 2 "0 is grain and 1 is pore" $LAYERS --segmented "1=pore,2=grain,3=soil(1,1e-15m^2)"
-  wrong 2 "neither a permeability" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15)"
-  wrong 2 "is grain" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,0 m^2)"
-  wrong 2 "as soil(0.35, 1.8e-15 m^2)" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35)"
-  wrong 2 "--segmented" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2"
-  wrong 2 "the label 3 stands there twice" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-15m^2),3=grain"
-  wrong 3 "square of a voxel" $LAYERS --segmented "1=pore,2=grain,3=soil(0.35,1e-9m^2)"
-  wrong 3 "no voxel has the label 4" $LAYERS --segmented "1=pore,2=grain,3=grain,4=soil(0.35,1e-15m^2)"
-  wrong 3 "a few voxels amid the soil grain" $LAYERS --segmented "1=pore,2=soil(0.35,1e-15m^2),3=soil(0.35,1e-15m^2)"
-  wrong 2 "the lower first" $GREYS --micro 160..90 --micro-permeability 2um
-  wrong 2 "both are wanted" $GREYS --micro 90..160
-  wrong 2 "leave --segmented out" $GREYS --micro 90..160 --micro-permeability 2um --segmented 0
+@test "a void ratio that greys with soil cannot have is refused" {
   wrong 3 "not the measured 0.1" $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 0.1
 }
 

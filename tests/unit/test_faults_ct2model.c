@@ -45,7 +45,7 @@ static void long_test_build_of_large_voxels(void **state) {
   snprintf(command, sizeof command, "ct2model build %s --size 3x3x1 -o out.hdf", slices);
   faults_both(ct2model_main, NULL, command);
 }
-static void test_sweep(void **state) {
+static void long_test_sweep(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model sweep %s -o out.csv --filter none --json", slices);
@@ -75,7 +75,7 @@ static void test_tiff(void **state) {
               "ct2model sweep pages.tif --void-ratio 0.8 --voxel-size 5um --size 6x6x3 --threads 1 "
               "-o out.csv --quiet");
 }
-static void test_info_model(void **state) {
+static void long_test_info_model(void **state) {
   (void)state;
   faults_both(ct2model_main, NULL, "ct2model info m.hdf");
 }
@@ -83,9 +83,9 @@ static void test_info_model(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(long_test_build), cmocka_unit_test(long_test_build_of_large_voxels),
-      cmocka_unit_test(test_sweep),      cmocka_unit_test(test_info),
+      cmocka_unit_test(long_test_sweep), cmocka_unit_test(test_info),
       cmocka_unit_test(test_levels),     cmocka_unit_test(test_export),
-      cmocka_unit_test(test_tiff),       cmocka_unit_test(test_info_model)};
+      cmocka_unit_test(test_tiff),       cmocka_unit_test(long_test_info_model)};
   long_tests_choose();
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }

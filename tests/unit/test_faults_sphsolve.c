@@ -35,7 +35,7 @@ static int write_scenes(void **state) {
   return 0;
 }
 
-static void test_wcsph(void **state) {
+static void long_test_wcsph(void **state) {
   (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve run wcsph.cfg -o out --threads 1 --quiet");
 }
@@ -69,7 +69,7 @@ static void long_test_stokes_resumed(void **state) {
               "sphsolve run stokes.cfg -o out --threads 1 --quiet --set checkpoint.interval=1us "
               "--resume");
 }
-static void test_isph_resumed(void **state) {
+static void long_test_isph_resumed(void **state) {
   (void)state;
   faults_both(sphsolve_main,
               "sphsolve run isph.cfg -o out --threads 1 --quiet --set scene.end_time=1ms",
@@ -86,7 +86,7 @@ static void long_test_explain(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_wcsph),
+  const struct CMUnitTest tests[] = {cmocka_unit_test(long_test_wcsph),
                                      cmocka_unit_test(long_test_wcsph_near_its_limit),
                                      cmocka_unit_test(test_explain),
                                      cmocka_unit_test(long_test_explain),
@@ -94,7 +94,7 @@ int main(void) {
                                      cmocka_unit_test(test_stokes),
                                      cmocka_unit_test(test_isph),
                                      cmocka_unit_test(long_test_stokes_resumed),
-                                     cmocka_unit_test(test_isph_resumed)};
+                                     cmocka_unit_test(long_test_isph_resumed)};
   long_tests_choose();
   return cmocka_run_group_tests(tests, write_scenes, faults_end);
 }
