@@ -41,7 +41,7 @@ ISA_NAMES = baseline avx2 avx512
 ISA_HERE = $(or $(shell grep -m1 '^flags' /proc/cpuinfo | awk '{ for (i = 1; i <= NF; i++) f[$$i] = 1 } \
   END { print f["avx512f"] && f["avx512vl"] && f["avx512dq"] && f["avx512bw"] ? "avx512" : f["avx2"] && f["fma"] ? "avx2" : "baseline" }'),baseline)
 ISA_THERE = $(foreach i,$(ISA_NAMES),$(if $(wildcard $(patsubst %.h,$(BUILD)/obj/%.$(i).c.o,$(firstword $(PAIR_HEADERS)))),$(i)))
-ISAS := $(if $(filter check/0,$(filter check,$(MAKECMDGOALS))/$(MPI)),$(sort $(ISA_HERE) $(ISA_THERE)),all)
+ISAS := $(if $(filter check/0,$(MAKECMDGOALS)/$(MPI)),$(sort $(ISA_HERE) $(ISA_THERE)),all)
 override ISAS := $(if $(filter all,$(ISAS)),$(ISA_NAMES),$(filter $(ISA_NAMES),$(ISAS)))
 ISA_MASK = $(if $(filter baseline,$(ISAS)),1,0)$(if $(filter avx2,$(ISAS)),+2)$(if $(filter avx512,$(ISAS)),+4)
 PAIR_LOOPS = $(foreach k,$(PAIR_HEADERS),$(foreach i,$(ISAS),$(k:.h=.$(i).c)))
@@ -105,9 +105,11 @@ FORCE:
 # Of an object: its instruction set and, of pair loops, its kernel (sphsolve/wcsph/kernels/KERNEL.ISA.c.o).
 isa_flags = $(if $(findstring .avx512.,$(1)),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$(1)),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$(1)),-include sphsolve/wcsph/kernels/$(firstword $(subst ., ,$(notdir $(1)))).h)$(if $(findstring engine/pairs.,$(1)),-DPAIR_ISAS="($(ISA_MASK))")
 ISA_FLAGS = $(call isa_flags,$@)
+# Unit tests themselves are not what takes long to run, but half of their compiler's time.
+TEST_FLAGS = $(if $(filter $(BUILD)/obj/tests/unit/%,$@),$(if $(findstring -O3,$(OPT)),-O1))
 define compile
 	$(call say,CC,$*.c)
-	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(ISA_FLAGS) -MMD -MP -c $< -o $@
+	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(TEST_FLAGS) $(ISA_FLAGS) -MMD -MP -c $< -o $@
 endef
 $(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
 	$(compile)
@@ -212,7 +214,8 @@ endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
 # What tests of tests/cli run beside the three programs.
-CLI_TESTS = $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
+CLI_TESTS = $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
+CLI_TESTS_LONG = $(CLI_TESTS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine
 # Of the tests given, those that T names, all where it is empty: T="resume stack" are resume.bats and test_stack.
 T ?=
 named = $(filter tests/cli/$(2:.bats=).bats $(BUILD)/tests/$(2) $(BUILD)/tests/test_$(2) $(BUILD)/tests/replay_$(2),$(1))
@@ -223,7 +226,7 @@ CHECKED = $(if $(filter check,$(MAKECMDGOALS)),$(call chosen,$(sort $(wildcard t
 check: all $(filter $(BUILD)/%,$(CHECKED)) $(if $(filter %.bats,$(CHECKED)),$(CLI_TESTS)) ## install what is missing, build, and run the tests of every day
 	$(Q)BUILD=$(BUILD) scripts/run-tests $(CHECKED)
 # What check leaves out.
-long: all $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS) ## the long tests, which check leaves out
+long: all $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS_LONG) ## the long tests, which check leaves out
 	$(Q)BUILD=$(BUILD) LONG=1 scripts/run-tests $(call chosen,$(TESTS_LONG))
 
 # ---- the main job ----
@@ -247,7 +250,7 @@ docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/sca
 	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
 # The tables, and the tests that make check leaves out; both run, whichever fails.
-verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS) ## tables of exact and independent solutions, then the long tests
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS_LONG) ## tables of exact and independent solutions, then the long tests
 	$(Q)BUILD=$(BUILD) scripts/verify; code=$$?; \
 	  BUILD=$(BUILD) LONG=1 scripts/run-tests $(TESTS_LONG) && exit $$code
 package: ## a Debian package
@@ -273,21 +276,22 @@ debug: ## the programs for a debugger, in BUILD-debug/bin
 lint: $(BUILD)/config.mk ## clang-tidy, cppcheck and gcc's analyser
 	BUILD=$(BUILD) scripts/lint
 # A part of these runs the part of the tests: make asan PART=2/3.
-asan: ## check with the address sanitizer; ubsan, tsan: the other two
-	ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
+all_tests = $(1) $(MAKE) check ISAS=all $(2) && $(1) $(MAKE) long $(2)
+asan: ## check and long with the address sanitizer; ubsan, tsan: the other two
+	+$(call all_tests,ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp,BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer")
 ubsan:
-	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
+	+$(call all_tests,,BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined")
 # GNU's OpenMP synchronises unseen by the sanitizer, which then cries wolf; archer tells it of that of LLVM's (clang, libomp-dev).
 ARCHER = $(firstword $(wildcard /usr/lib/llvm-*/lib/libarcher.so))
 tsan:
-	OMP_NUM_THREADS=2 OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS="ignore_noninstrumented_modules=1 allocator_may_return_null=1" $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
+	+$(call all_tests,OMP_NUM_THREADS=2 OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS="ignore_noninstrumented_modules=1 allocator_may_return_null=1",BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread")
 # Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
 valgrind: $(UNIT_TESTS) ## the unit tests under memcheck
-	$(Q)BUILD=$(BUILD) TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
+	$(Q)BUILD=$(BUILD) LONG=all TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
 	  scripts/run-tests $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t)))
 # With the ranks, whose code is there to be covered too; the parts add up on one build.
-coverage: ## check, and which lines it reached
-	$(MAKE) check MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
+coverage: ## check and long, and which lines they reached
+	+$(call all_tests,,MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE")
 	scripts/coverage $(BUILD)-coverage
 
 # ---- fuzzing: FUZZ_SECONDS of processor time each, with address and undefined behaviour sanitizers (needs clang) ----

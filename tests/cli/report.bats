@@ -11,6 +11,7 @@ made() {
     [ ! -e "$name.html" ] || continue
     case $name in
       matched) sample_model 16x16x7 matched.hdf ;;
+      fine) sample_model 32x32x14 fine.hdf ;;
       given) part 16x16x3 --threshold 62 -o given.hdf ;;
       given-measured) part 16x16x3 --threshold=62 --void-ratio 0.725 -o given-measured.hdf ;;
       otsu) part 16x16x3 --threshold otsu --mirror none -o otsu.hdf ;;
@@ -163,10 +164,8 @@ class_of_interval() {
   [ "$(grep -c 'class="card"' levels.html)" -eq 1 ]
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
   # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
-  sample_model 32x32x14 classed.hdf
-  sphsolve run scene.cfg --set model.file=classed.hdf -o run-classed -q > /dev/null
-  analyze report run-classed.hdf -o classed.html -q > /dev/null
-  data classed.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
+  made fine
+  data fine.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
   # What lessens resolution, and what lessens the largest of the other shares, whichever that is; where these alone are
   # just below what is wanted, smaller voxels are said to be no more than enough.
   data matched.html '(lambda v, b: (lambda remedy, rest: (remedy + "; a model with smaller voxels alone takes it only just below"
@@ -240,9 +239,7 @@ END
 }
 
 @test "pictures: outlines lie on the walls, half of the flow is half of it, PNGs are sound" {
-  sample_model 32x32x14 fine.hdf
-  sphsolve run scene.cfg --set model.file=fine.hdf -o run-fine -q > /dev/null
-  analyze report run-fine.hdf -o fine.html -q > /dev/null
+  made fine
   /usr/bin/python3 "$ROOT/tests/cli/report_pictures.py" fine.html run-fine.hdf fine.hdf run-fine-0000.hdf
 }
 
