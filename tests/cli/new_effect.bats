@@ -87,7 +87,6 @@ END
 }
 
 # Of wcsph the push grows across the box, so that viscosity has something to do; it acts beside the body force.
-# bats test_tags=long
 @test "wcsph: a file and a line make an effect: explain tells it, it moves the water, and the budget counts it" {
   effect wind 0.1 geometry/lattice.h wcsph/scales.h wcsph/engine/engine.h <<'END'  # dt 12.5 us, of which .8 are taken
 /* A push along x that varies across the box: dv/dt = a sin(2 pi z / L), a = .25 m/s^2. */
