@@ -57,8 +57,11 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
   [[ "$output" != *"k falls"* ]]
 }
 
-@test "runs of different models are refused unless told, and which they are is said" {
-  for command in darcy pdf history report; do
+@test "runs of different models are refused unless told, and which they are is said" { different_models darcy report; }
+
+# COMMAND...
+different_models() {
+  for command in "$@"; do
     run analyze $command d1.hdf l1.hdf d5.hdf -o mixed.html
     [ "$status" -eq 3 ]
     [ "${#lines[@]}" -eq 1 ]
@@ -69,6 +72,11 @@ near() { /usr/bin/python3 -c "import sys; sys.exit(abs($1 - $2) > $3 * abs($2))"
     [[ "$output" == *"2 models together: slit.hdf (d1.hdf and 1 more), loose.hdf (l1.hdf)"* ]]
     rm -r mixed.html
   done
+}
+
+# bats test_tags=long
+@test "runs of different models: other commands, a verdict of one of them, two spacings of one body" {
+  different_models pdf history
   # The verdict is of one of them, and says of which.
   run analyze darcy d1.hdf l1.hdf d5.hdf --mix
   [[ "$output" == *"Verdict of "*" (wcsph, subvoxel walls): "* ]]
@@ -241,6 +249,7 @@ print(re.search(r'<script type="application/json" id="data">(.*?)</script>', ope
 PY
 }
 
+# bats test_tags=long
 @test "converge, report: spacings too near each other tell nothing; a run's own lattices do" {
   /usr/bin/python3 "$MAKE_RUN" near1.hdf n=40 spacing=2e-5 k=1.3e-3 method=stokes model= levels=1 resolution=0.2 -- \
     near2.hdf n=36 spacing=2.2222222e-5 k=1.301e-3 method=stokes model= levels=1 resolution=0.25
@@ -281,6 +290,7 @@ PY
   grep -q "class=\"map\"" page.html && ! grep -q "id=\"slice\"" page.html # a map says what arrows would
 }
 
+# bats test_tags=long
 @test "report: of several spacings and gradients the head is the k that is known best" {
   /usr/bin/python3 "$MAKE_RUN" $(for i in 1 5; do
     echo coarse$i.hdf n=20 i=$i spacing=4e-5 k=1.5e-3 method=stokes hash=0x20 k_error=.03 --

@@ -108,6 +108,7 @@ P
   [ -z "$(warns crop.npy --sides mirrored)" ]
 }
 
+# bats test_tags=long
 @test "a model off the measured void ratio says why, and which k it has" {
   cd "$WORK"
   e=$(cat tube.txt)
@@ -467,6 +468,7 @@ END
   [ "$status" -eq 0 ]; [[ "$stderr" != *"with bright grains as well"* ]]
 }
 
+# bats test_tags=long
 @test "dark grains are advised only where they meet the measured void ratio" {
   cd "$WORK"
   # Slabs: pores of grey 42, grains of 122, noise: a void ratio of 26/22; dark grains: 22/26 = 0.85.
@@ -479,6 +481,7 @@ END
   done
 }
 
+# bats test_tags=long
 @test "on the floor of a wide valley any grey is as good: no void ratio of it is called another specimen's" {
   cd "$WORK"
   # 80 columns of pore, 160 of every grey between, 80 of grain; e = 1 in the middle, 1/3 and 3 at the ends.
@@ -513,6 +516,7 @@ P
   done
 }
 
+# bats test_tags=long
 @test "a third phase that Otsu's threshold takes for pore is told of, and two phases are not" {
   cd "$WORK"
   # Pores, quartz and a bright mineral in blocks of 6 voxels; the edges of an image of two have no peak of their own.
@@ -543,6 +547,7 @@ P
   awk -F, 'NR > 1 { if ($2 < last) exit 1; last = $2; n++ } END { exit !(n > 50) }' sweep.csv
 }
 
+# bats test_tags=long
 @test "a filter of each kind, no mirror, filled islands" {
   cd "$WORK"
   for filter in bicubic bicubic-point area; do

@@ -245,6 +245,7 @@ END
   [ -e a/kept ] && [ -d "a b" ]
 }
 
+# bats test_tags=long
 @test "examples: where numbers are written with a comma, scenes still get a point" {
   mkdir "$BATS_TEST_TMPDIR/locales"
   localedef -i de_DE -f UTF-8 "$BATS_TEST_TMPDIR/locales/de_DE.UTF-8" 2> /dev/null || skip "no localedef, or without the locales' sources"

@@ -330,6 +330,7 @@ END
   [ -e dam-0000.hdf ] && [ -e dam-0001.hdf ] && [ -e dam.hdf.series ] || { echo "$stderr"; ls dam*; false; }
 }
 
+# bats test_tags=long
 @test "a flow of another run beside an older record is told by the page and by a solute" {
   sphsolve run a.cfg -o unlike --quiet
   cp unlike.hdf older.hdf
@@ -411,6 +412,7 @@ END
   [ -e own/kept ] || { echo "$output"; false; }
 }
 
+# bats test_tags=long
 @test "isph: water that does not go from the higher head to the lower gives no k" {
   scene="$ROOT/data-samples/scenes/seepage-heads.cfg"
   sphsolve run "$scene" --set 'regions.[2].head="-1 m"' --set 'domain.spacing="2 cm"' -o below > below.txt 2> below.log

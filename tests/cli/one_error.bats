@@ -58,6 +58,7 @@ END
   [ "$status" -eq 1 ]
 }
 
+# bats test_tags=long
 @test "velocities of several lattices are the finest's, and say so wherever they are shown" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   analyze pdf run.hdf -o pdf > pdf.txt
@@ -153,6 +154,7 @@ assert brief["levels"][0]["low"] is None and brief["levels"][1]["high"] > 0
 assert abs(brief["error"]["sides"] / long["error"]["sides"] - 1) < 0.05 # after the lattices, not left out'
 }
 
+# bats test_tags=long
 @test "on a terminal each lattice is drawn: its estimate within its bar, on one scale; elsewhere not" {
   /usr/bin/python3 - <<'END'
 import os, pty, re, subprocess

@@ -194,6 +194,7 @@ assert abs(page["verdict"][0]["formulas"]["hazen"] / (9.80665e6 * 6e-4 * (1 + 10
 END
 }
 
+# bats test_tags=long
 @test "results of one name, of runs that differ in their fluid, are told apart by fluid and run" {
   sphsolve run scene.cfg --set "fluids[0].viscosity=2e-3 Pa s" -o run-thick -q > /dev/null
   analyze report run-matched.hdf run-thick.hdf -o fluids.html -q > /dev/null
@@ -202,6 +203,7 @@ END
   data matched.html 'page["verdict"][0]["name"].startswith("matched (") and ".hdf" not in page["verdict"][0]["name"]'
 }
 
+# bats test_tags=long
 @test "a long body is drawn in its proportions" {
   /usr/bin/python3 - << 'END'
 import numpy as np
@@ -266,6 +268,7 @@ for page in sys.argv[1:]:
     gas.html other-6.4e-4.html other-3.4.html
 }
 
+# bats test_tags=long
 @test "a TMPDIR that is not there costs the page no picture" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" placed.hdf method=stokes k=1e-3 model= levels=1
   TMPDIR=/nothere analyze report placed.hdf -o placed.html > said 2>&1
@@ -327,6 +330,7 @@ for svg in re.findall("<svg class=.map.*?</svg>", open("column.html").read(), re
     assert float(names) < float(re.search(r"viewBox=.0 0 \d+ (\d+)", svg)[1])'
 }
 
+# bats test_tags=long
 @test "a run that solved several lattices: its own interval, and k of each against time" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" levels.hdf method=stokes k=1e-3 model= levels=1
   analyze report levels.hdf -o levels.html -q > /dev/null
@@ -352,6 +356,7 @@ maps = re.findall(r"<svg class=.map.[^>]*viewBox=.0 0 (\d+) \d+.[^>]*font-size=.
 assert len(maps) == 2 and all(float(size) * 374 / float(width) > 9.5 for width, size in maps), maps'
 }
 
+# bats test_tags=long
 @test "names and shares of bars do not run into each other" {
   /usr/bin/python3 - << 'END'
 import re

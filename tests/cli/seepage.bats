@@ -472,6 +472,7 @@ END
   analyze seepage sloshes.hdf | grep -q "^unsteady .*still go one way"
 }
 
+# bats test_tags=long
 @test "a plane in a sheet pile counts what passes under it alone, and the net's error holds the flow of layered soil" {
   cat > pile.cfg <<'END'
 scene = { name = "pile"; method = "isph"; end_time = "4 s"; };
@@ -692,6 +693,7 @@ assert wall["wall"] == 4 and abs(wall["uplift_N_per_m"] - 1240.4) < wall["uplift
 END
 }
 
+# bats test_tags=long
 @test "a well: planes on either side have half of its rate, and there is no flow net" {
   cat > sink.cfg <<'END'
 scene = { name = "sink"; method = "isph"; end_time = "2 s"; };
@@ -835,6 +837,7 @@ END
   [[ "$output" == *"method richards runs in one process; leave out mpirun"* ]]
 }
 
+# bats test_tags=long
 @test "soil that is not full: a well whose soil does not bring its rate is told of, in kg, too" {
   cat > pump.cfg << 'END'
 scene = { name = "pump"; end_time = "1 d"; };
