@@ -1,7 +1,6 @@
 # Tosui: one Makefile, no recursion but for the set-up.
-#   make demo    install what is missing, build, and go from CT slices to k with plots
-#   make check   install what is missing, build, and run all fast tests
 #   make         build the three programs into build/bin; MPI=1: sphsolve-mpi too
+#   make help    what else there is
 BUILD ?= build
 # The same folder by its full name is the same build: nothing is made again.
 override BUILD := $(patsubst $(CURDIR)/%,%,$(BUILD))
@@ -34,9 +33,18 @@ MODULES = ct2model sphsolve analyze
 PROGRAMS = $(foreach p,$(MODULES),$(if $(wildcard $(p)/$(p).c),$(p)))
 SOURCES_common = $(sort $(wildcard common/*.c))
 SOURCES_ct2model = $(sort $(foreach e,c cc,$(wildcard ct2model/*.$(e) ct2model/*/*.$(e))))
-# The pair loops of wcsph are one source, compiled for each kernel and each instruction set.
+# The pair loops of wcsph are one source, compiled for each kernel and each instruction set: for all, but in make check,
+# where MPI=1 does not ask for the whole, for this machine's alone and for those that are there already.
 PAIR_SOURCE = sphsolve/wcsph/engine/pair_loops.c
-PAIR_LOOPS = $(foreach k,$(wildcard sphsolve/wcsph/kernels/*.h),$(foreach i,baseline avx2 avx512,$(k:.h=.$(i).c)))
+PAIR_HEADERS = $(wildcard sphsolve/wcsph/kernels/*.h)
+ISA_NAMES = baseline avx2 avx512
+ISA_HERE = $(or $(shell grep -m1 '^flags' /proc/cpuinfo | awk '{ for (i = 1; i <= NF; i++) f[$$i] = 1 } \
+  END { print f["avx512f"] && f["avx512vl"] && f["avx512dq"] && f["avx512bw"] ? "avx512" : f["avx2"] && f["fma"] ? "avx2" : "baseline" }'),baseline)
+ISA_THERE = $(foreach i,$(ISA_NAMES),$(if $(wildcard $(patsubst %.h,$(BUILD)/obj/%.$(i).c.o,$(firstword $(PAIR_HEADERS)))),$(i)))
+ISAS := $(if $(filter check/0,$(MAKECMDGOALS)/$(MPI)),$(sort $(ISA_HERE) $(ISA_THERE)),all)
+override ISAS := $(if $(filter all,$(ISAS)),$(ISA_NAMES),$(filter $(ISA_NAMES),$(ISAS)))
+ISA_MASK = $(if $(filter baseline,$(ISAS)),1,0)$(if $(filter avx2,$(ISAS)),+2)$(if $(filter avx512,$(ISAS)),+4)
+PAIR_LOOPS = $(foreach k,$(PAIR_HEADERS),$(foreach i,$(ISAS),$(k:.h=.$(i).c)))
 SOURCES_sphsolve = $(sort $(filter-out $(PAIR_SOURCE),$(wildcard sphsolve/*.c sphsolve/*/*.c sphsolve/*/*/*.c)) $(PAIR_LOOPS))
 SOURCES_analyze = $(sort $(wildcard analyze/*.c analyze/*/*.c))
 SOURCES_generator = $(sort $(wildcard data-samples/*.c))
@@ -52,12 +60,17 @@ BINARIES = $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sph
 UNIT_TESTS = $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(SOURCES_unit))
 LONG_TESTS = $(foreach s,$(SOURCES_long),$(BUILD)/tests/$(basename $(notdir $(s))))
 
-.PHONY: scan-quality package fuzz all check demo deps s06 m15 scans verify tradeoff hard scenes bench clean install uninstall lint format asan ubsan tsan valgrind coverage dist tests
-all: $(BINARIES)
+.PHONY: help scan-quality package fuzz all check long demo debug deps s06 m15 scans verify tradeoff hard scenes bench clean install uninstall lint format format-check asan ubsan tsan valgrind coverage dist tests
+all: $(BINARIES) ## the programs, in build/bin; with MPI=1 sphsolve-mpi, too
+# Every target with a line of its own below, `target: ... ## what it does`.
+help: ## this list
+	@sed -n 's/^\([a-z0-9.][a-z0-9_.-]*\):.*## \(.*\)/  make \1|\2/p' Makefile | awk -F'|' '{ printf "%-30s %s\n", $$1, $$2 }'
+	@echo 'Variables: MPI=1 (sphsolve-mpi, and the tests of ranks), T="NAME ..." (of check and long: these files of tests alone,'
+	@echo '  as T=resume), V=1 (commands in full), BUILD=FOLDER, OPT=FLAGS, PREFIX=FOLDER'
 
 # ---- set-up: pkg-config is asked once; make demo and make check install what is missing first ----
-NEEDS_NOTHING = clean format deps dist uninstall package
-INSTALLS = $(filter demo check s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
+NEEDS_NOTHING = help clean format format-check debug deps dist uninstall package asan ubsan tsan
+INSTALLS = $(filter demo check long s06 m15 scans verify tradeoff hard scenes bench,$(MAKECMDGOALS))
 PACKAGES = hdf5-serial libtiff-4 libpng libconfig jansson libxxhash
 # HDF5 from its archive where there is one: Debian's shared library loads curl, Kerberos and GnuTLS with it, and a program
 # that needs none of them takes four times as long to start.
@@ -78,7 +91,7 @@ $(BUILD)/config-mpi.mk: Makefile scripts/install-deps
 	$(Q)printf 'MPI_CFLAGS = %s\nMPI_LIBS = %s -lm -lz -lpthread\n' \
 	  "$$(pkg-config --cflags $(MPI_PACKAGES) | sed 's/-I/-isystem /g') -isystem /usr/include/trilinos" \
 	  "$$(pkg-config --libs $(MPI_PACKAGES)) -ltrilinos_zoltan" > $@
-deps:
+deps: ## install what is built and tested with
 	scripts/install-deps $(if $(filter 1,$(MPI)),--mpi)
 
 # ---- a changed flag rebuilds what it concerns ----
@@ -89,20 +102,35 @@ FORCE:
 .PHONY: FORCE
 
 # ---- compile ----
-ISA_FLAGS = $(if $(findstring .avx512.,$@),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$@),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$@),-include sphsolve/wcsph/kernels/$(basename $(notdir $*)).h)
+# Of an object: its instruction set and, of pair loops, its kernel (sphsolve/wcsph/kernels/KERNEL.ISA.c.o).
+isa_flags = $(if $(findstring .avx512.,$(1)),-ffp-contract=fast -mavx512f -mavx512vl -mavx512dq -mavx512bw -mavx2 -mfma -mprefer-vector-width=512)$(if $(findstring .avx2.,$(1)),-ffp-contract=fast -mavx2 -mfma) $(if $(findstring wcsph/kernels/,$(1)),-include sphsolve/wcsph/kernels/$(firstword $(subst ., ,$(notdir $(1)))).h)$(if $(findstring engine/pairs.,$(1)),-DPAIR_ISAS="($(ISA_MASK))")
+ISA_FLAGS = $(call isa_flags,$@)
+# Unit tests themselves are not what takes long to run, but half of their compiler's time.
+TEST_FLAGS = $(if $(filter $(BUILD)/obj/tests/unit/%,$@),$(if $(findstring -O3,$(OPT)),-O1))
 define compile
 	$(call say,CC,$*.c)
-	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(ISA_FLAGS) -MMD -MP -c $< -o $@
+	$(Q)mkdir -p $(@D) && $(CC) $(CFLAGS_ALL) $(TEST_FLAGS) $(ISA_FLAGS) -MMD -MP -c $< -o $@
 endef
 $(BUILD)/obj/%.c.o: %.c $(BUILD)/flags
 	$(compile)
 $(BUILD)/obj/sphsolve/wcsph/kernels/%.c.o: $(PAIR_SOURCE) $(BUILD)/flags
 	$(compile)
+$(BUILD)/isas: FORCE
+	@mkdir -p $(@D); echo '$(ISAS)' | cmp -s - $@ || echo '$(ISAS)' > $@
+$(BUILD)/obj/sphsolve/wcsph/engine/pairs.c.o $(BUILD)/fuzz/obj/sphsolve/wcsph/engine/pairs.o: $(BUILD)/isas
 $(BUILD)/obj/%.cc.o: %.cc $(BUILD)/flags
 	$(call say,CXX,$<)
 	$(Q)mkdir -p $(@D) && $(CXX) $(CXXFLAGS_ALL) -MMD -MP -c $< -o $@
 -include $(shell test -d $(BUILD)/obj && find $(BUILD)/obj -name '*.d')
 .PRECIOUS: $(BUILD)/obj/%.c.o $(BUILD)/obj-mpi/%.c.o
+
+# What editors and clang's tools ask for.
+compile_entry = {"directory": "$(CURDIR)", "file": "$(2)", "command": "$(CC) $(CFLAGS_ALL) $(call isa_flags,$(call object,$(1))) -c $(2) -o $(call object,$(1))"}
+COMPILED = $(filter %.c,$(foreach p,common $(MODULES) generator unit long,$(SOURCES_$(p))))
+comma := ,
+compile_commands.json: Makefile $(BUILD)/config.mk ## how each file is compiled, for editors
+	$(file >$@,[)$(foreach s,$(COMPILED),$(file >>$@,$(call compile_entry,$(s),$(if $(filter $(s),$(PAIR_LOOPS)),$(PAIR_SOURCE),$(s)))$(if $(filter $(s),$(lastword $(COMPILED))),,$(comma))))$(file >>$@,])
+	$(call say,WROTE,$@)
 
 # ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
@@ -186,16 +214,27 @@ endef
 $(foreach t,$(REPLAYS:$(BUILD)/tests/replay_%=%),$(eval $(call replay_rule,$(t))))
 
 # What tests of tests/cli run beside the three programs.
-CLI_TESTS = $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
-check: all $(UNIT_TESTS) $(REPLAYS) $(CLI_TESTS)
-	$(Q)BUILD=$(BUILD) scripts/run-tests $(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)
+CLI_TESTS = $(if $(filter 1,$(MPI)),$(RANK_TESTS) $(RANK_TESTS:%=%-mpi) $(RANK_IDLE))
+CLI_TESTS_LONG = $(CLI_TESTS) $(BUILD)/tests/hard_engine $(BUILD)/tests/bench_engine
+# Of the tests given, those that T names, all where it is empty: T="resume stack" are resume.bats and test_stack.
+T ?=
+named = $(filter tests/cli/$(2:.bats=).bats $(BUILD)/tests/$(2) $(BUILD)/tests/test_$(2) $(BUILD)/tests/replay_$(2),$(1))
+chosen = $(if $(T),$(foreach t,$(T),$(or $(call named,$(1),$(t)),$(error T=$(t): no such test; names are those of tests/cli/NAME.bats, tests/unit/test_NAME.c, tests/fuzz/fuzz_NAME.c))),$(1))
+TESTS_LONG = $(if $(filter long verify,$(MAKECMDGOALS)),$(shell grep -l 'bats test_tags=long' tests/cli/*.bats) \
+  $(patsubst tests/unit/%.c,$(BUILD)/tests/%,$(shell grep -l 'unit_test.long_test_' tests/unit/*.c)))
+CHECKED = $(if $(filter check,$(MAKECMDGOALS)),$(call chosen,$(sort $(wildcard tests/cli/*.bats)) $(UNIT_TESTS) $(REPLAYS)))
+check: all $(filter $(BUILD)/%,$(CHECKED)) $(if $(filter %.bats,$(CHECKED)),$(CLI_TESTS)) ## install what is missing, build, and run the tests of every day
+	$(Q)BUILD=$(BUILD) scripts/run-tests $(CHECKED)
+# What check leaves out.
+long: all $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS_LONG) ## the long tests, which check leaves out
+	$(Q)BUILD=$(BUILD) LONG=1 scripts/run-tests $(call chosen,$(TESTS_LONG))
 
 # ---- the main job ----
-demo: all
+demo: all ## install what is missing, build, and go from CT slices to k with plots
 	$(Q)BUILD=$(BUILD) scripts/demo
 
 # ---- studies ----
-s06: all
+s06: all ## study: the six cases of Saomoto et al. (2006); others: m15, scans, scan-quality, tradeoff
 	$(Q)BUILD=$(BUILD) scripts/studies/s06
 m15: all $(BUILD)/tests/verify_m15
 	$(Q)BUILD=$(BUILD) scripts/studies/m15
@@ -211,42 +250,48 @@ docs/figures/scan-quality.png: docs/figures/scan-quality.csv scripts/studies/sca
 	$(Q)scripts/studies/scan-quality --output docs/figures --redraw
 
 # The tables, and the tests that make check leaves out; both run, whichever fails.
-verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(CLI_TESTS)
+verify: all $(filter $(BUILD)/tests/verify_%,$(LONG_TESTS)) $(filter $(BUILD)/%,$(TESTS_LONG)) $(CLI_TESTS_LONG) ## tables of exact and independent solutions, then the long tests
 	$(Q)BUILD=$(BUILD) scripts/verify; code=$$?; \
-	  BUILD=$(BUILD) LONG=1 scripts/run-tests $$(grep -l 'bats test_tags=long' tests/cli/*.bats) && exit $$code
-package:
+	  BUILD=$(BUILD) LONG=1 scripts/run-tests $(TESTS_LONG) && exit $$code
+package: ## a Debian package
 	$(Q)BUILD=$(BUILD) scripts/package
 tradeoff: all
 	$(Q)BUILD=$(BUILD) scripts/studies/tradeoff
-hard: all $(BUILD)/tests/hard_engine
+hard: all $(BUILD)/tests/hard_engine ## the hard cases of the engine
 	$(Q)BUILD=$(BUILD) scripts/hard
-scenes: all
+scenes: all ## every sample scene
 	$(Q)BUILD=$(BUILD) scripts/hard --scenes
-bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan
+bench: all $(BUILD)/tests/bench_engine $(BUILD)/tests/bench_isph $(BUILD)/tests/bench_walk $(BUILD)/tests/bench_scan ## timings
 	$(Q)BUILD=$(BUILD) scripts/bench
 
-clean:
+clean: ## remove what was built
 	rm -rf $(BUILD)
-format:
+format: ## clang-format over all sources
 	clang-format -i $$(git ls-files '*.c' '*.h' '*.cc')
-lint: $(BUILD)/config.mk
+format-check: ## whether that would change anything
+	clang-format --dry-run -Werror $$(git ls-files '*.c' '*.h' '*.cc')
+# Programs to step through, in a build folder of their own.
+debug: ## the programs for a debugger, in BUILD-debug/bin
+	$(MAKE) all BUILD=$(BUILD)-debug OPT="-Og -g3"
+lint: $(BUILD)/config.mk ## clang-tidy, cppcheck and gcc's analyser
 	BUILD=$(BUILD) scripts/lint
 # A part of these runs the part of the tests: make asan PART=2/3.
-asan:
-	ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp $(MAKE) check BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer"
+all_tests = $(1) $(MAKE) check ISAS=all $(2) && $(1) $(MAKE) long $(2)
+asan: ## check and long with the address sanitizer; ubsan, tsan: the other two
+	+$(call all_tests,ASAN_OPTIONS=allocator_may_return_null=1 LSAN_OPTIONS=suppressions=$(CURDIR)/tests/leaks.supp,BUILD=$(BUILD)-asan OPT="-O1 -g" SANITIZE="-fsanitize=address -fno-omit-frame-pointer")
 ubsan:
-	$(MAKE) check BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined"
+	+$(call all_tests,,BUILD=$(BUILD)-ubsan OPT="-O1 -g" SANITIZE="-fsanitize=undefined -fno-sanitize-recover=undefined")
 # GNU's OpenMP synchronises unseen by the sanitizer, which then cries wolf; archer tells it of that of LLVM's (clang, libomp-dev).
 ARCHER = $(firstword $(wildcard /usr/lib/llvm-*/lib/libarcher.so))
 tsan:
-	OMP_NUM_THREADS=2 OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS="ignore_noninstrumented_modules=1 allocator_may_return_null=1" $(MAKE) check BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread"
+	+$(call all_tests,OMP_NUM_THREADS=2 OMP_TOOL_LIBRARIES=$(ARCHER) TSAN_OPTIONS="ignore_noninstrumented_modules=1 allocator_may_return_null=1",BUILD=$(BUILD)-tsan CC=clang CXX=clang++ OPT="-O1 -g" WARN=-Wall WARNXX=-Wall SANITIZE="-fsanitize=thread")
 # Memcheck over the unit tests, one thread (it knows no AVX-512); those of faults, which run programs a thousand times, are asan's.
-valgrind: $(UNIT_TESTS)
-	$(Q)BUILD=$(BUILD) TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
+valgrind: $(UNIT_TESTS) ## the unit tests under memcheck
+	$(Q)BUILD=$(BUILD) LONG=all TEST_SECONDS=3600 OMP_NUM_THREADS=1 TOSUI_ISA=avx2 WITH="valgrind -q --error-exitcode=9 --leak-check=full --errors-for-leak-kinds=definite" \
 	  scripts/run-tests $(foreach t,$(UNIT_TESTS),$(if $(findstring faults,$(t)),,$(t)))
 # With the ranks, whose code is there to be covered too; the parts add up on one build.
-coverage:
-	$(MAKE) check MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE"
+coverage: ## check and long, and which lines they reached
+	+$(call all_tests,,MPI=1 BUILD=$(BUILD)-coverage OPT="-O1 -g" SANITIZE="--coverage -DTOSUI_COVERAGE")
 	scripts/coverage $(BUILD)-coverage
 
 # ---- fuzzing: FUZZ_SECONDS of processor time each, with address and undefined behaviour sanitizers (needs clang) ----
@@ -270,7 +315,7 @@ $(BUILD)/fuzz/%: $(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o $(BUILD)/fuzz/libtosui.a
 	$(call say,LINK,$@)
 	$(Q)clang $(FUZZ_FLAGS) -fsanitize=fuzzer -o $@ $(filter %.o,$^) $(filter %.a,$^) $(LIBS_OPENCV) $(DEP_LIBS)
 $(BUILD)/fuzz/run $(BUILD)/fuzz/hdf5: $(BUILD)/fuzz/obj/analyze/run_file.o
-fuzz: $(FUZZ:%=$(BUILD)/fuzz/%)
+fuzz: $(FUZZ:%=$(BUILD)/fuzz/%) ## fuzz the readers
 	$(Q)for n in $(FUZZ); do scripts/fuzz $(BUILD)/fuzz $$n $(FUZZ_SECONDS) || exit 1; done
 .SECONDARY: $(FUZZ:%=$(BUILD)/fuzz/obj/tests/fuzz/fuzz_%.o)
 
@@ -280,13 +325,13 @@ $(BUILD)/man/%.1: $(BUILD)/bin/%
 	$(Q)mkdir -p $(@D) && $< --man > $@
 COMPLETIONS = $(DESTDIR)$(PREFIX)/share/bash-completion/completions
 PYTHON_DIR = $(DESTDIR)$(PREFIX)/lib/python3/dist-packages
-install: all $(MAN)
+install: all $(MAN) ## into PREFIX
 	install -d $(DESTDIR)$(PREFIX)/bin $(DESTDIR)$(PREFIX)/share/man/man1 $(COMPLETIONS)
 	install -m 755 $(PROGRAMS:%=$(BUILD)/bin/%) $(if $(filter 1,$(MPI)),$(BUILD)/bin/sphsolve-mpi) $(DESTDIR)$(PREFIX)/bin
 	install -m 644 $(MAN) $(DESTDIR)$(PREFIX)/share/man/man1
 	for p in $(PROGRAMS); do install -m 644 scripts/tosui-completion.bash $(COMPLETIONS)/$$p; done
 	install -d $(PYTHON_DIR) && install -m 644 python/tosui.py $(PYTHON_DIR)
-uninstall:
+uninstall: ## what install put there
 	rm -f $(PYTHON_DIR)/tosui.py $(DESTDIR)$(PREFIX)/bin/sphsolve-mpi $(foreach p,$(MODULES),$(DESTDIR)$(PREFIX)/bin/$(p) $(DESTDIR)$(PREFIX)/share/man/man1/$(p).1 $(COMPLETIONS)/$(p))
 dist:
 	git archive --prefix=tosui-0.1.0/ -o tosui-0.1.0.tar.gz HEAD

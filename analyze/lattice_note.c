@@ -18,5 +18,6 @@ void lattice_note_write(const struct run *run, const char *before, const char *a
   fprintf(stream,
           "%sVelocities are of the finest lattice (%.3g um), k = %.4g cm/s; k from all lattices is "
           "%.4g cm/s%s",
-          before, 1e6 * run->levels.spacing[run->levels.count - 1], 100.0 * run->k_finest, 100.0 * run->k, after);
+          before, 1e6 * run->levels.spacing[run->levels.count - 1], 100.0 * run->k_finest,
+          100.0 * run->k, after);
 }

@@ -66,8 +66,8 @@ static const struct option_entry ENTRIES[] = {
      "holds two. soil: pores below the voxel, porosity N, permeability K (1e-15 m^2) or grain "
      "size"},
     {"micro", 0, "auto|LOW..HIGH|GREY:N,...", BUILD,
-     "greys of soil with pores below the voxel: auto finds them, halfway between the peaks of pore, "
-     "soil and grain; porosity N linear between the peaks of pore and grain, or as given"},
+     "greys of soil with pores below the voxel: auto finds them, halfway between the peaks of "
+     "pore, soil and grain; porosity N linear between the peaks of pore and grain, or as given"},
     {"micro-permeability", 0, "Q", BUILD,
      "of that soil: a permeability, as 1e-15m^2, or its grain size, as 2um (Kozeny, Carman)"},
     {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},

@@ -62,11 +62,11 @@ struct pipeline {
   /* Inside the pipeline z is the axis that is mirrored; axis a of the model is `place[a]` here. The
    * model itself is turned last. */
   int place[3];
-  size_t size[3];    /* after resampling, before mirroring */
-  bool resampled;    /* false if a sweep leaves a huge scan at full resolution */
-  float *volume;     /* greys after resampling, until model and table are made */
-  float *middle;     /* middle slice of the region at full resolution */
-  double grey_scale; /* reported = stored * grey_scale */
+  size_t size[3];               /* after resampling, before mirroring */
+  bool resampled;               /* false if a sweep leaves a huge scan at full resolution */
+  float *volume;                /* greys after resampling, until model and table are made */
+  float *middle;                /* middle slice of the region at full resolution */
+  double grey_scale;            /* reported = stored * grey_scale */
   struct surface_sample sample; /* if the scan is not read again */
   struct coarse coarse;         /* likewise, for a build; until the walls are measured */
   struct restored restored;     /* the scan without blur and noise */

@@ -37,13 +37,13 @@ struct image {
     WIDENED_HALF,
     WIDENED_I64,
     WIDENED_U64
-  } widened;                     /* stored so, read as type */
-  bool columns;                  /* contiguous pixels are ordered with z first, then y (as in
-                                    Fortran) */
-  uint64_t *page_offsets;        /* offsets of the directories of a multi-page TIFF */
-  unsigned orientation;          /* of a TIFF: position of its first row and column */
-  bool invert;                   /* white is zero */
-  bool plain;                    /* every pixel is a value of `type` */
+  } widened;              /* stored so, read as type */
+  bool columns;           /* contiguous pixels are ordered with z first, then y (as in
+                             Fortran) */
+  uint64_t *page_offsets; /* offsets of the directories of a multi-page TIFF */
+  unsigned orientation;   /* of a TIFF: position of its first row and column */
+  bool invert;            /* white is zero */
+  bool plain;             /* every pixel is a value of `type` */
 };
 
 struct image_reader {

@@ -33,8 +33,7 @@ enum status survey_take(const struct region *region, double porosity, bool all,
  * their peak is shifted towards the other one. But blur does not change the mean, n pore + (1 - n)
  * grain: if the porosity n is known, the contrast follows from the grey of the phase with the
  * larger volume. NAN if n is unknown, or too little of a phase exists. */
-double survey_contrast_by_mean(const struct survey *survey, double mean, double pore,
-                               double grain);
+double survey_contrast_by_mean(const struct survey *survey, double mean, double pore, double grain);
 /* If this contrast is larger than grain - pore by more than a tenth, sets the grey of the phase
  * with the smaller volume accordingly and returns true. */
 bool survey_levels_by_mean(const struct survey *survey, double *pore, double *grain);

@@ -39,8 +39,8 @@ struct deblur {
   size_t beyond[3][2];
   struct deblur_scanner scanner;
   int iterations; /* DEBLUR_ITERATIONS, or as set after deblur_start */
-  float *grey;  /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
-  float *share; /* result [z][y][x]: share of grain, 0 to 1 */
+  float *grey;    /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
+  float *share;   /* result [z][y][x]: share of grain, 0 to 1 */
   float *grain, *u, *y, *a, *b;
   uint8_t *contacts;
 };

@@ -18,7 +18,7 @@ void noise_add(const float *grey, const float *distance, const size_t size[3], d
                double sign, double level, double most, struct noise_sums *sums) {
   const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * ny;
   const size_t step[3] = {1, nx, plane};
-  double mean = 0.0, last = 0.0; /* mean greys of this slice and of the one before */
+  double mean = 0.0, last = 0.0;        /* mean greys of this slice and of the one before */
   double means[SLICES_APART + 1] = {0}; /* mean greys of the latest slices, in a ring */
   for (size_t z = 0; z < nz; z++, last = mean) {
     double sum = 0.0, n = 0.0;

@@ -14,7 +14,7 @@
  * conductance of a triangular one of the same area (shape factors of Patzek, Silin 2001, J. Colloid
  * Interface Sci. 236: .5 G against .6 G, G = area / perimeter^2); the scan cannot tell which it
  * is. */
-static const double SHAPE = 0.32;  /* ln 1.38 */
+static const double SHAPE = 0.32; /* ln 1.38 */
 /* Distances of the threshold from the middle, relative to that of the peaks: usual in sands, and
  * the additional distance at which the shape is entirely unknown. */
 static const double OFF_MIDDLE_USUAL = 0.05;

@@ -29,7 +29,7 @@ struct scan_quality {
 
 /* All 0 without a model. Quantities that the file does not contain are NAN. */
 struct model_facts {
-  uint64_t hash;                                 /* of the file */
+  uint64_t hash;                /* of the file */
   size_t count;                 /* number of voxels, whatever the sites of a lattice */
   double voxel;                 /* m: edge of a cube with the volume of a voxel */
   double voxel_scanned;         /* m: the same for the scan */

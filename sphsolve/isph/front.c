@@ -6,8 +6,8 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/vector.h"
 
-#define FRONT_FROM 0.9   /* o from which on a particle is part of a front */
-#define FRONT_WEIGHT 0.1 /* surface weight at o = 1 */
+#define FRONT_FROM 0.9     /* o from which on a particle is part of a front */
+#define FRONT_WEIGHT 0.1   /* surface weight at o = 1 */
 #define ONE_SIDED_FROM 0.6 /* o from which on the neighbours count as one-sided in part, */
 #define ONE_SIDED_FULL 0.7 /* and entirely */
 /* share of |sum V grad W| that the wall ahead leaves: below this, the wall counts (closed void); */

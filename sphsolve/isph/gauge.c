@@ -131,8 +131,7 @@ bool isph_has_head(const struct isph *s) {
 
 /* Kernel sum below which water counts as spray and has no level. */
 #define LEVEL_KERNEL_SUM 0.6
-#define LEVEL_REACH 0.75 /* in particle sizes; a gauge between two columns of particles uses both  \
-                          */
+#define LEVEL_REACH 0.75 /* in particle sizes; a gauge between two columns uses both */
 
 /* Whether the point at that height over the gauge lies at the underside of a wall, or in one. */
 static bool is_covered(const struct isph *s, const double point[3], const double up[3],

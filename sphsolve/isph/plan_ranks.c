@@ -5,7 +5,7 @@
 
 /* share of the time in the V-cycle on the grid, which every rank does in full */
 #define SERIAL_SHARE 0.07
-#define ITERATIONS 10.0 /* of the pressure solve in a step */
+#define ITERATIONS 10.0    /* of the pressure solve in a step */
 #define GATHERED_BYTES 1.6 /* per particle and iteration: residual on the grid, sums of chunks */
 #define GRID_BYTES 40.0    /* bytes on every rank: of the grid, per particle, */
 #define SITE_BYTES 6.0     /* of lattice and cells, per site, */

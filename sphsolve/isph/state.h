@@ -92,12 +92,12 @@ struct isph_chunk {
   struct budget_sums budget; /* budget of the step */
   bool outer;                /* has pairs with particles of other ranks */
   size_t pair_count, pair_capacity;
-  uint32_t *pair;  /* neighbour | image << PAIR_BITS */
-  float *slope;    /* -W'(r)/r of the pair, normalised */
-  float *mobility; /* mobility of the pair; NULL with neither links nor anisotropy */
+  uint32_t *pair;       /* neighbour | image << PAIR_BITS */
+  float *slope;         /* -W'(r)/r of the pair, normalised */
+  float *mobility;      /* mobility of the pair; NULL with neither links nor anisotropy */
   float *path_porosity; /* mean porosity on its path: isph/link.h; NULL without links */
   float *plain;         /* mobility as in isotropic soil; NULL unless links and anisotropy */
-  float *matrix; /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
+  float *matrix;        /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
   float *wall_slope;
@@ -142,12 +142,12 @@ struct isph {
   bool periodic[3];
   bool reflects[3];      /* whether the sides across an axis reflect: isph/reflection.h */
   double behind[BEHIND]; /* table of isph_reflection_backs, in steps of 1/BEHIND_STEPS of a size */
-  struct isph_image image[27];   /* by code: x + 3 y + 9 z, each 0 .. 2 */
-  double kernel_w, kernel_slope; /* normalise the lattice sums of V W and V slope r^2 to 1 */
-  double slope_sum;              /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
-  double shift_stiffness;        /* of grad C on the lattice, in spacings; see shifting.h */
-  double kernel_top;             /* sum V W in a surface's top layer */
-  double asymmetry_top;          /* |sum V grad W| he / sum V slope r^2 there */
+  struct isph_image image[27];         /* by code: x + 3 y + 9 z, each 0 .. 2 */
+  double kernel_w, kernel_slope;       /* normalise the lattice sums of V W and V slope r^2 to 1 */
+  double slope_sum;                    /* of V slope r0^2 on the lattice, r0 = V^(1/dimensions) */
+  double shift_stiffness;              /* of grad C on the lattice, in spacings; see shifting.h */
+  double kernel_top;                   /* sum V W in a surface's top layer */
+  double asymmetry_top;                /* |sum V grad W| he / sum V slope r^2 there */
   double density, kinematic_viscosity; /* rho_w, nu */
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
@@ -181,23 +181,23 @@ struct isph {
   int32_t *ground;                    /* isph/link.h; NULL without links */
   struct isph_linked *linked;         /* isph/link.h; NULL without links */
   struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
-  double (*soil_velocity)[3];         /* NULL unless soil moves */
-  double *porosity_rate;              /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *kernel_sum;                 /* sum V W with walls: 1 in the bulk */
-  double (*gradient_sum)[3];          /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];             /* L, gradient correction */
-  float (*moment_defect)[6];          /* C of isph/moment.c; NULL without soil */
-  double *surface;                    /* 0 bulk .. 1 surface; NULL without */
+  double (*soil_velocity)[3];  /* NULL unless soil moves */
+  double *porosity_rate;       /* d eps/dt at the place, 1/s; NULL unless soil moves */
+  double *kernel_sum;          /* sum V W with walls: 1 in the bulk */
+  double (*gradient_sum)[3];   /* sum V W'/r r: 0 in the bulk, points into a void */
+  float (*correction)[9];      /* L, gradient correction */
+  float (*moment_defect)[6];   /* C of isph/moment.c; NULL without soil */
+  double *surface;             /* 0 bulk .. 1 surface; NULL without */
   double (*body)[2]; /* number of its body of water, its largest `surface`; NULL: no surface */
   double *near; /* largest `surface` of the neighbourhood; NULL unless unforced or with `calm` */
-  float (*linear)[6];     /* K of isph/linear.h; NULL unless it is such free water */
-  float (*gradient)[9];   /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_factor;    /* B: fraction of v_D that drag leaves; NULL without */
-  double *mobility;       /* k = B T G / rho_w */
-  double *eddy;           /* nu + nu_T; NULL without viscosity */
-  double *thick, *calm;   /* isph/calm.h: s, calm; NULL without, like the next two */
+  float (*linear)[6];   /* K of isph/linear.h; NULL unless it is such free water */
+  float (*gradient)[9]; /* dv_a/dx_b; NULL where no effect needs it */
+  double *drag_factor;  /* B: fraction of v_D that drag leaves; NULL without */
+  double *mobility;     /* k = B T G / rho_w */
+  double *eddy;         /* nu + nu_T; NULL without viscosity */
+  double *thick, *calm; /* isph/calm.h: s, calm; NULL without, like the next two */
   double (*curvature)[3], (*biharmonic)[3]; /* isph/biharmonic.h */
-  double (*predicted)[3]; /* v* without the driving force */
+  double (*predicted)[3];                   /* v* without the driving force */
   struct isph_applied *applied;
   double (*own_force[ISPH_OWN])[3]; /* m/s^2, of the effects on.own; NULL: no force */
   double *surface_pressure;         /* Pa, outside the surface; NULL: 0 */
@@ -245,7 +245,7 @@ struct isph {
   size_t well_count;
   struct isph_well *wells;
   size_t rain_count;
-  struct isph_rain *rains; /* isph/rain.h */
+  struct isph_rain *rains;  /* isph/rain.h */
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* conservation budget */

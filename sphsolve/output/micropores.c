@@ -38,8 +38,9 @@ json_t *micropores_json(const struct micropores *m) {
   json_t *curve = json_array();
   for (int i = 0; i < m->count; i++) json_array_append_new(curve, point_json(m, &m->curve[i]));
   return json_pack("{s:f, s:o, s:f, s:f, s:o, s:o, s:o}", "sites", m->sites, "connected",
-                   json_number(m->own.connected), "porosity", m->porosity, "permeability", m->permeability, "flux_share", json_number(m->own.flux),
-                   "dlnk_dlnk_micro", json_number(m->own.slope), "curve", curve);
+                   json_number(m->own.connected), "porosity", m->porosity, "permeability",
+                   m->permeability, "flux_share", json_number(m->own.flux), "dlnk_dlnk_micro",
+                   json_number(m->own.slope), "curve", curve);
 }
 
 enum status micropores_write(const struct micropores *m, struct h5_file *file) {
@@ -48,12 +49,9 @@ enum status micropores_write(const struct micropores *m, struct h5_file *file) {
   const struct {
     const char *name;
     double value;
-  } facts[] = {{"sites", m->sites},
-               {"connected", m->own.connected},
-               {"porosity", m->porosity},
-               {"permeability", m->permeability},
-               {"flux_share", m->own.flux},
-               {"dlnk_dlnk_micro", m->own.slope}};
+  } facts[] = {{"sites", m->sites},         {"connected", m->own.connected},
+               {"porosity", m->porosity},   {"permeability", m->permeability},
+               {"flux_share", m->own.flux}, {"dlnk_dlnk_micro", m->own.slope}};
   static const char *const names[] = {"factor", "k", "flux_share", "dlnk_dlnk_micro"};
   const size_t count = (size_t)m->count;
   TRY(h5_make_group(file, group));

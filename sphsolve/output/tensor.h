@@ -21,13 +21,13 @@ struct tensor_column {
 
 struct tensor {
   struct tensor_column columns[3];
-  bool mirrored[3];    /* the body is mirror symmetric along the axis */
-  bool by_run[3];      /* by mirroring in the run, not in the model */
-  double to_area;      /* nu / g: intrinsic permeability (m^2) divided by k (m/s) */
-  double voxel;        /* m, geometric mean of the axes */
-  double k[3][3];      /* m/s, symmetric; row: flow, column: gradient */
-  double low[3][3];    /* m/s: the 95 % interval of each term */
-  double high[3][3];   /* m/s */
+  bool mirrored[3];  /* the body is mirror symmetric along the axis */
+  bool by_run[3];    /* by mirroring in the run, not in the model */
+  double to_area;    /* nu / g: intrinsic permeability (m^2) divided by k (m/s) */
+  double voxel;      /* m, geometric mean of the axes */
+  double k[3][3];    /* m/s, symmetric; row: flow, column: gradient */
+  double low[3][3];  /* m/s: the 95 % interval of each term */
+  double high[3][3]; /* m/s */
   /* Largest |k_ij - k_ji| divided by the mean of the diagonal; NAN: all are zero. */
   double asymmetry;
   double principal[3]; /* m/s, largest first */

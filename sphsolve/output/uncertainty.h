@@ -18,9 +18,9 @@ extern const char *const resolution_needs_names[]; /* "lattice", "model", "scan"
 
 /* One lattice of a cascade. */
 struct error_level {
-  double spacing;        /* m, geometric mean of the axes */
-  double permeability;   /* m^2, along the force */
-  double estimate;       /* m^2, from this level and all coarser ones */
+  double spacing;      /* m, geometric mean of the axes */
+  double permeability; /* m^2, along the force */
+  double estimate;     /* m^2, from this level and all coarser ones */
   /* Relative resolution error of the estimate: k (1 - low) .. k (1 + high). */
   double low, high;
   double slope_blur;     /* slope_blur (below) on this lattice; NAN: not computed */

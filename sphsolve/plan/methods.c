@@ -153,13 +153,12 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
                          "method %s needs a viscosity greater than 0, like \"1e-3 Pa s\"",
                          method->name);
   } else if (*scene->model_path) {
-    return scene_error(scene, AT_METHOD,
-                       "method %s takes a domain with regions, not a voxel model; use "
-                       "method = %s\"stokes\"%s",
-                       method->name, lattice->micro_porosity != NULL ? "" : "\"wcsph\" or ",
-                       lattice->micro_porosity != NULL
-                           ? ", which solves the model's soil with the pores"
-                           : "");
+    return scene_error(
+        scene, AT_METHOD,
+        "method %s takes a domain with regions, not a voxel model; use "
+        "method = %s\"stokes\"%s",
+        method->name, lattice->micro_porosity != NULL ? "" : "\"wcsph\" or ",
+        lattice->micro_porosity != NULL ? ", which solves the model's soil with the pores" : "");
   }
   return refuse_contradictions(scene, &context, method);
 }

@@ -77,10 +77,10 @@ struct richards {
   double *first, *second; /* [count]: d theta/dt of the two stages by the fluxes, 1/s */
   double *edge_first;     /* [edges]: m/s inwards in the first stage */
   double *residual,
-      *term_size; /* [count]: residual of Newton's method; size of the terms that make it up */
-  struct rows rows;        /* the matrix of Newton's method */
-  double *change;          /* [count]: Newton step */
-  int iterations;          /* Newton iterations of the last step */
+      *term_size;   /* [count]: residual of Newton's method; size of the terms that make it up */
+  struct rows rows; /* the matrix of Newton's method */
+  double *change;   /* [count]: Newton step */
+  int iterations;   /* Newton iterations of the last step */
   /* `short_steps`: number of consecutive very short steps */
   int64_t iterations_total, linear_total, refused, short_steps;
   double tolerance; /* of a step's error in water content */

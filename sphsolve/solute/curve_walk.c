@@ -125,8 +125,7 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
       settings.direction[a] = flow->mean_velocity[a] / flow->speed;
     if (!(flow->speed > 0)) settings.peclet = 0;
     struct walk_record *record = &state->record[lattice][i];
-    const double expected =
-        solute_walk_pace(flow, settings.peclet, r->peclet[i], r->wanted).steps;
+    const double expected = solute_walk_pace(flow, settings.peclet, r->peclet[i], r->wanted).steps;
     TRY(walk_once(&cells, &settings, r->peclet[i], expected, progress, *done, weight, state,
                   record));
     struct solute_walked *w = &state->walked[lattice][i];

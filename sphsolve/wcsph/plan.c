@@ -14,11 +14,11 @@
 #include "sphsolve/wcsph/modes.h"
 #include "sphsolve/wcsph/state.h"
 
-#define SUPPORT_DEFAULT 2.9    /* spacings */
-#define COMPRESSION 0.01       /* relative density change allowed by the sound speed */
-#define DT_SAFETY 0.8          /* fraction of the stable time step */
-#define PAIRS_PER_SECOND 350e6 /* per core, from make bench */
-#define DELTA_DIFFUSION 0.1    /* Molteni, Colagrossi 2009 */
+#define SUPPORT_DEFAULT 2.9        /* spacings */
+#define COMPRESSION 0.01           /* relative density change allowed by the sound speed */
+#define DT_SAFETY 0.8              /* fraction of the stable time step */
+#define PAIRS_PER_SECOND 350e6     /* per core, from make bench */
+#define DELTA_DIFFUSION 0.1        /* Molteni, Colagrossi 2009 */
 #define STABILISATION_INERTIAL 0.1 /* in dx/u: largest gamma for inertial flow */
 #define PEAK_VELOCITY_MODEL 6      /* largest / mean pore velocity in a sand; 2 in ducts */
 

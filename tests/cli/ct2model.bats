@@ -49,44 +49,13 @@ bats_require_minimum_version 1.5.0
   [ "$status" -eq 0 ]
 }
 
-@test "wrong usage ends with 2 and one line" {
+# What is said of others stands in tests/unit/test_refused_ct2model.c.
+@test "wrong usage ends with 2, bad input with 3, each with one line on stderr alone" {
   cd "$WORK"
-  for arguments in "" "bild x" "build" "build spheres.raw $RAW -o m.hdf" \
-    "build spheres.raw $RAW --void-ratio 4" "build spheres.raw $RAW --void-ratio -1 -o m.hdf" \
-    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --filter cubic" \
-    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --size 12x12" \
-    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --crop 0,0,0,49,48,48" \
-    "build spheres.raw $RAW --void-ratio 4 -o m.hdf --size 12x12x12 --filter none" \
-    "build spheres.raw --raw 48x48x48:u9 --void-ratio 4 -o m.hdf" \
-    "build spheres.raw --raw 48x48x48:u8 --voxel-size 10 --void-ratio 4 -o m.hdf" \
-    "build spheres.raw --raw 48x48x48:u8 --voxel-size 10s --void-ratio 4 -o m.hdf"; do
-    run_ct $arguments
-    [ "$status" -eq 2 ] || { echo "$arguments: $status $stderr"; false; }
-    [ -n "$stderr" ]
-  done
-  [ ! -e m.hdf ]
-}
-
-@test "bad input ends with 3 and names the file" {
-  cd "$WORK"
+  run_ct build spheres.raw $RAW --void-ratio 4 -o m.hdf --size 12x12
+  [ "$status" -eq 2 ] && [ "${#stderr_lines[@]}" -eq 1 ] && [ -z "$output" ]
   run_ct build missing.tif --void-ratio 1 --voxel-size 1um -o m.hdf
-  [ "$status" -eq 3 ]; [[ "$stderr" == *missing.tif* ]]
-  echo "no image" > text.tif
-  run_ct info text.tif
-  [ "$status" -eq 3 ]; [[ "$stderr" == *text.tif* ]]
-  run_ct build spheres.raw --raw 48x48x47:u8 --voxel-size 1um --void-ratio 4 -o m.hdf
-  [ "$status" -eq 3 ]; [[ "$stderr" == *spheres.raw*48* ]]
-  head -c 100000 spheres.raw > cut.raw
-  run_ct build cut.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 4 -o m.hdf
-  [ "$status" -eq 3 ]; [[ "$stderr" == *cut.raw* ]]
-  run_ct build spheres.raw --raw 48x48x48:u8 --void-ratio 4 -o m.hdf
-  [ "$status" -eq 3 ]; [[ "$stderr" == *--voxel-size* ]]
-  head -c 110592 /dev/zero > flat.raw
-  run_ct build flat.raw $RAW --void-ratio 4 -o m.hdf
-  [ "$status" -eq 3 ]; [[ "$stderr" == *"same grey"* ]]
-  mkdir -p empty
-  run_ct info empty
-  [ "$status" -eq 3 ]
+  [ "$status" -eq 3 ] && [[ "$stderr" == *missing.tif* ]] && [ "${#stderr_lines[@]}" -eq 1 ] && [ -z "$output" ]
   [ ! -e m.hdf ]; [ ! -e m.hdf.part ]
 }
 
@@ -139,6 +108,7 @@ P
   [ -z "$(warns crop.npy --sides mirrored)" ]
 }
 
+# bats test_tags=long
 @test "a model off the measured void ratio says why, and which k it has" {
   cd "$WORK"
   e=$(cat tube.txt)
@@ -287,10 +257,6 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
     slope=$(echo "$output" | value dthreshold_dvoid_ratio)
     near "$(echo "$output" | value threshold_uncertainty)" "$(awk "BEGIN { print 0.04 * $slope }")" 1e-4
   done
-  for e in 3.959+- 3.959+-x 3.959+-4 3.959-+1 0; do
-    run_ct build spheres.raw $RAW --void-ratio $e -o no.hdf
-    [ "$status" -eq 2 ]
-  done
 }
 
 @test "a region of interest leaves the container out of the calibration" {
@@ -299,24 +265,30 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
   run_ct sweep tube.raw $RAW --void-ratio $e --json
   [ "$status" -eq 0 ]
   ! near "$(echo "$output" | value threshold_original)" 70 5
-  printf 'ObjectType = Image\nNDims = 3\nDimSize = 48 48 48\nElementType = MET_UCHAR\nElementDataFile = mask.raw\n' > mask.mhd
   # One slice of a mask counts for all.
   head -c 2304 mask.raw > one.raw
   printf 'ObjectType = Image\nNDims = 2\nDimSize = 48 48\nElementType = MET_UCHAR\nElementDataFile = one.raw\n' > one.mhd
-  for roi in cylinder:24,24,22 mask:mask.mhd mask:one.mhd; do
+  for roi in cylinder:24,24,22 mask:one.mhd; do
     run_ct build tube.raw $RAW --void-ratio $e --roi $roi --crop 10,10,4,28,28,40 --size 14x14x20 --json -o roi.hdf
     [ "$status" -eq 0 ]
     near "$(echo "$output" | value threshold_original)" 70 1.5
     near "$(echo "$output" | value void_ratio)" "$(echo "$output" | value void_ratio_original)" 0.02
   done
+}
+
+# bats test_tags=long
+@test "a region of interest: masks of all slices, boxes, and what is no mask or reaches beyond the scan is told" {
+  cd "$WORK"
+  e=$(cat tube.txt)
+  printf 'ObjectType = Image\nNDims = 3\nDimSize = 48 48 48\nElementType = MET_UCHAR\nElementDataFile = mask.raw\n' > mask.mhd
+  head -c 2304 mask.raw > one.raw
+  printf 'ObjectType = Image\nNDims = 2\nDimSize = 48 48\nElementType = MET_UCHAR\nElementDataFile = one.raw\n' > one.mhd
+  run_ct build tube.raw $RAW --void-ratio $e --roi mask:mask.mhd --crop 10,10,4,28,28,40 --size 14x14x20 --json -o roi.hdf
+  [ "$status" -eq 0 ]
+  near "$(echo "$output" | value threshold_original)" 70 1.5
+  near "$(echo "$output" | value void_ratio)" "$(echo "$output" | value void_ratio_original)" 0.02
   run_ct sweep tube.raw $RAW --void-ratio $e --roi box:12,12,2,24,24,44 --json
   [ "$status" -eq 0 ]
-  for roi in cylinder:1,2 ball:3 mask: box:0,0,0,1,1 cylinder:24,24,-1; do
-    run_ct sweep tube.raw $RAW --void-ratio $e --roi $roi
-    [ "$status" -eq 2 ]
-  done
-  run_ct sweep tube.raw $RAW --void-ratio $e --roi cylinder:-100,24,3
-  [ "$status" -eq 3 ]
   # The scan itself is no mask of it.
   awk 'BEGIN { for (i = 0; i < 2304; i++) printf "%c", 1 + i % 97 }' > greys.raw
   sed 's/one.raw/greys.raw/' one.mhd > greys.mhd
@@ -351,6 +323,18 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
     for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 80; y = $2 + int(i / 2) * $5 - 80; ok = ok && x^2 + y^2 < 71^2 }
     exit !ok }'
   near "$(echo "$output" | value void_ratio)" 0.6667 0.02
+  run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == *"whole stack"* ]]
+}
+
+# bats test_tags=long
+@test "crop auto: NaN around a specimen, and pores that open to the air" {
+  cd "$WORK"
+  awk 'BEGIN { for (z = 0; z < 4; z++) for (y = 0; y < 160; y++) for (x = 0; x < 160; x++)
+    printf "%c", ((x - 79.5)^2 + (y - 79.5)^2 > 4900 ? 3 : (x + y) % 10 < 4 ? 40 : 110) }' > disc.raw
+  run --separate-stderr "$CT" build disc.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto -o disc.hdf
+  crop=$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')
   # Tools write NaN around a specimen: the same box, whose greys are those of the disc.
   python3 -c 'import array
 a = array.array("f", list(open("disc.raw", "rb").read()))
@@ -370,19 +354,14 @@ a.tofile(open("nan.raw", "wb"))'
   echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p' | awk -F, '{ ok = $4 * $5 > 100 * 100
     for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 100; y = $2 + int(i / 2) * $5 - 100; ok = ok && x^2 + y^2 < 91^2 }
     exit !ok }'
-  run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
-  [ "$status" -eq 0 ]
-  [[ "$stderr" == *"whole stack"* ]]
 }
 
-@test "an infinite grey and a size in kB are called what they are" {
+@test "an infinite grey is called what it is" {
   cd "$WORK"
   /usr/bin/python3 -c 'import array, sys
 array.array("f", [1.0] * 600 + [float("inf")] + [2.0] * 399).tofile(sys.stdout.buffer)' > inf.raw
   run ! "$CT" build inf.raw --raw 10x10x10:f32le --voxel-size 1um --void-ratio 1 -o inf.hdf
   [[ "$output" == *"pixel 0,0 is no finite number"* ]]
-  run ! "$CT" build inf.raw --raw 10x10x10:f32le --voxel-size 1um --void-ratio 1 --max-memory 900kB -o inf.hdf
-  [[ "$output" == *"900kB: a size in MB, GB, MiB or GiB is wanted"* ]]
 }
 
 @test "the flow axis turns the scan" {
@@ -476,6 +455,12 @@ END
   # Read as bright the same image has 1/e: refused, with both readings.
   run_ct build dark.raw $RAW --void-ratio 3.959 -o no.hdf
   [ "$status" -eq 3 ]; [[ "$stderr" == *"--grain dark"* ]]
+}
+
+# bats test_tags=long
+@test "dark grains: near a void ratio of 1 both readings fit, and that is said" {
+  cd "$WORK"
+  LC_ALL=C tr "$(printf '\\%03o' $(seq 20 120))" "$(printf '\\%03o' $(seq 120 -1 20))" < spheres.raw > dark.raw
   # Near 1 both readings fit, and nothing but a look tells which is meant; far from it nothing is said.
   run --separate-stderr "$CT" build "$BATS_TEST_DIRNAME/../../data-samples/small" --voxel-size 8.745um --void-ratio 0.9 --grain dark --blur keep -o near.hdf
   [ "$status" -eq 0 ]; [[ "$stderr" == *"--grain dark: a void ratio of 0.9 fits 1.11 with bright grains as well"* ]]
@@ -483,6 +468,7 @@ END
   [ "$status" -eq 0 ]; [[ "$stderr" != *"with bright grains as well"* ]]
 }
 
+# bats test_tags=long
 @test "dark grains are advised only where they meet the measured void ratio" {
   cd "$WORK"
   # Slabs: pores of grey 42, grains of 122, noise: a void ratio of 26/22; dark grains: 22/26 = 0.85.
@@ -495,6 +481,7 @@ END
   done
 }
 
+# bats test_tags=long
 @test "on the floor of a wide valley any grey is as good: no void ratio of it is called another specimen's" {
   cd "$WORK"
   # 80 columns of pore, 160 of every grey between, 80 of grain; e = 1 in the middle, 1/3 and 3 at the ends.
@@ -529,6 +516,7 @@ P
   done
 }
 
+# bats test_tags=long
 @test "a third phase that Otsu's threshold takes for pore is told of, and two phases are not" {
   cd "$WORK"
   # Pores, quartz and a bright mineral in blocks of 6 voxels; the edges of an image of two have no peak of their own.
@@ -559,6 +547,7 @@ P
   awk -F, 'NR > 1 { if ($2 < last) exit 1; last = $2; n++ } END { exit !(n > 50) }' sweep.csv
 }
 
+# bats test_tags=long
 @test "a filter of each kind, no mirror, filled islands" {
   cd "$WORK"
   for filter in bicubic bicubic-point area; do
@@ -573,26 +562,30 @@ P
   near "$(echo "$output" | value void_ratio)" 3.959 0.08
 }
 
+# SIDE: a model so many voxels wide
+equal_bytes() {
+  for threads in 1 3; do
+    run_ct build spheres.raw $RAW --void-ratio 3.959 --size $1x$1x$1 --threads $threads -o t$threads.hdf
+    [ "$status" -eq 0 ]
+  done
+  ! /usr/bin/python3 -c 'import h5py' 2> /dev/null || /usr/bin/python3 - <<'P'
+import h5py
+a, b = h5py.File("t1.hdf"), h5py.File("t3.hdf")
+for k in ("solid", "wall_distance", "grain_fraction"):
+    assert (a["model"][k][()] == b["model"][k][()]).all(), k
+P
+}
+# bats test_tags=long
+@test "equal bytes on one thread and on many, of a model of large voxels" { cd "$WORK" && equal_bytes 6; }
+
 @test "equal bytes on one thread and on many" {
   cd "$WORK"
+  equal_bytes 16
   for threads in 1 3; do
-    for side in 16 6; do
-      run_ct build spheres.raw $RAW --void-ratio 3.959 --size ${side}x${side}x$side --threads $threads -o t$threads-$side.hdf
-      [ "$status" -eq 0 ]
-    done
     run_ct sweep spheres.raw $RAW --void-ratio 3.959 --size 16x16x16 --threads $threads -o t$threads.csv
     [ "$status" -eq 0 ]
   done
   cmp t1.csv t3.csv
-  if /usr/bin/python3 -c 'import h5py' 2> /dev/null; then
-    /usr/bin/python3 - <<'P'
-import h5py
-for side in (16, 6):
-    a, b = h5py.File("t1-%d.hdf" % side), h5py.File("t3-%d.hdf" % side)
-    for k in ("solid", "wall_distance", "grain_fraction"):
-        assert (a["model"][k][()] == b["model"][k][()]).all(), k
-P
-  fi
 }
 
 @test "model.hdf is as the contract says" {
@@ -707,10 +700,9 @@ for m in all:
     assert abs(m["size"][2] * m["spacing_m"][2] / 4.8e-4 - 1) < 1e-9'
   [ -s lv-32.hdf ]
   [ -s lv-24.hdf ]
-  run_ct build spheres.raw $RAW --void-ratio 3.96 --levels 9 -o lv.hdf
-  [ "$status" -eq 2 ]
 }
 
+# bats test_tags=long
 @test "shares of grain that round to more than 1 make no model that sphsolve refuses" {
   cd "$WORK"
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
@@ -719,9 +711,14 @@ for m in all:
   /usr/bin/python3 -c 'import h5py; f = h5py.File("shares.hdf")["model/grain_fraction"][()]; assert f.min() >= 0 and f.max() <= 1, f.max()'
 }
 
-@test "the specific surface of slits, straight and turned by 30 degrees, and of a tube is theirs within 4 %" {
+@test "the specific surface of slits, straight and turned by 30 degrees, and of a tube is theirs within 4 %" { surfaces grey; }
+# bats test_tags=long
+@test "the specific surface of the same in noise, and of labels" { surfaces noisy labels; }
+
+# KIND...
+surfaces() {
   cd "$WORK"
-  /usr/bin/python3 - "$CT" <<'END'
+  /usr/bin/python3 - "$CT" "$@" <<'END'
 import json, math, random, subprocess, sys
 n, c, t, r = 48, 24, math.radians(30), random.Random(1)
 shapes = {"slit": (lambda x, y: 8.3 - abs(x - c), 2 * n), "tube": (lambda x, y: math.hypot(x - c - 0.3, y - c + 0.4) - 15, 2 * math.pi * 15)}
@@ -732,7 +729,8 @@ shapes["turned"] = (lambda x, y: 8.3 - abs((x - c) * math.cos(t) + (y - c) * mat
 for name, (distance, length) in shapes.items():
     d = [distance(x + 0.5, y + 0.5) for y in range(n) for x in range(n)]
     void_ratio = ["--void-ratio", str(sum(v < 0 for v in d) / sum(v > 0 for v in d))]
-    for kind, options in (("grey", void_ratio), ("noisy", void_ratio), ("labels", ["--segmented", "0"])):
+    for kind in sys.argv[2:]:
+        options = ["--segmented", "0"] if kind == "labels" else void_ratio
         grey = [100 + 50 * max(-1, min(1, v / 1.5)) for v in d]
         layers = {"grey": lambda: bytes(map(round, grey)), "noisy": lambda: bytes(round(r.gauss(v, 6)) for v in grey), "labels": lambda: bytes(v > 0 for v in d)}
         open("plane.raw", "wb").write(b"".join(layers[kind]() for z in range(n)))

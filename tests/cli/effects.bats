@@ -8,6 +8,7 @@ setup() {
   grep -q avx2 /proc/cpuinfo || skip "this machine has no AVX2"
 }
 
+# bats test_tags=long
 @test "effects of wcsph that are off cost no instruction and no byte: walls and their water" {
   scripts/count-effects /dev/null moving subvoxel
 }

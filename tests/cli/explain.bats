@@ -148,6 +148,7 @@ END
   done
 }
 
+# bats test_tags=long
 @test "what finer lattices for a large effect of the sides take is said: more than that a run does not take" {
   cd "$BATS_FILE_TMPDIR"
   # Slits along z that meet nothing of themselves when mirrored: the effect is as large as can be.

@@ -76,6 +76,7 @@ END
   /usr/bin/python3 -c 'import json; e = json.load(open("thin.json"))["error"]; assert e["scan"] < 0.04, e'
 }
 
+# bats test_tags=long
 @test "a triangle whose pore the blur leaves no grey of its own: its level is the mean's, corners come back, k holds" {
   # Side 12 voxels, blur 2 voxels, contrast 8 times the noise.
   /usr/bin/python3 - <<'P'
@@ -129,6 +130,7 @@ assert abs(scanner["blur_m"] / 20e-6 - 1) < 0.15 and abs(scanner["contrast_to_no
 P
 }
 
+# bats test_tags=long
 @test "a slit and walls of seven voxels, whose greys are nowhere their own: blur and noise are found, and k holds" {
   # Blur 1.4 voxels, contrast 10 times the noise. k was 18 % low: the blur was left in, and noise on the walls.
   /usr/bin/python3 - <<'P'
@@ -159,6 +161,7 @@ assert abs(scanner["blur_m"] / 14e-6 - 1) < 0.15 and abs(scanner["contrast_to_no
 P
 }
 
+# bats test_tags=long
 @test "noise on the smooth walls of fibres, a tube and balls is smoothed away, and k holds; a sand's relief stays" {
   # Contrast 8 to 10 times the noise, blur 1.1 to 1.3 voxels. k was 6 to 11 % low.
   /usr/bin/python3 - <<'P'

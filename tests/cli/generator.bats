@@ -51,6 +51,7 @@ solid_voxels() { tr -d '\000' < "$1" | wc -c; }
   done
 }
 
+# bats test_tags=long
 @test "grains are 105 to 215 um, touch, hardly had to be cut, and form one skeleton" {
   for case in dense loose; do
     json="$FOLDER/$case/sand.json"
@@ -93,12 +94,14 @@ crosses() {
     }'
 }
 
+# bats test_tags=long
 @test "pores and grains both reach from end to end in x, y and z" {
   [ "$(crosses "$FOLDER/dense.raw" 0)" -eq 3 ]
   [ "$(crosses "$FOLDER/dense.raw" 1)" -eq 3 ]
   [ "$(crosses "$FOLDER/loose.raw" 0)" -eq 3 ]
 }
 
+# bats test_tags=long
 @test "quartz peaks at grey 100, pores near 22, in 16-bit TIFF as grey * 256" {
   # one uncompressed strip behind the 8-byte header
   for slice in "$FOLDER"/dense/slice_00[0-3]?.tif; do
@@ -147,6 +150,7 @@ crosses() {
   [ -e "$FOLDER/again/sand.json" ]
 }
 
+# bats test_tags=long
 @test "a finer truth is the same sand in the same place; other grains and sizes are other sands" {
   "$GENERATE" --quiet --output "$FOLDER/fine" --size 64x60x40 --voxel-size 11.66um --truth "$FOLDER/fine.raw" \
     --truth-refine 2

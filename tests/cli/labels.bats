@@ -161,17 +161,8 @@ END
     run --separate-stderr ct2model build "$@" -o wrong.hdf
     [ "$status" -eq "$code" ] && [[ "$stderr" == *"$word"* ]] || { echo "$*: $status $stderr"; false; }
   }
-  wrong 3 "labels 3, 7, 8" three.raw $CUBE --segmented
   wrong 3 "more than 32 greys: leave --segmented out" "$ROOT/data-samples/small" --voxel-size 8.745um --segmented 0
-  wrong 2 "void-ratio is missing" three.raw $CUBE
-  wrong 3 "label 8" three.raw $CUBE --segmented 3=pore,7=grain
-  wrong 3 "all of the region is grain" sphere.raw $CUBE --segmented 5
-  wrong 2 "--threshold is for greys" sphere.raw $CUBE --segmented 0 --threshold 0.5
-  wrong 2 "--segmented 0=air" sphere.raw $CUBE --segmented 0=air
   wrong 3 "--segmented 1" sphere.raw $CUBE --void-ratio 0.273
-  run --separate-stderr ct2model sweep sphere.raw $CUBE --segmented 0
-  [ "$status" -eq 3 ]
-  [[ "$stderr" == *"no threshold to sweep"* ]]
 }
 
 @test "a threshold on two labels: told, and so is that no share of the scan is known" {
@@ -283,6 +274,7 @@ assert all(abs(v / w - 1) < 1e-9 for v, w in zip(a["voxel_size_m"], (5e-6, 5e-6,
 END
 }
 
+# bats test_tags=long
 @test "slices far apart: told, in the error of k, and refused where nothing is known between them" {
   mkdir -p apart
   for i in $(seq 0 4 55); do cp "$(printf '%s/slice_%04d.png' "$ROOT/data-samples/small" "$i")" apart; done
@@ -344,25 +336,10 @@ assert k["mirrored"]["error"]["dlnk_sides_closed"] is None
 assert k["mirrored"]["error"]["sides"] is None and k["closed"]["error"]["sides"] is None
 assert k["periodic"]["error"]["total"] >= said
 END
-  run --separate-stderr ct2model build $eighth --sides closed --mirror x -o wrong.hdf
-  [ "$status" -eq 2 ]
-  [[ "$stderr" == *"--sides closed"* ]]
-  run --separate-stderr ct2model build $eighth --sides open -o wrong.hdf
-  [ "$status" -eq 2 ]
 }
 
-@test "pores that are cut where the model repeats itself along the flow are told; of periodic images and mirrored ones none are" {
-  small="$ROOT/data-samples/small --voxel-size 8.745um --blur keep -o cut.hdf --force" part="--crop 0,0,0,64,64,28"
-  ct2model build $small $part --void-ratio 0.725 --mirror none 2> said.txt
-  grep -qE "[1-9][0-9] % of the pores in the first and last layers .*; leave out --mirror none, unless" said.txt
-  ct2model build $small --void-ratio 0.6 --crop 0,0,0,40,40,20 2> said.txt | grep -q "(measured 0.6, error +0.0000)" # no -0.0000
-  ct2model build $small $part --void-ratio 0.725 --mirror x 2> said.txt
-  grep -q "; give --mirror z, unless" said.txt
-  for words in "--mirror z" "--mirror x --sides mirrored"; do
-    ct2model build $small $part --void-ratio 0.725 $words 2> said.txt
-    run ! grep "meet grain" said.txt
-  done
-  # Balls that wrap round, and the same less a quarter of its layers.
+# round.raw, balls that wrap round, part.raw, the same less a quarter of its layers, and models of them; said.txt
+balls() {
   python3 -c 'n = 24
 d = lambda a, b: min(abs(a - b), n - abs(a - b)) ** 2
 balls = [(3, 20, 1), (15, 4, 22), (9, 12, 11), (20, 14, 4), (1, 8, 17)]
@@ -373,6 +350,24 @@ open("round.raw", "wb").write(bytes(any(d(x, p) + d(y, q) + d(z, r) < 40 for p, 
   run ! grep "meet grain" said.txt
   ct2model build part.raw --raw 24x24x18:u8 --voxel-size 5um --segmented 0 --mirror none -o part.hdf 2> said.txt
   grep -q "meet grain" said.txt
+}
+@test "pores that are cut where the model repeats itself along the flow are told; of periodic images and mirrored ones none are" {
+  balls
+}
+
+# bats test_tags=long
+@test "pores that are cut: of the sample, with what mends it; and their part in the error of k" {
+  small="$ROOT/data-samples/small --voxel-size 8.745um --blur keep -o cut.hdf --force" part="--crop 0,0,0,64,64,28"
+  ct2model build $small $part --void-ratio 0.725 --mirror none 2> said.txt
+  grep -qE "[1-9][0-9] % of the pores in the first and last layers .*; leave out --mirror none, unless" said.txt
+  ct2model build $small --void-ratio 0.6 --crop 0,0,0,40,40,20 2> said.txt | grep -q "(measured 0.6, error +0.0000)" # no -0.0000
+  ct2model build $small $part --void-ratio 0.725 --mirror x 2> said.txt
+  grep -q "; give --mirror z, unless" said.txt
+  for words in "--mirror z" "--mirror x --sides mirrored"; do
+    ct2model build $small $part --void-ratio 0.725 $words 2> said.txt
+    run ! grep "meet grain" said.txt
+  done
+  balls
   # The error of its k holds what mirroring it in all axes makes of it, and says what would mend it.
   ct2model build part.raw --raw 24x24x18:u8 --voxel-size 5um --segmented 0 --sides mirrored -o whole.hdf -q
   for name in part whole round; do
@@ -395,6 +390,7 @@ assert k["ends"]["error"]["dlnk_sides_closed"] is None
 END
 }
 
+# bats test_tags=long
 @test "the share of the scan is that of fine lattices, where slits of few voxels are wider than a site" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   # Balls whose parts meet in slits where the image is wrapped round.

@@ -73,6 +73,7 @@ assert peak <= 100 * fluid + 16 * wall
 assert 0.9 * said <= peak <= method'
 }
 
+# bats test_tags=long
 @test "frozen grains: the same, with densities of their own" {
   march '"frozen"' '
 assert run["list_rebuilds"] >= 3
@@ -96,6 +97,7 @@ END
 }
 
 # (A calm flow: where nearly all particles run as fast as the fastest, lists grow beyond what is counted.)
+# bats test_tags=long
 @test "a state to go back to takes no memory: near its limit a step keeps one on disk" {
   local calm='force.body_acceleration=["0","0","-5 m/s^2"]' moving='effects.shifting="on"'
   dt=$("$SPH" explain scene.cfg --json --set "$calm" --set "$moving" |

@@ -5,6 +5,7 @@
 load programs
 setup_file() { programs_setup; }
 
+# bats test_tags=long
 @test "a file and a line make an analysis: command, option, files, section of the report" {
   local build=${BUILD:-build}
   case $build in /*) ;; *) build=$ROOT/$build ;; esac

@@ -5,6 +5,7 @@
 load programs
 setup_file() { programs_setup; }
 
+# bats test_tags=long
 @test "four files make a kernel: one of its own, two of exact forms, a line of the pair loops" {
   local build=${BUILD:-build} isa flags
   case $build in /*) ;; *) build=$ROOT/$build ;; esac

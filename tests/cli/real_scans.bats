@@ -13,6 +13,7 @@ setup() {
   cd "$BATS_TEST_TMPDIR"
 }
 
+# bats test_tags=long
 @test "fiberform, grey, 100^3: calibrated, percolates, k positive; blur, noise and resolution are measured, its blur is a share of the error of k" {
   ct2model build "$DATA/fiberform/100_fiberform.tif" --voxel-size 1.3um --void-ratio 5.67 --size 25x25x25 -o fiber.hdf --json > fiber.json
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=fiber.hdf -o run --json > run.json

@@ -1,8 +1,36 @@
 #!/usr/bin/env bats
 # The report's page: what it says is so, and what it shows can be seen.
 
-# NAME SIZE OPTIONS: of the first slices of the sample; what is said of it does not hang on how many there are.
-model() { ct2model build part --voxel-size 8.745um -q --size "${@:2}" -o "$1.hdf" > /dev/null; }
+# SIZE OPTIONS...: of the first slices of the sample; what is said of it does not hang on how many there are.
+part() { ct2model build part --voxel-size 8.745um -q --size "$@" > /dev/null; }
+labels() { ct2model build labels.npy --segmented 0 --voxel-size 70um -q "$@" > /dev/null; }
+# NAME...: models NAME.hdf, their runs run-NAME.hdf and pages NAME.html, made when a test first asks for them.
+made() {
+  local name
+  for name in "$@"; do
+    [ ! -e "$name.html" ] || continue
+    case $name in
+      matched) sample_model 16x16x7 matched.hdf ;;
+      fine) sample_model 32x32x14 fine.hdf ;;
+      given) part 16x16x3 --threshold 62 -o given.hdf ;;
+      given-measured) part 16x16x3 --threshold=62 --void-ratio 0.725 -o given-measured.hdf ;;
+      otsu) part 16x16x3 --threshold otsu --mirror none -o otsu.hdf ;;
+      plain)
+        /usr/bin/python3 - << END
+import h5py, numpy as np
+solid = h5py.File("matched.hdf")["model/solid"][()]
+with h5py.File("plain.hdf", "w") as f:
+    f["model/solid"] = solid
+    f["model"].attrs["spacing"] = [7e-5] * 3
+END
+        ;;
+      labels) labels --mirror none -o labels.hdf ;;
+      mirrored | closed) labels --sides $name -o $name.hdf ;;
+    esac
+    sphsolve run scene.cfg --set model.file=$name.hdf -o run-$name -q > /dev/null
+    analyze report run-$name.hdf -o $name.html -q > /dev/null
+  done
+}
 
 bats_require_minimum_version 1.5.0
 load programs
@@ -14,25 +42,9 @@ model  = { file = "matched.hdf"; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 force  = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
 END
-  sample_model 16x16x7 matched.hdf
+  made matched
   mkdir part && cp "$ROOT"/data-samples/small/slice_00{0,1}?.png "$ROOT"/data-samples/small/slice_002{0,1,2,3}.png part
-  model given 16x16x3 --threshold 62
-  model given-measured 16x16x3 --threshold=62 --void-ratio 0.725
-  model otsu 16x16x3 --threshold otsu --mirror none
-  /usr/bin/python3 - << END
-import h5py, numpy as np
-solid = h5py.File("matched.hdf")["model/solid"][()]
-with h5py.File("plain.hdf", "w") as f:
-    f["model/solid"] = solid
-    f["model"].attrs["spacing"] = [7e-5] * 3
-END
   /usr/bin/python3 -c 'import h5py, numpy; numpy.save("labels.npy", h5py.File("matched.hdf")["model/solid"][()] * 255)'
-  ct2model build labels.npy --segmented 0 --voxel-size 70um --mirror none -q -o labels.hdf > /dev/null
-  for sides in mirrored closed; do ct2model build labels.npy --segmented 0 --voxel-size 70um --sides $sides -q -o $sides.hdf > /dev/null; done
-  for model in matched given given-measured otsu plain labels mirrored closed; do
-    sphsolve run scene.cfg --set model.file=$model.hdf -o run-$model -q > /dev/null
-    analyze report run-$model.hdf -o $model.html -q > /dev/null
-  done
 }
 
 sentences() { /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" "$@"; }
@@ -40,17 +52,28 @@ data() { /usr/bin/python3 -c 'import json, re, sys
 page = json.loads(re.search(r"id=\"data\">(.*?)</script>", open(sys.argv[1]).read(), re.S)[1])
 assert eval(sys.argv[2]), page["verdict"]' "$@"; }
 
-@test "every sentence about specimen and method is what the provenance says" {
-  for model in matched given given-measured otsu plain labels mirrored closed; do sentences $model.html run-$model.hdf; done
+@test "sentences about specimen and method are what the provenance says: of greys, and of labels" {
+  made labels
+  for model in matched labels; do sentences $model.html run-$model.hdf; done
   grep -q "was set so that the model has the void ratio measured" matched.html
   grep -q "that was segmented before" labels.html
+  run ! grep -qE "was set so that|gives the measured void ratio" labels.html
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf method=wcsph wall=adami model=
+  analyze report made.hdf -o made.html -q > /dev/null
+  sentences made.html made.hdf
+}
+
+# bats test_tags=long
+@test "every sentence about specimen and method is what the provenance says" {
+  made given given-measured otsu plain labels mirrored closed
+  for model in given given-measured otsu plain labels mirrored closed; do sentences $model.html run-$model.hdf; done
   grep -q "; it is mirrored along x, y and z\." mirrored.html
   grep -q "; it is mirrored along z; its sides are walls\." closed.html
   for model in given given-measured otsu plain labels; do ! grep -qE "was set so that|gives the measured void ratio" $model.html; done
   # A model that has gone, other methods and walls, several runs.
   mkdir -p alone && cp run-matched.hdf run-matched-0000.hdf alone
   (cd alone && analyze report run-matched.hdf -o page.html -q > /dev/null 2>&1 && sentences page.html run-matched.hdf)
-  for words in "method=wcsph wall=adami" "method=wcsph wall=frozen" "method=isph wall=slip" "method=stokes"; do
+  for words in "method=wcsph wall=frozen" "method=isph wall=slip" "method=stokes"; do
     /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf $words model=
     analyze report made.hdf -o made.html -q > /dev/null
     sentences made.html made.hdf
@@ -61,7 +84,7 @@ assert eval(sys.argv[2]), page["verdict"]' "$@"; }
 }
 
 @test "of a model that was changed or replaced since the run nothing is taken, and all say so" {
-  mkdir -p replaced && cp run-matched.hdf run-matched-0000.hdf replaced && cp otsu.hdf replaced/matched.hdf
+  mkdir -p replaced && cp run-matched.hdf run-matched-0000.hdf replaced && made labels && cp labels.hdf replaced/matched.hdf
   cd replaced
   analyze report run-matched.hdf -o page.html 2> said
   [ "$(grep -c "not the one that was run" said)" -eq 1 ]
@@ -102,7 +125,9 @@ np.save("blocked.npy", a)'
   run -3 analyze pdf run-blocked.hdf
 }
 
+# bats test_tags=long
 @test "a page that claims a match that was not made is found" {
+  made given
   sed 's/at a given grey threshold of/whose grey threshold was set to match/' given.html > liar.html
   run sentences liar.html run-given.hdf
   [ "$status" -eq 1 ]
@@ -110,6 +135,23 @@ np.save("blocked.npy", a)'
   sed 's/>The slice at the threshold of the model</>The slice at the threshold that gives the measured void ratio</' given.html > liar.html
   run sentences liar.html run-given.hdf
   [ "$status" -eq 1 ]
+}
+
+# The calibration is drawn beyond the model's void ratio, measured or not.
+drawn_beyond() {
+  data $1.html '(lambda c: c["void_ratio_shown"] > 2 * min(zip((abs(t - c["threshold_chosen"]) for t in c["threshold"]), c["void_ratio"]))[1])(page["calibration"])'
+}
+class_of_interval() {
+  for page in "$@"; do
+    data $page.html '(lambda v: (" to " in v["class_din"]) == any(v["k_low_m_per_s"] < bound <= v["k_high_m_per_s"] for bound in (1e-8, 1e-6, 1e-4, 1e-2)))(page["verdict"][0])'
+  done
+}
+
+# bats test_tags=long
+@test "the class is that of the interval, the calibration is drawn to its end: of models given, by Otsu, of labels" {
+  made given otsu labels
+  drawn_beyond otsu
+  class_of_interval given otsu labels
 }
 
 @test "a verdict first: k with its interval, its class, and what other formulas say" {
@@ -122,25 +164,19 @@ np.save("blocked.npy", a)'
   [ "$(grep -c 'class="card"' levels.html)" -eq 1 ]
   data matched.html '(lambda v: v["k_low_m_per_s"] < v["k_m_per_s"] < v["k_high_m_per_s"])(page["verdict"][0])'
   # A bar of 25 to 100 % is said to be its class at best; two classes are named where the interval holds a bound of them.
-  sample_model 32x32x14 classed.hdf
-  sphsolve run scene.cfg --set model.file=classed.hdf -o run-classed -q > /dev/null
-  analyze report run-classed.hdf -o classed.html -q > /dev/null
-  data classed.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
+  made fine
+  data fine.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
   # What lessens resolution, and what lessens the largest of the other shares, whichever that is; where these alone are
   # just below what is wanted, smaller voxels are said to be no more than enough.
   data matched.html '(lambda v, b: (lambda remedy, rest: (remedy + "; a model with smaller voxels alone takes it only just below"
     if 0.97 * 0.05 <= rest < 0.05 else "a model with smaller voxels, and " + remedy) in v["advice"])(
     {"scan": "a finer or sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)],
     (b["scan"] ** 2 + b["sides"] ** 2 + b["void_ratio"] ** 2) ** 0.5))(page["verdict"][0], page["verdict"][0]["error_budget"])'
-  # The calibration is drawn beyond the model's void ratio, measured or not.
-  for page in matched otsu; do
-    data $page.html '(lambda c: c["void_ratio_shown"] > 2 * min(zip((abs(t - c["threshold_chosen"]) for t in c["threshold"]), c["void_ratio"]))[1])(page["calibration"])'
-  done
+  drawn_beyond matched
+  made plain
   data plain.html '"a model with voxels of about" in page["verdict"][0]["advice"]'
   data plain.html 'page["verdict"][0]["k_low_m_per_s"] == 0 and "do not publish" in page["verdict"][0]["good_for"]'
-  for page in matched given otsu plain labels levels; do
-    data $page.html '(lambda v: (" to " in v["class_din"]) == any(v["k_low_m_per_s"] < bound <= v["k_high_m_per_s"] for bound in (1e-8, 1e-6, 1e-4, 1e-2)))(page["verdict"][0])'
-  done
+  class_of_interval matched plain levels
   # K = n^3 / (5 S^2) of the model's own numbers; S as the file knows it.
   /usr/bin/python3 - << 'END'
 import h5py, json, math, re
@@ -158,6 +194,7 @@ assert abs(page["verdict"][0]["formulas"]["hazen"] / (9.80665e6 * 6e-4 * (1 + 10
 END
 }
 
+# bats test_tags=long
 @test "results of one name, of runs that differ in their fluid, are told apart by fluid and run" {
   sphsolve run scene.cfg --set "fluids[0].viscosity=2e-3 Pa s" -o run-thick -q > /dev/null
   analyze report run-matched.hdf run-thick.hdf -o fluids.html -q > /dev/null
@@ -166,6 +203,7 @@ END
   data matched.html 'page["verdict"][0]["name"].startswith("matched (") and ".hdf" not in page["verdict"][0]["name"]'
 }
 
+# bats test_tags=long
 @test "a long body is drawn in its proportions" {
   /usr/bin/python3 - << 'END'
 import numpy as np
@@ -203,10 +241,12 @@ END
 }
 
 @test "pictures: outlines lie on the walls, half of the flow is half of it, PNGs are sound" {
-  sample_model 32x32x14 fine.hdf
-  sphsolve run scene.cfg --set model.file=fine.hdf -o run-fine -q > /dev/null
-  analyze report run-fine.hdf -o fine.html -q > /dev/null
+  made fine
   /usr/bin/python3 "$ROOT/tests/cli/report_pictures.py" fine.html run-fine.hdf fine.hdf run-fine-0000.hdf
+}
+
+# bats test_tags=long
+@test "pictures without a model; numbers of colour bars stay short" {
   # Without a model the lattice's own walls do.
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf model= pressure=1
   analyze report made.hdf -o made.html -q > /dev/null
@@ -228,6 +268,7 @@ for page in sys.argv[1:]:
     gas.html other-6.4e-4.html other-3.4.html
 }
 
+# bats test_tags=long
 @test "a TMPDIR that is not there costs the page no picture" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" placed.hdf method=stokes k=1e-3 model= levels=1
   TMPDIR=/nothere analyze report placed.hdf -o placed.html > said 2>&1
@@ -248,7 +289,12 @@ for page in sys.argv[1:]:
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" early.hdf k=1e-3 model= tau=1
   analyze report early.hdf -o early.html -q > /dev/null 2>&1
   grep -q 'The flow has not settled, so there is no permeability' early.html
-  # Beside one that has a k it takes nothing from that: the page is about the one that has it, in either order.
+  ! grep -q 'interrupted' <(sed 's/<script.*//' ended.html)
+}
+
+# bats test_tags=long
+@test "a run without k beside one that has one takes nothing from it: the page is about the latter, in either order" {
+  /usr/bin/python3 "$ROOT/tests/cli/make_run.py" ended.hdf method=stokes k=1e-3 model=
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" soil.hdf method=isph k=1e-3 model= tau=1 name=soil
   for order in "soil.hdf ended.hdf" "ended.hdf soil.hdf"; do
     analyze report $order --mix -o both.html -q > /dev/null 2>&1
@@ -256,9 +302,9 @@ for page in sys.argv[1:]:
     grep -q '<td>soil (isph)</td><td>none: not settled</td>' both.html
     run ! grep -q 'no permeability to give' both.html
   done
-  ! grep -q 'interrupted' <(sed 's/<script.*//' ended.html)
 }
 
+# bats test_tags=long
 @test "a body one voxel wide: its map is the plane along it; names of a narrow map have room" {
   /usr/bin/python3 -c '
 import numpy as np
@@ -284,6 +330,7 @@ for svg in re.findall("<svg class=.map.*?</svg>", open("column.html").read(), re
     assert float(names) < float(re.search(r"viewBox=.0 0 \d+ (\d+)", svg)[1])'
 }
 
+# bats test_tags=long
 @test "a run that solved several lattices: its own interval, and k of each against time" {
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" levels.hdf method=stokes k=1e-3 model= levels=1
   analyze report levels.hdf -o levels.html -q > /dev/null
@@ -309,6 +356,7 @@ maps = re.findall(r"<svg class=.map.[^>]*viewBox=.0 0 (\d+) \d+.[^>]*font-size=.
 assert len(maps) == 2 and all(float(size) * 374 / float(width) > 9.5 for width, size in maps), maps'
 }
 
+# bats test_tags=long
 @test "names and shares of bars do not run into each other" {
   /usr/bin/python3 - << 'END'
 import re
@@ -345,13 +393,19 @@ END
 
 @test "on a telephone nothing is wider than the screen" {
   command -v chromium > /dev/null || skip "chromium is not installed"
+  narrow matched
+}
+
+# bats test_tags=long
+@test "on a telephone nothing is wider than the screen: a tensor, a flow net" {
+  command -v chromium > /dev/null || skip "chromium is not installed"
   sphsolve run scene.cfg --set model.file=matched.hdf -o run-tensor --tensor -q > /dev/null
   analyze report run-tensor.hdf -o tensor.html -q > /dev/null
   sphsolve run "$ROOT/data-samples/scenes/excavation.cfg" --set scene.end_time='"2 s"' -o trench -q > /dev/null
   analyze report trench.hdf -o trench.html -q > /dev/null
   grep -q 'class="tensor"' tensor.html
   grep -q "by the flow net" trench.html
-  narrow matched tensor trench
+  narrow tensor trench
   # All that a run of isph records would be screens of charts: the last page's wait behind a fold.
   /usr/bin/python3 - << 'END'
 import re

@@ -7,8 +7,9 @@ setup_file() {
   programs_path
   . "$ROOT/tests/cli/resumable.bash"
   resumable_make
-  for method in wcsph stokes isph richards; do (resumable_start $method whole-$method > /dev/null); done
 }
+# METHOD: whole-METHOD, the run that is never stopped, made when a test first asks for it
+whole() { [ -e "whole-$1.hdf" ] || (resumable_start "$1" "whole-$1" > /dev/null); }
 setup() {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$BATS_FILE_TMPDIR"
@@ -17,6 +18,7 @@ setup() {
 
 # METHOD SEED: a run killed up to three times, also while it writes
 torn() {
+  whole $1
   RANDOM=$2
   rm -f rent*
   resumable_tear $1 rent 3
@@ -27,6 +29,7 @@ torn() {
 @test "wcsph: killed by SIGKILL, at random and while it writes, and resumed" { torn wcsph 1; }
 @test "stokes: killed by SIGKILL, at random and while it writes, and resumed" { torn stokes 1; }
 @test "isph: killed by SIGKILL, at random and while it writes, and resumed" { torn isph 1; }
+# bats test_tags=long
 @test "richards: killed by SIGKILL, at random and while it writes, and resumed" { torn richards 1; }
 
 # bats test_tags=long
@@ -34,8 +37,10 @@ torn() {
   for method in wcsph stokes isph richards; do tried=0 aimed=1 torn $method 2; done
 }
 
-@test "a crash loses no row of the history" {
-  for method in wcsph isph; do
+# METHOD...
+no_row_lost() {
+  for method in "$@"; do
+    whole $method
     rm -f lost*
     (CHECKPOINT="1 min" resumable_start $method lost > /dev/null 2>&1) &
     until [ -s lost.history.csv ] && [ "$(wc -l < lost.history.csv)" -gt 3 ]; do sleep 0.02; done
@@ -63,12 +68,17 @@ for i, row in enumerate(rows[1:]):
         assert float(value) == stored or stored != stored, (name, i, value, stored)
 END
   done
-  (CHECKPOINT='1 min' resumable_start isph lost --resume > /dev/null)
+  (CHECKPOINT='1 min' resumable_start $method lost --resume > /dev/null)
   [ ! -e lost.history.csv ]
-  resumable_same whole-isph lost
+  resumable_same whole-$method lost
 }
+@test "a crash loses no row of the history" { no_row_lost isph; }
+
+# bats test_tags=long
+@test "a crash loses no row of the history, of wcsph" { no_row_lost wcsph; }
 
 @test "SIGTERM writes a checkpoint and ends with exit code 130" {
+  whole wcsph
   (resumable_start wcsph term > /dev/null 2>&1) &
   until [ -s term.history.csv ] && [ "$(wc -l < term.history.csv)" -gt 3 ]; do sleep 0.02; done
   kill -TERM $!
@@ -80,6 +90,7 @@ END
   resumable_same whole-wcsph term
 }
 
+# bats test_tags=long
 @test "stokes: after SIGTERM k is the estimate from the lattices that were solved, with its error; --resume goes on" {
   sample_model 64x64x28 full.hdf
   term() { sphsolve run s06.cfg --set model.file=full.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --error 0.001% "$@"; }
@@ -109,8 +120,10 @@ END
   resumable_same never stopped
 }
 
-@test "a flipped or truncated checkpoint is known, and the older one used" {
-  for method in wcsph stokes isph; do
+# METHOD...
+damaged() {
+  for method in "$@"; do
+    whole $method
     rm -f bad*
     # Once more where it was killed between the names of its two checkpoints, or had ended.
     until [ -s bad.ckpt.1.hdf ] && [ -s bad.ckpt.hdf ]; do
@@ -138,6 +151,10 @@ END
     [[ "$stderr" == *"remove both to start anew"* ]]
   done
 }
+@test "a flipped or truncated checkpoint is known, and the older one used" { damaged isph; }
+
+# bats test_tags=long
+@test "a flipped or truncated checkpoint is known, and the older one used, of wcsph and stokes" { damaged wcsph stokes; }
 
 @test "stokes: a checkpoint on other lattices than --error takes is told" {
   lattices() {
@@ -170,18 +187,30 @@ END
   [ "$(cat other.ckpt.1.hdf)" = mine ]
 }
 
-@test "the same bits for 1, 2 and 3 threads" {
-  for method in wcsph isph richards; do
-    for threads in 1 2 3; do
-      [ $threads != "${OMP_NUM_THREADS:-}" ] || continue # those of the whole run
-      (resumable_start $method threads --threads $threads > /dev/null)
-      resumable_same whole-$method threads
-    done
+# METHOD THREADS...
+same_bits() {
+  local method=$1
+  whole $method
+  for threads in "${@:2}"; do
+    [ $threads != "${OMP_NUM_THREADS:-}" ] || continue # those of the whole run
+    (resumable_start $method threads --threads $threads > /dev/null)
+    resumable_same whole-$method threads
   done
 }
+@test "the same bits for other numbers of threads" {
+  for method in wcsph isph; do same_bits $method 2; done
+}
 
-@test "a full disk leaves no half file and ends with exit code 1; with room again the run is as ever" {
-  for method in wcsph stokes isph; do
+# bats test_tags=long
+@test "the same bits for 1, 2 and 3 threads" {
+  for method in wcsph isph richards; do same_bits $method 1 3; done
+  same_bits richards 2
+}
+
+# METHOD...
+full_disk() {
+  for method in "$@"; do
+    whole $method
     rm -f full*
     (
       ulimit -f 8 # blocks of 1 KB: no snapshot fits
@@ -200,6 +229,10 @@ END
     resumable_same whole-$method full
   done
 }
+@test "a full disk leaves no half file and ends with exit code 1; with room again the run is as ever" { full_disk isph; }
+
+# bats test_tags=long
+@test "a full disk: the same of wcsph and stokes" { full_disk wcsph stokes; }
 
 @test "a finished run that left no checkpoint is not replaced by --resume" {
   cat > over.cfg <<'END'
@@ -220,6 +253,7 @@ END
   run ! grep "starting anew" said
 }
 
+# bats test_tags=long
 @test "a direction of the tensor that knows k well enough is taken, whatever was asked of it" {
   /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 "$BATS_TEST_DIRNAME/tensor_models.py"

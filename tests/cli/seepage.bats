@@ -8,20 +8,13 @@ setup_file() {
   export TANK=$ROOT/data-samples/scenes/still-tank.cfg
 }
 
+# What is refused stands in tests/unit/bad_scenes.txt; here what is just within.
 WATER='{ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; }'
-refused() { # WORDS END REGION
-  run sphsolve explain "$TANK" --set "scene.end_time=\"$2\"" --set "regions=($3)"
-  [ "$status" -eq 3 ] || { echo "exit $status: $output"; return 1; }
-  [ "${#lines[@]}" -eq 1 ] || { echo "$output"; return 1; }
-  [[ "$output" == *"$1"* ]] || { echo "$output"; return 1; }
-}
 taken() { # END REGION
   sphsolve explain "$TANK" --set "scene.end_time=\"$1\"" --set "regions=($2)" > plan.txt
 }
 
 @test "a wall between two waters is two spacings thick, or refused with the thickness that works" {
-  refused "make it 0.02 m thick" 2s "$WATER, { type = \"wall\"; box = [\"0.09 m\", \"0\", \"0.1 m\", \"0.3 m\"]; }"
-  refused "or domain.spacing 0.0075 m" 2s "$WATER, { type = \"wall\"; box = [\"0\", \"0.09 m\", \"0.1 m\", \"0.105 m\"]; }"
   taken 2s "$WATER, { type = \"wall\"; box = [\"0.08 m\", \"0\", \"0.1 m\", \"0.3 m\"]; }"
   # Water on one side only: as thin as one likes.
   taken 2s "$WATER, { type = \"wall\"; box = [\"0\", \"0\", \"0.2 m\", \"0.01 m\"]; }"
@@ -37,12 +30,9 @@ taken() { # END REGION
 
 @test "inflows: room for what comes in, and a row at least" {
   corner='{ type = "inflow"; box = ["0", "0.2 m", "0.01 m", "0.3 m"]; flux = "0.1 m/s"; }'
-  refused "room for 0.02, full after 2 s" 6s "$WATER, $corner"
-  refused "full after 0.002 s" 6s "$WATER, ${corner/0.1 m\/s/100 m/s}"
   taken 1s "$WATER, $corner"
   taken 6s "$WATER, $corner, { type = \"inflow\"; box = [\"0.19 m\", \"0\", \"0.2 m\", \"0.2 m\"]; head = \"0.2 m\"; }"
   rain='{ type = "inflow"; box = ["0", "0.29 m", "0.2 m", "0.3 m"]; flux = "1 mm/s"; }'
-  refused "use a domain.spacing below 0.002 m" 2s "$WATER, $rain"
   taken 12s "$WATER, $rain"
 }
 
@@ -55,11 +45,6 @@ taken() { # END REGION
 
 @test "absorbing sides: told by explain, waves lose their energy to it; where it would do something else, refused" {
   side() { echo "{ type = \"absorbing\"; box = [\"$1 m\", \"0\", \"$2 m\", \"0.1 m\"]; }"; }
-  refused "lies against one upright side of the domain" 2s "$WATER, $(side 0.05 0.15)"
-  refused "lies against one upright side of the domain" 2s "$WATER, $(side 0 0.2)"
-  refused "would brake what flows in the porous region of line" 2s "$WATER, $(side 0.1 0.2), { type = \"porous\"; box = [\"0.15 m\", \"0\", \"0.2 m\", \"0.05 m\"]; porosity = 0.4; grain_size = \"5 mm\"; }"
-  refused "no waves to absorb" 2s "{ type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.3 m\"]; }, $(side 0.1 0.2)"
-  refused "give its box" 2s "$WATER, { type = \"absorbing\"; corners = [\"0.1 m\", \"0\", \"0.2 m\", \"0\", \"0.2 m\", \"0.1 m\"]; }"
   taken 2s "$WATER, $(side 0.1 0.2)"
   grep -q 'on   isph_absorbing  *absorbing regions, for waves up to 0.1 m long' plan.txt
   taken 2s "$WATER"
@@ -81,11 +66,6 @@ END
 
 @test "rain: less than a row arrives; none, more than there is room for, or faster than it falls, is refused" {
   rain() { echo "{ type = \"rain\"; name = \"sky\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; rate = \"$1\"; }"; }
-  refused "use a domain.spacing below 0.00632 m" 2s "$WATER, $(rain "0.1 mm/s")"
-  refused "room for 0.02, full after 10 s" 12s "$WATER, $(rain "1 cm/s")"
-  refused "rain falls from the top of its box, at z = 0.3 m" 2s "$WATER, { type = \"wall\"; box = [\"0.1 m\", \"0.27 m\", \"0.2 m\", \"0.3 m\"]; }, $(rain "1 mm/s")"
-  refused "comes faster than water falls out of its way" 0.1s "$WATER, $(rain "1 m/s")"
-  refused "has no surface to fall on" 2s "{ type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.3 m\"]; }, $(rain "1 mm/s")"
   run sphsolve explain "$TANK" --set "regions=($WATER, $(rain "1 mm/s"))" --set 'force.gravity=["9.81 m/s^2", "0"]'
   [ "$status" -eq 3 ]
   [[ "$output" == *"rain falls along -z"* ]]
@@ -100,8 +80,6 @@ END
 
 @test "soil that moves stops before walls; what it leaves behind is water" {
   soil='{ type = "porous"; box = ["0", "0", "0.1 m", "0.2 m"]; porosity = 0.4; grain_size = "1 cm"; velocity = ["0.02 m/s", "0"]; }'
-  refused "which it reaches after 5 s" 10s "$soil, $WATER"
-  refused "the wall at 0.15 m in x" 10s "$soil, $WATER, { type = \"wall\"; box = [\"0.15 m\", \"0\", \"0.2 m\", \"0.3 m\"]; }"
   sphsolve run "$TANK" --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set "regions=($soil, $WATER)" -o behind --quiet > behind.txt
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 - <<'END'
@@ -205,6 +183,7 @@ END
   done
 }
 
+# bats test_tags=long
 @test "the +- of a plane's flux holds the exact flux, in free water, too" {
   /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   for size in "5 mm" "1 cm"; do
@@ -235,6 +214,7 @@ END
   grep -qE "^set title .[0-9.e()-]+ \+- [0-9.e()-]+ m\^2/s in" net/seepage.gp # the flux has its error in the picture too
 }
 
+# bats test_tags=long
 @test "water faster than anything can drive it: told with the speed, the place and the reason, and the step is not halved to nothing" {
   # Without shifting particles clump and one is flung away; steps chosen by its speed alone would shrink without end.
   run sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'regions.[0].porosity=0.3' --set 'isph.dt="auto"' \
@@ -261,6 +241,7 @@ END
   grep -q 'domain.spacing = "5.4 mm" for 3 %' layer.txt
 }
 
+# bats test_tags=long
 @test "a permeability given is the one found, with and without grains of its own" {
   for given in '"0.1 mm/s"' '"1 cm/s"; grain_size = "2 mm"; beta = 0.0'; do
     sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o given --json --set 'scene.end_time="2 s"' --set 'regions=(
@@ -279,12 +260,6 @@ END
   well() { echo "{ type = \"well\"; rate = \"1e-6 m^2/s\"; centre = [\"$1 m\", \"0.05 m\"]; radius = \"3 cm\"; }"; }
   taken "0.1 s" "$soil, $WATER, $(well 0.12)"
   taken "0.1 s" "$WATER, $soil, $(well 0.12)"
-  refused "there is none: keep it within a porous region" "0.1 s" "$soil, $WATER, $(well 0.04)"
-  # A drain gives nothing: in a box that is full a well has nothing to take, nor has the drain.
-  full='{ type = "porous"; box = ["0", "0", "0.2 m", "0.3 m"]; porosity = 0.4; grain_size = "5 mm"; }'
-  drain='{ type = "drain"; box = ["0.1 m", "0.1 m", "0.2 m", "0.2 m"]; head = "5 cm"; }'
-  refused "nothing gives what this well takes; let an inflow region of given head" "0.1 s" "$full, $(well 0.05), $drain"
-  refused "nothing gives what this drain takes; let an inflow region, or a free surface" "0.1 s" "$full, $drain"
 }
 
 @test "heads drive water without gravity too" {
@@ -338,7 +313,8 @@ END
   [[ "$output" == *"lighter than the water float"* ]]
 }
 
-@test "heads, fluxes and walls that change with time" {
+# bats test_tags=long
+@test "heads and walls that change with time" {
   column() { awk -F, -v name="$2" -v t="$3" 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
     $at["time"] >= t - 1e-9 { print $at[name]; exit }' "$1/history.csv"; }
   within() { awk -v a="$1" -v b="$2" -v most="$3" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < most ^ 2) }' || { echo "$1 is not $2 +- $3"; return 1; }; }
@@ -359,12 +335,16 @@ END
     { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; times = ["0 s", "1 s", "2 s"]; velocity = ["0", "0", "0.1 m/s", "0", "0", "0"]; } )' > shoved.txt
   analyze history shoved.hdf -o shoved
   within "$(column shoved front_low_x 2.4)" 0.15 3e-3
-  # A flux that falls to nothing: what has come in is its integral.
+}
+
+@test "a flux that changes with time: what has come in is its integral" {
   sphsolve run "$TANK" -o poured --quiet --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set 'regions=(
     { type = "water"; box = ["0", "0", "0.2 m", "0.1 m"]; },
     { type = "inflow"; box = ["0", "0", "0.01 m", "0.1 m"]; times = ["0 s", "1 s"]; flux = ["0.1 m/s", "0 m/s"]; } )' > poured.txt
   analyze history poured.hdf -o poured
-  within "$(column poured mass 1.9)" "$(awk 'BEGIN { print 1000 * 0.01 * (0.02 + 0.05 * 0.1) }')" 0.012
+  awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
+    $at["time"] >= 1.9 - 1e-9 { held = ($at["mass"] - 1000 * 0.01 * (0.02 + 0.05 * 0.1)) ^ 2 < 0.012 ^ 2; exit }
+    END { exit !held }' poured/history.csv
 }
 
 @test "the force of water on walls that have a name" {
@@ -434,7 +414,7 @@ assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.
 END
 }
 
-@test "soil that still fills has no steady flow through it: its flow net is no result" {
+fills() { # fills.cfg and its run
   cat > fills.cfg <<'END'
 scene = { name = "fills"; method = "isph"; end_time = "4 s"; };
 domain = { size = ["1.5 m", "0.6 m"]; spacing = "5 cm"; periodic = [false, false]; };
@@ -444,7 +424,10 @@ regions = ( { type = "porous"; box = ["0", "0", "1.5 m", "0.6 m"]; porosity = 0.
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 output = { interval = "1 s"; history_interval = "0.1 s"; };
 END
-  sphsolve run fills.cfg -o fills --quiet > fills.txt
+  [ -e fills.hdf ] || sphsolve run fills.cfg -o fills --quiet > fills.txt
+}
+@test "soil that still fills has no steady flow through it: its flow net is no result" {
+  fills
   analyze seepage fills.hdf | grep -q "^unsteady .*the soil fills with"
   analyze seepage fills.hdf --json > fills.json
   /usr/bin/python3 - <<'END'
@@ -458,6 +441,11 @@ rate = np.polyfit(t[late], volume[late], 1)[0] / 0.05
 assert 0.5 * rate < run["soil_uptake_m2_per_s"] < 1.2 * rate, (run["soil_uptake_m2_per_s"], rate)
 assert run["flow_error95_m2_per_s"] > 0.7 * run["flow_m2_per_s"], run["flow_error95_m2_per_s"]
 END
+}
+
+# bats test_tags=long
+@test "flow that is not steady: with planes and gauges, in the report, between two heads, by snapshots" {
+  fills
   # With planes and gauges too, while steady flow by Darcy's law is not asked for.
   sphsolve run fills.cfg -o fills-at --quiet --set 'planes=({name="p";x="0.4 m";})' --set 'gauges=({name="g";at=["0.2 m","0"];})' > fills.txt
   analyze seepage fills-at.hdf > fills.txt
@@ -484,6 +472,7 @@ END
   analyze seepage sloshes.hdf | grep -q "^unsteady .*still go one way"
 }
 
+# bats test_tags=long
 @test "a plane in a sheet pile counts what passes under it alone, and the net's error holds the flow of layered soil" {
   cat > pile.cfg <<'END'
 scene = { name = "pile"; method = "isph"; end_time = "4 s"; };
@@ -670,6 +659,7 @@ assert abs(mid["darcy"] / 5e-4 - 1) < 2e-3 and abs(mid["mean"] - 5e-4) < mid["er
 END
 }
 
+# bats test_tags=long
 @test "water that does not stand at the head of its window: told, and the +- hold what the scene's heads give" {
   cat > foot.cfg <<'END'
 scene = { name = "foot"; method = "isph"; end_time = "10 s"; };
@@ -703,6 +693,7 @@ assert wall["wall"] == 4 and abs(wall["uplift_N_per_m"] - 1240.4) < wall["uplift
 END
 }
 
+# bats test_tags=long
 @test "a well: planes on either side have half of its rate, and there is no flow net" {
   cat > sink.cfg <<'END'
 scene = { name = "sink"; method = "isph"; end_time = "2 s"; };
@@ -769,6 +760,7 @@ assert sum(name.startswith("volume_in_region") for name in h) == 3
 END
 }
 
+# bats test_tags=long
 @test "analyze seepage: a wall of many boxes is one, by its name, or by its number in the scene" {
   cat > weir.cfg <<'END'
 scene = { name = "weir"; method = "isph"; end_time = "2 s"; };
@@ -845,6 +837,7 @@ END
   [[ "$output" == *"method richards runs in one process; leave out mpirun"* ]]
 }
 
+# bats test_tags=long
 @test "soil that is not full: a well whose soil does not bring its rate is told of, in kg, too" {
   cat > pump.cfg << 'END'
 scene = { name = "pump"; end_time = "1 d"; };

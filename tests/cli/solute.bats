@@ -68,6 +68,7 @@ assert r["longitudinal_error"][0] == min(error, r["closure"]["longitudinal_error
 P
 }
 
+# bats test_tags=long
 @test "an error that is asked for and not reached is told" {
   run --separate-stderr sphsolve run carried.cfg -o wanted --error 0.1%
   [ "$status" -eq 0 ]
@@ -230,6 +231,7 @@ P
   [[ $stderr == *"no solute in it"* ]]
 }
 
+# bats test_tags=long
 @test "report puts a solute beside its own flow alone, and tells where it is from" {
   sphsolve run slit.cfg -o wider --set 'scene.name="wider"' --set 'regions.[1].box=["0","0","0.1 mm","0.3 mm"]' > /dev/null
   run -3 --separate-stderr analyze report wider.hdf carried.hdf -o other.html

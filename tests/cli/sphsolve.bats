@@ -310,6 +310,7 @@ for what, predicted, measured in pairs:
   done
 }
 
+# bats test_tags=long
 @test "explain --error of a model: few spheres reach the error with as many sites as it names" {
   /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "no h5py"
   cat > spheres.py << 'END'

@@ -88,6 +88,7 @@ assert t["isotropic_within_error"]'
 assert [p["permeability_m2"] for p in t["principal"][1:]] == [0, 0] and t["principal"][0]["permeability_m2"] > 0, t'
 }
 
+# bats test_tags=long
 @test "a crop whose pores do not meet is mirrored along x and y as along z, each for its own flow" {
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   for axis in z x; do
@@ -121,6 +122,7 @@ P
   [[ "$stderr" == *"direction x, mirrored along it"*": its record is there already"* ]]
 }
 
+# bats test_tags=long
 @test "the tensor to an asked error, each direction by its own lattices; --resume takes what is there" {
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   sphsolve run mirrored.cfg -o open --tensor --error 20% --json > open.json

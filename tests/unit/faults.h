@@ -173,7 +173,8 @@ static void faults_all(program run, const char *before, const char *command,
   print_message("# %s: %ld %ss, %ld of them fatal\n", command, faults.met, what, faults.fatal);
 }
 
-__attribute__((unused)) static void faults_both(program run, const char *before, const char *command) {
+__attribute__((unused)) static void faults_both(program run, const char *before,
+                                                const char *command) {
   faults_all(run, before, command, memory_ask_fails, "allocation");
   faults_all(run, before, command, output_ask_fails, "write");
 }

@@ -29,8 +29,8 @@ struct base {
   int lines;
 };
 
-static struct pair lets[32];
-static struct base bases[8];
+static struct pair lets[48];
+static struct base bases[16];
 static int let_count, base_count;
 static char folder[] = "/tmp/tosui-scenes-XXXXXX";
 

@@ -147,10 +147,9 @@ static void test_uncertainty_parts_add_up(void **state) {
   assert_true(fabs(uncertainty_parts_total(&parts, 1.2) - 1.3) < 1e-15);
   assert_string_equal(uncertainty_part_names[UNCERTAINTY_SHARES - 1], "steadiness");
   assert_string_equal(uncertainty_part_names[UNCERTAINTY_PARTS - 1], "sides_unknown");
-  assert_true(parts.value[UNCERTAINTY_SHARES - 1] == 0.4 &&
-              parts.value[UNCERTAINTY_PARTS - 3] == 7.0 &&
-              parts.value[UNCERTAINTY_PARTS - 2] == 8.0 &&
-              parts.value[UNCERTAINTY_PARTS - 1] == 1.0);
+  assert_true(
+      parts.value[UNCERTAINTY_SHARES - 1] == 0.4 && parts.value[UNCERTAINTY_PARTS - 3] == 7.0 &&
+      parts.value[UNCERTAINTY_PARTS - 2] == 8.0 && parts.value[UNCERTAINTY_PARTS - 1] == 1.0);
 }
 
 /* x raises k by a tenth and y takes it back: that is no sample without sides. */

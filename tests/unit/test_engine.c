@@ -232,7 +232,8 @@ static void test_empty_slots_change_no_bit(void **state) {
   march_as_one_thread(1, 5); /* m/s: more than any particle's */
 }
 
-/* AVX2 and AVX-512 give the same bits; the baseline has no fused operations. */
+/* AVX2 and AVX-512 give the same bits; the baseline has no fused operations. (`make check` alone
+ * builds one of them, for this machine.) */
 static void test_instruction_sets_agree(void **state) {
   (void)state;
   static float v[2][SITES][3];
@@ -245,6 +246,7 @@ static void test_instruction_sets_agree(void **state) {
     march(walls[w], 1, NULL, 20, SIDE, v[0], x[0]);
     for (int n = 0; n < 2; n++) {
       if (strcmp(widest->name, "baseline") == 0 && n == 0) continue;
+      if (!pair_isa_is_built(names[n])) continue;
       march(walls[w], 1, names[n], 20, SIDE, v[1], x[1]);
       if (n == 0) {
         assert_memory_equal(v[0], v[1], sizeof v[0]);

@@ -1,5 +1,6 @@
 /* Every allocation and every write of ct2model fails once, on a small stack. */
 #include "faults.h"
+#include "long_tests.h"
 
 int ct2model_main(int argc, char **argv);
 #define main ct2model_main
@@ -32,19 +33,19 @@ static int write_stack(void **state) {
   return faults_run(ct2model_main, command);
 }
 
-static void test_build(void **state) {
+static void long_test_build(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model build %s --size 12x12x4 -o out.hdf", slices);
   faults_both(ct2model_main, NULL, command);
 }
-static void test_build_of_large_voxels(void **state) {
+static void long_test_build_of_large_voxels(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model build %s --size 3x3x1 -o out.hdf", slices);
   faults_both(ct2model_main, NULL, command);
 }
-static void test_sweep(void **state) {
+static void long_test_sweep(void **state) {
   (void)state;
   char command[600];
   snprintf(command, sizeof command, "ct2model sweep %s -o out.csv --filter none --json", slices);
@@ -74,16 +75,17 @@ static void test_tiff(void **state) {
               "ct2model sweep pages.tif --void-ratio 0.8 --voxel-size 5um --size 6x6x3 --threads 1 "
               "-o out.csv --quiet");
 }
-static void test_info_model(void **state) {
+static void long_test_info_model(void **state) {
   (void)state;
   faults_both(ct2model_main, NULL, "ct2model info m.hdf");
 }
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_build),  cmocka_unit_test(test_build_of_large_voxels),
-      cmocka_unit_test(test_sweep),  cmocka_unit_test(test_info),
-      cmocka_unit_test(test_levels), cmocka_unit_test(test_export),
-      cmocka_unit_test(test_tiff),   cmocka_unit_test(test_info_model)};
+      cmocka_unit_test(long_test_build), cmocka_unit_test(long_test_build_of_large_voxels),
+      cmocka_unit_test(long_test_sweep), cmocka_unit_test(test_info),
+      cmocka_unit_test(test_levels),     cmocka_unit_test(test_export),
+      cmocka_unit_test(test_tiff),       cmocka_unit_test(long_test_info_model)};
+  long_tests_choose();
   return cmocka_run_group_tests(tests, write_stack, faults_end);
 }

@@ -1,5 +1,6 @@
 /* Every allocation and every write of sphsolve fails once, in small runs of the three methods. */
 #include "faults.h"
+#include "long_tests.h"
 
 int sphsolve_main(int argc, char **argv);
 #define main sphsolve_main
@@ -15,7 +16,8 @@ static void write_scene(const char *name, const char *head, const char *tail) {
   fclose(file);
 }
 
-static void write_scenes(void) {
+static int write_scenes(void **state) {
+  if (faults_start(state) != 0) return 1;
   const char *slit =
       "domain = { size = [\"6 cm\", \"6 cm\"]; spacing = \"1 cm\"; periodic = [true, "
       "false]; };\nregions = ( { type = \"water\"; box = [\"0\", \"0\", \"6 cm\", "
@@ -30,18 +32,21 @@ static void write_scenes(void) {
               "{ type = \"porous\"; box = [\"3 cm\", \"0\", \"6 cm\", \"2 cm\"]; porosity = 0.4; "
               "grain_size = \"1 cm\"; } );\nforce = { gravity = [\"0\", \"-9.8 m/s^2\"]; };\n"
               "isph = { dt = \"1 ms\"; }; gauges = ( { at = [\"1 cm\", \"1 cm\"]; } );");
+  return 0;
 }
 
-static void test_wcsph(void **state) {
+static void long_test_wcsph(void **state) {
   (void)state;
-  write_scenes();
   faults_both(sphsolve_main, NULL, "sphsolve run wcsph.cfg -o out --threads 1 --quiet");
+}
+static void long_test_wcsph_near_its_limit(void **state) {
+  (void)state;
   /* So near its limit that a state to go back to is kept. */
   faults_both(sphsolve_main, NULL,
               "sphsolve run wcsph.cfg -o out --threads 1 --quiet --set wcsph.dt=43ms "
               "--set scene.end_time=43ms --set checkpoint.interval=1h --set output.interval=1s");
 }
-static void test_wcsph_resumed(void **state) {
+static void long_test_wcsph_resumed(void **state) {
   (void)state;
   faults_both(sphsolve_main,
               "sphsolve run wcsph.cfg -o out --threads 1 --quiet --set scene.end_time=0.05s",
@@ -56,7 +61,7 @@ static void test_isph(void **state) {
   faults_both(sphsolve_main, NULL, "sphsolve run isph.cfg -o out --threads 1 --quiet");
 }
 /* Checkpoints at every step, and a run taken up from the last of them. */
-static void test_stokes_resumed(void **state) {
+static void long_test_stokes_resumed(void **state) {
   (void)state;
   faults_both(sphsolve_main,
               "sphsolve run stokes.cfg -o out --threads 1 --quiet --set checkpoint.interval=1us "
@@ -64,7 +69,7 @@ static void test_stokes_resumed(void **state) {
               "sphsolve run stokes.cfg -o out --threads 1 --quiet --set checkpoint.interval=1us "
               "--resume");
 }
-static void test_isph_resumed(void **state) {
+static void long_test_isph_resumed(void **state) {
   (void)state;
   faults_both(sphsolve_main,
               "sphsolve run isph.cfg -o out --threads 1 --quiet --set scene.end_time=1ms",
@@ -74,14 +79,22 @@ static void test_isph_resumed(void **state) {
 static void test_explain(void **state) {
   (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve explain isph.cfg --json");
+}
+static void long_test_explain(void **state) {
+  (void)state;
   faults_both(sphsolve_main, NULL, "sphsolve explain wcsph.cfg --error 5%");
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_wcsph),         cmocka_unit_test(test_explain),
-      cmocka_unit_test(test_wcsph_resumed), cmocka_unit_test(test_stokes),
-      cmocka_unit_test(test_isph),          cmocka_unit_test(test_stokes_resumed),
-      cmocka_unit_test(test_isph_resumed)};
-  return cmocka_run_group_tests(tests, faults_start, faults_end);
+  const struct CMUnitTest tests[] = {cmocka_unit_test(long_test_wcsph),
+                                     cmocka_unit_test(long_test_wcsph_near_its_limit),
+                                     cmocka_unit_test(test_explain),
+                                     cmocka_unit_test(long_test_explain),
+                                     cmocka_unit_test(long_test_wcsph_resumed),
+                                     cmocka_unit_test(test_stokes),
+                                     cmocka_unit_test(test_isph),
+                                     cmocka_unit_test(long_test_stokes_resumed),
+                                     cmocka_unit_test(long_test_isph_resumed)};
+  long_tests_choose();
+  return cmocka_run_group_tests(tests, write_scenes, faults_end);
 }

@@ -345,14 +345,11 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
-                                     cmocka_unit_test(test_round_trip),
-                                     cmocka_unit_test(test_foreign),
-                                     cmocka_unit_test(test_not_hdf5),
-                                     cmocka_unit_test(test_model),
-                                     cmocka_unit_test(test_snapshot),
-                                     cmocka_unit_test(test_series),
-                                     cmocka_unit_test(test_damaged_checkpoints),
-                                     cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_hash_of_a_start), cmocka_unit_test(test_round_trip),
+      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
+      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
+      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
+      cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

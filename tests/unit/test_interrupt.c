@@ -2,6 +2,7 @@
  * through the run, and what --resume makes of what was left is, bit for bit, the run that was never
  * stopped. No clock decides here. */
 #include "faults.h"
+#include "long_tests.h"
 
 #include <math.h>
 
@@ -75,9 +76,9 @@ struct found {
 };
 
 static struct found read_found(void) {
-  static const char *const names[NUMBERS] = {"k",        "k_low",      "k_high",     "k_finest",
-                                             "k_solver_error", "reynolds", "residual", "divergence",
-                                             "iterations", "sites_solved"};
+  static const char *const names[NUMBERS] = {
+      "k",        "k_low",    "k_high",     "k_finest",   "k_solver_error",
+      "reynolds", "residual", "divergence", "iterations", "sites_solved"};
   struct found found = {.flow = 0.0};
   struct h5_file *file;
   float *velocity = NULL;
@@ -179,7 +180,7 @@ static void test_cascade(void **state) {
   stop_everywhere("--error 1%", 0.5);
 }
 /* The last lattice is one that was chosen, with which the error was expected to be reached. */
-static void test_chosen_lattice(void **state) {
+static void long_test_chosen_lattice(void **state) {
   (void)state;
   struct h5_file *file;
   double *spacing = NULL;
@@ -211,7 +212,7 @@ static void test_before_the_first_round(void **state) {
   assert_int_equal(progress_at(start, begun, &iterations), 2);
   assert_true(iterations > 0.0);
 }
-static void test_fixed_lattices(void **state) {
+static void long_test_fixed_lattices(void **state) {
   (void)state;
   write_spheres(14, true);
   stop_everywhere("", 0.5);
@@ -248,7 +249,8 @@ static void test_left_on_signal(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_left_on_signal), cmocka_unit_test(test_cascade),
-      cmocka_unit_test(test_before_the_first_round), cmocka_unit_test(test_chosen_lattice),
-      cmocka_unit_test(test_fixed_lattices)};
+      cmocka_unit_test(test_before_the_first_round), cmocka_unit_test(long_test_chosen_lattice),
+      cmocka_unit_test(long_test_fixed_lattices)};
+  long_tests_choose();
   return cmocka_run_group_tests(tests, faults_start, faults_end);
 }

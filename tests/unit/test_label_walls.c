@@ -80,8 +80,8 @@ static void test_mirrored_ends(void **state) {
   assert_int_equal(walls[(NZ / 2 - 1) * NX * NY + 30], last);
 }
 
-/* What bubbles in rows leave: struts that end in edges, of a few voxels. At five places on the voxels
- * the surface leaves as much of them as the labels do. */
+/* What bubbles in rows leave: struts that end in edges, of a few voxels. At five places on the
+ * voxels the surface leaves as much of them as the labels do. */
 static void test_struts_keep_their_volume(void **state) {
   (void)state;
   enum { CELL = 18, PLACES = 5 };

@@ -130,7 +130,8 @@ static void test_flat_walls_stay(void **state) {
     for (size_t s = 0; s < walls.count; s++)
       if (fabs((double)walls.wall_distance[s]) < 1.9 * H)
         most = fmax(most, fabs((double)(blurred.wall_distance[s] - walls.wall_distance[s])) / H);
-    print_message("walls %.2f beyond a site: distances change by %.3f at most\n", beyond_site, most);
+    print_message("walls %.2f beyond a site: distances change by %.3f at most\n", beyond_site,
+                  most);
     assert_true(most < 0.05);
     lattice_free(&blurred);
     lattice_free(&walls);

@@ -149,8 +149,8 @@ static void report_impact(const struct dam *dam, const struct asked asked[READ])
  * peak rises and falls within 3 ms, and means over 2 ms are read here, so that the strike of one
  * particle is none. Impulse and means: the record of figure 18, whose peak is their median. It has
  * 395 Pa s (trapezoids through its 98 points) in .45 of sqrt(H/g) from the arrival on. No scatter
- * of impulses was found: a tenth, as that of the peaks at 15 and 30 mm. The means tell whether there
- * is friction at the floor: walls that slip are 15 to 31 % above. */
+ * of impulses was found: a tenth, as that of the peaks at 15 and 30 mm. The means tell whether
+ * there is friction at the floor: walls that slip are 15 to 31 % above. */
 static void low_impact(double spacing, int runs, bool peaks) {
   const struct asked asked[READ] = {
       {"peak at 3 mm, Pa", {7506, 13098}, peaks},
@@ -165,10 +165,11 @@ static void low_impact(double spacing, int runs, bool peaks) {
   report_impact(&(struct dam){.3, spacing, .45 * sqrt(.3 / 9.81), runs, false}, asked);
 }
 
-/* A sensor's face is 4.2 mm wide, and the water that strikes the wall is 15 to 25 mm thick. Particles
- * of 5 mm are wider than the face, and three to five of them lie in that water: it pulses, and the
- * medians of both lower peaks are 11 and 12 % above their ranges (shown). So peaks are judged on
- * particles of 2.5 mm; single runs scatter by less than half as much there, and five will do. */
+/* A sensor's face is 4.2 mm wide, and the water that strikes the wall is 15 to 25 mm thick.
+ * Particles of 5 mm are wider than the face, and three to five of them lie in that water: it
+ * pulses, and the medians of both lower peaks are 11 and 12 % above their ranges (shown). So peaks
+ * are judged on particles of 2.5 mm; single runs scatter by less than half as much there, and five
+ * will do. */
 static void coarse_impact(void) {
   low_impact(.005, 25, false);
 }

@@ -177,8 +177,8 @@ static void ditch(void) {
       "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n"
       "isph = { wall = { slip = true; }; };\n",
       CONDUCTIVITY);
-  report("ditch through soil with a free surface: flow, 50 mm", exact,
-         flow_between(&run, 120, 200), .04 * exact, started);
+  report("ditch through soil with a free surface: flow, 50 mm", exact, flow_between(&run, 120, 200),
+         .04 * exact, started);
   finish(&run);
 }
 

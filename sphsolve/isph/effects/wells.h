@@ -16,8 +16,8 @@ static inline bool isph_wells_wanted(const struct effect_context *context, char 
   if (wells + drains == 0)
     snprintf(why, EFFECT_WHY, "no well or drain region");
   else
-    snprintf(why, EFFECT_WHY, "%zu well%s of given rate, %zu drain%s", wells,
-             wells == 1 ? "" : "s", drains, drains == 1 ? "" : "s");
+    snprintf(why, EFFECT_WHY, "%zu well%s of given rate, %zu drain%s", wells, wells == 1 ? "" : "s",
+             drains, drains == 1 ? "" : "s");
   return wells + drains > 0;
 }
 

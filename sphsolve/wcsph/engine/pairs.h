@@ -117,6 +117,8 @@ struct pair_table {
 
 /* Whether there are pair loops with this kernel. */
 bool pair_table_exists(enum kernel kernel);
+/* Whether they were compiled for it: baseline, avx2 or avx512. */
+bool pair_isa_is_built(const char *name);
 /* Chooses the widest instruction set of this machine; TOSUI_ISA=baseline|avx2|avx512 selects a
  * narrower one. */
 enum status pair_table_choose(enum kernel kernel, const struct pair_table **table);
