@@ -102,7 +102,7 @@ static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_ty
 static enum status hdf5_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   const char *name = image_hdf5_dataset(path);
-  const char *of_file = image->data_path != NULL ? image->data_path : path;
+  const char *of_file = image->data_file_count > 0 ? image->data_files[0] : path;
   struct image_dataset *dataset = NULL;
   size_t dims[3], page;
   int bits;

@@ -85,8 +85,7 @@ static enum status png_open(const char *path, struct image *image) {
   image->type = png_get_bit_depth(session.png, session.info) == 16 ? PIXEL_U16 : PIXEL_U8;
   int colour = png_get_color_type(session.png, session.info);
   if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
-    snprintf(image->note, sizeof image->note,
-             "stored in colour; build takes it only where it is grey");
+    image_note(image, "stored in colour; build takes it only where it is grey");
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&

@@ -203,8 +203,7 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   image->swap = TIFFIsByteSwapped(tiff) != 0;
   if ((bytes - image->data_offset) / page < images) {
     image->pages = (size_t)((bytes - image->data_offset) / page);
-    snprintf(image->note, sizeof image->note, "cut short: %zu of %llu slices are there",
-             image->pages, images);
+    image_note(image, "cut short: %zu of %llu slices are there", image->pages, images);
   }
   return image->pages > 0;
 }
@@ -276,13 +275,12 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->orientation = layout.orientation;
   /* Boxes refer to pixels as in ImageJ and in arrays, which ignore the orientation, too. */
   if (layout.orientation != ORIENTATION_TOPLEFT)
-    snprintf(
-        image->note, sizeof image->note,
+    image_note(
+        image,
         "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
         layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
   if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
-    snprintf(image->note, sizeof image->note,
-             "stored in colour; build takes it only where it is grey");
+    image_note(image, "stored in colour; build takes it only where it is grey");
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_resolution(tiff, description, image);
   TRY(tiff_refuse_hyperstack(path, description));

@@ -5,21 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double unit_in_metres(const char *unit) {
-  static const struct {
-    const char *name;
-    double metres;
-  } UNITS[] = {
-      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},     {"\\u00B5m", 1e-6},
-      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},  {"&#181;m", 1e-6},
-      {"&#xB5;m", 1e-6},   {"&#xb5;m", 1e-6},   {"nm", 1e-9},     {"mm", 1e-3},
-      {"cm", 1e-2},        {"m", 1.0},          {"inch", 0.0254},
-  };
-  for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
-    if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
-  }
-  return NAN;
-}
+#include "ct2model/readers/length_unit.h"
 
 bool tiff_description_value(const char *description, const char *key, char *value, size_t size) {
   size_t length = strlen(key);
@@ -44,7 +30,7 @@ static double ome_size(const char *xml, char axis) {
   snprintf(key, sizeof key, "PhysicalSize%cUnit=\"", axis);
   const char *unit_at = strstr(xml, key);
   if (unit_at != NULL) (void)sscanf(unit_at + strlen(key), "%15[^\"]", unit);
-  return strtod(value, NULL) * unit_in_metres(unit);
+  return strtod(value, NULL) * length_unit(unit);
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
@@ -59,7 +45,7 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
   }
   bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
   if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
-    metres = unit_in_metres(text);
+    metres = length_unit(text);
     *source = "ImageJ metadata";
   } else if (isfinite(metres)) {
     *source = "TIFF resolution tags";
