@@ -180,10 +180,32 @@ void image_close(struct image *image) {
   memory_free(&image->data_files);
   image->data_file_count = 0;
   memory_free(&image->page_offsets);
+  memory_free(&image->palette);
   inflate_end(image->inflated);
   image->inflated = NULL;
   image_hdf5_end(image->dataset);
   image->dataset = NULL;
+}
+
+enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size) {
+  enum status status = STATUS_OK;
+  bool grey = true;
+  for (size_t i = 0; i < size; i++)
+    grey &= colours[3 * i] == colours[3 * i + 1] && colours[3 * i] == colours[3 * i + 2];
+  memory_free(&image->palette);
+  image->palette_size = 0;
+  if (grey) return STATUS_OK;
+  TRY(memory_allocate(&image->palette, 3 * size, sizeof *colours, "a palette"));
+  memcpy(image->palette, colours, 3 * size * sizeof *colours);
+  image->palette_size = size;
+cleanup:
+  return status;
+}
+
+bool image_palettes_agree(const struct image *a, const struct image *b) {
+  const size_t n = a->palette_size < b->palette_size ? a->palette_size : b->palette_size;
+  if ((a->palette == NULL) != (b->palette == NULL)) return false;
+  return n == 0 || memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
 }
 
 void image_note(struct image *image, const char *format, ...) {
@@ -206,8 +228,8 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
   enum status status = image->reader->read(image, page, out);
   unsigned char *pixels = out;
   /* Exchanging white and black, signed or not, inverts every bit. */
-  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++)
-    pixels[i] = (unsigned char)~pixels[i];
+  const unsigned char top = image->top > 0 ? image->top : UINT8_MAX;
+  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++) pixels[i] ^= top;
   return status;
 }
 

@@ -46,6 +46,9 @@ struct image {
   uint64_t *page_offsets; /* offsets of the directories of a multi-page TIFF */
   unsigned orientation;   /* of a TIFF: position of its first row and column */
   bool invert;            /* white is zero */
+  unsigned char top;      /* highest of samples of less than a byte; 0: those of `type` */
+  uint16_t *palette;      /* colours, by three, whose numbers the pixels are: labels */
+  size_t palette_size;    /* number of colours */
   bool plain;             /* every pixel is a value of `type` */
 };
 
@@ -90,6 +93,15 @@ bool image_name_known(const char *name);
 
 /* For readers: bytes of a contiguous pixel in the file, which may be widened when it is read. */
 size_t image_stored_size(const struct image *image);
+/* For readers: what is told about such an image. */
+#define IMAGE_NUMBERS_OF_COLOURS                                                                   \
+  "a palette of colours: the numbers of the colours are taken, as of labels"
+/* For readers: a palette of `size` colours, in the order red, green, blue. If all are grey, pixels
+ * are those greys; otherwise they are the numbers of their colours, as of labels, and the image
+ * keeps the palette. */
+enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size);
+/* Whether the numbers of two images mean the same colours, where they mean any. */
+bool image_palettes_agree(const struct image *a, const struct image *b);
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, void *out);
 /* For readers: data_offset of pixels that end with the end of the file, wherever they start. */

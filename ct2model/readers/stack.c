@@ -233,6 +233,16 @@ static enum status check_agreement(const struct image *first, const struct image
   if (image->type != first->type)
     return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; save all as one type",
                 image->path, pixel_name(image->type), pixel_name(first->type));
+  if (image->top != first->top)
+    return FAIL(STATUS_INPUT,
+                "%s: greys of 0 to %d, but the first slice has 0 to %d; save all as "
+                "one type",
+                image->path, image->top > 0 ? image->top : 255, first->top > 0 ? first->top : 255);
+  if (!image_palettes_agree(first, image))
+    return FAIL(STATUS_INPUT,
+                "%s: its palette is not that of the first slice, so that its numbers "
+                "mean other colours; save all with one palette",
+                image->path);
   if (image->orientation != first->orientation)
     return FAIL(STATUS_INPUT,
                 "%s: orientation %u, but the first slice has %u; save all in one orientation",

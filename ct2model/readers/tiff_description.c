@@ -35,7 +35,7 @@ static double ome_size(const char *xml, char axis) {
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
                      double voxel[3], const char **source) {
-  char text[40];
+  char text[40], other[40];
   if (description != NULL && strstr(description, "PhysicalSizeX") != NULL) {
     voxel[0] = ome_size(description, 'X');
     voxel[1] = ome_size(description, 'Y');
@@ -43,23 +43,29 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
     if (voxel[0] > 0.0) *source = "OME metadata";
     return;
   }
-  bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  const bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  double unit[3] = {metres, metres, metres};
   if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
-    metres = length_unit(text);
+    static const char *const OF_AXIS[] = {"unit", "yunit", "zunit"};
+    for (int axis = 0; axis < 3; axis++) {
+      unit[axis] = length_unit(text);
+      if (tiff_description_value(description, OF_AXIS[axis], other, sizeof other))
+        unit[axis] = length_unit(other);
+    }
     *source = "ImageJ metadata";
   } else if (isfinite(metres)) {
     *source = "TIFF resolution tags";
   }
   for (int axis = 0; axis < 2; axis++) {
-    double edge = metres / (double)resolution[axis];
+    double edge = unit[axis] / (double)resolution[axis];
     /* A coarse resolution, of 600 dpi (42 um) or less, is that of a page, unless the unit is one of
      * microscopy. */
-    bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
+    bool page = unit[axis] >= 0.0254 * 0.39 && (double)resolution[axis] / unit[axis] < 24000.0;
     voxel[axis] = resolution[axis] > 0.0f && isfinite(edge) && !page ? edge : NAN;
   }
   if (imagej && isfinite(voxel[0]) &&
       tiff_description_value(description, "spacing", text, sizeof text))
-    voxel[2] = strtod(text, NULL) * metres;
+    voxel[2] = fabs(strtod(text, NULL)) * unit[2];
   if (!(voxel[2] > 0.0)) voxel[2] = NAN;
   if (!isfinite(voxel[0])) *source = NULL;
 }
