@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* qsort_r */ // NOLINT: the name is the library's
 #include "ct2model/readers/stack.h"
 
 #include <ctype.h>
@@ -14,6 +15,7 @@
 #include "common/units.h"
 #include "ct2model/readers/byte_order.h"
 #include "ct2model/readers/image_hdf5.h"
+#include "ct2model/readers/slice_names.h"
 
 /* Largest number of voxels along an axis: more are a mistyped size. */
 #define VOXELS_PER_AXIS_MOST (1 << 20)
@@ -45,35 +47,13 @@ static enum status names_add(struct name_list *list, const char *folder, const c
   return STATUS_OK;
 }
 
-int natural_compare(const char *a, const char *b) {
-  const char *const a_start = a, *const b_start = b;
-  while (*a != '\0' && *b != '\0') {
-    if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
-      while (*a == '0') a++;
-      while (*b == '0') b++;
-      size_t na = strspn(a, "0123456789"), nb = strspn(b, "0123456789");
-      if (na != nb) return na < nb ? -1 : 1;
-      int order = strncmp(a, b, na);
-      if (order != 0) return order;
-      a += na;
-      b += nb;
-    } else {
-      if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
-      a++;
-      b++;
-    }
-  }
-  if (*a != *b) return *a == '\0' ? -1 : 1;
-  return strcmp(a_start, b_start); /* slice_1 and slice_01: in a fixed order */
+static int by_name(const void *a, const void *b, void *order) {
+  return name_compare(*(char *const *)a, *(char *const *)b, order);
 }
 
-static int by_natural_order(const void *a, const void *b) {
-  return natural_compare(*(char *const *)a, *(char *const *)b);
-}
-
-static const char *base_name(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash != NULL ? slash + 1 : path;
+static void sort_names(char **names, size_t count) {
+  struct name_order order = name_order_find(names, count);
+  qsort_r(names, count, sizeof *names, by_name, &order);
 }
 
 /* Lists the images of a folder. Files of other kinds are left out, and counted for a message. A
@@ -97,7 +77,7 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
         "--raw",
         folder);
   if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
-  qsort(list->names + before, list->count - before, sizeof *list->names, by_natural_order);
+  sort_names(list->names + before, list->count - before);
 cleanup:
   if (handle != NULL) closedir(handle);
   return status;
@@ -123,23 +103,13 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
       TRY(names_add(list, "", paths[i]));
   }
   /* A shell lists slice_10 before slice_9. */
-  if (count > 1) qsort(list->names, list->count, sizeof *list->names, by_natural_order);
+  if (count > 1) sort_names(list->names, list->count);
   for (size_t i = 1; i < list->count; i++) {
     if (strcmp(list->names[i - 1], list->names[i]) == 0)
       TRY_FAIL(STATUS_INPUT, "%s: given twice; name it once", list->names[i]);
   }
 cleanup:
   return status;
-}
-
-/* The last number in a name; -1 if there is none. */
-static long long slice_number(const char *path) {
-  const char *name = base_name(path), *dot = strrchr(name, '.');
-  const char *end = dot != NULL ? dot : name + strlen(name);
-  while (end > name && !isdigit((unsigned char)end[-1])) end--;
-  const char *start = end;
-  while (start > name && isdigit((unsigned char)start[-1])) start--;
-  return start == end || end - start > 17 ? -1 : strtoll(start, NULL, 10);
 }
 
 /* The voxel size of the first slice is used; a slice that disagrees is reported. */
@@ -155,11 +125,18 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
-/* Whether two names differ only in their digits. */
+/* Skips a number, with its sign and point if it has them. */
+static const char *after_number(const char *at) {
+  if (*at == '-' && isdigit((unsigned char)at[1])) at++;
+  while (isdigit((unsigned char)*at) || (*at == '.' && isdigit((unsigned char)at[1]))) at++;
+  return at;
+}
+
+/* Whether two names differ only in their numbers. */
 static bool is_named_alike(const char *a, const char *b) {
   for (a = base_name(a), b = base_name(b);; a++, b++) {
-    while (isdigit((unsigned char)*a)) a++;
-    while (isdigit((unsigned char)*b)) b++;
+    a = after_number(a);
+    b = after_number(b);
     if (*a != *b) return false;
     if (*a == '\0') return true;
   }
@@ -191,18 +168,20 @@ static bool warn_of_other_names(const struct name_list *list) {
 }
 
 /* Warns of gaps in the numbering. A uniform stride is no gap, as some scanners number every second
- * slice; it is returned, otherwise 0. */
+ * slice; it is returned where numbers are whole, otherwise 0. */
 static long long warn_of_gaps(const struct name_list *list) {
+  const struct name_order order = name_order_find(list->names, list->count);
+  long long stride = 0, a, b;
   if (list->count < 3) return 0;
-  long long stride = 0;
   for (size_t i = 1; i < list->count; i++) {
-    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
-    if (a < 0 || b < 0) return 0;
+    if (!name_number(list->names[i - 1], &order, &a) || !name_number(list->names[i], &order, &b))
+      return 0;
     if (b > a && (stride == 0 || b - a < stride)) stride = b - a;
   }
   size_t gaps = 0;
   for (size_t i = 1; i < list->count; i++) {
-    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
+    (void)name_number(list->names[i - 1], &order, &a);
+    (void)name_number(list->names[i], &order, &b);
     if (b - a == stride) continue;
     if (gaps++ > 4) continue;
     if (b == a)
@@ -213,7 +192,7 @@ static long long warn_of_gaps(const struct name_list *list) {
                   base_name(list->names[i - 1]), base_name(list->names[i]));
   }
   if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
-  return gaps == 0 ? stride : 0;
+  return gaps == 0 && !order.fractions ? stride : 0;
 }
 
 static void look_for_levels(struct stack *stack) {

@@ -40,8 +40,4 @@ enum status stack_keep_labels(struct stack *stack, size_t z);
 /* The name of slice z for messages: "slice_0123.tif" or "stack.tif[12]"; truncated to `size`. */
 void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size);
 
-/* Compares names in natural order, numbers by value ("slice_9" before "slice_10"); returns a value
- * like strcmp. */
-int natural_compare(const char *a, const char *b);
-
 #endif
