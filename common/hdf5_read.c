@@ -128,9 +128,9 @@ static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, 
               file->path, name, bytes, there, DEFLATE_RATIO_MAX * there);
 }
 
-/* Reads `rows` rows of the slowest axis from `first` on; all rows if SIZE_MAX. */
+/* Reads `rows` rows of an axis from `first` on; all rows if SIZE_MAX. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                             size_t first, size_t rows, size_t *dims, void *data) {
+                             int axis, size_t first, size_t rows, size_t *dims, void *data) {
   enum status status = STATUS_OK;
   void *values = NULL;
   hid_t set = -1, stored = -1, from = H5S_ALL, to = H5S_ALL;
@@ -152,11 +152,12 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
              "with deflate",
              file->path, name);
   if (rows != SIZE_MAX && rank > 0) {
-    hsize_t start[H5S_MAX_RANK] = {first}, extent[H5S_MAX_RANK];
-    if (first > shape[0] || rows > shape[0] - first)
-      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, %zu are wanted", file->path, name, shape[0],
+    hsize_t start[H5S_MAX_RANK] = {0}, extent[H5S_MAX_RANK];
+    if (first > shape[axis] || rows > shape[axis] - first)
+      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, %zu are wanted", file->path, name, shape[axis],
                first + rows);
-    shape[0] = rows;
+    shape[axis] = rows;
+    start[axis] = first;
     for (int i = 0; i < rank; i++) extent[i] = shape[i];
     from = H5Dget_space(set);
     to = H5Screate_simple(rank, extent, NULL);
@@ -187,7 +188,7 @@ cleanup:
 
 enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
                     size_t *dims, void *data) {
-  return read_rows(file, name, type, rank, 0, SIZE_MAX, dims, data);
+  return read_rows(file, name, type, rank, 0, 0, SIZE_MAX, dims, data);
 }
 
 enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
@@ -199,9 +200,15 @@ enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type ty
   if (found != rank || shape[0] != rows)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, not %zu", file->path, name,
              found > 0 ? shape[0] : 1, rows);
-  TRY(read_rows(file, name, type, rank, first, dims[0], dims, data));
+  TRY(read_rows(file, name, type, rank, 0, first, dims[0], dims, data));
 cleanup:
   return status;
+}
+
+enum status h5_read_slab(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                         int axis, size_t first, size_t length, void *data) {
+  size_t dims[H5S_MAX_RANK];
+  return read_rows(file, name, type, rank, axis, first, length, dims, data);
 }
 
 void h5_free_texts(size_t count, char ***texts) {
