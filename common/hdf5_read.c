@@ -42,19 +42,22 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
   return STATUS_OK;
 }
 
-/* Only filters of HDF5 itself are allowed: a file must not make the library load a plug-in. */
+/* Only filters of HDF5 itself are allowed, each once: a file must not make the library load a
+ * plug-in, nor inflate what it has inflated. */
 bool h5_filters_known(hid_t set) {
   hid_t layout = H5Dget_create_plist(set);
   bool known = true;
-  int n = H5Pget_nfilters(layout);
+  int n = H5Pget_nfilters(layout), deflated = 0;
   for (int i = 0; i < n; i++) {
     unsigned flags;
     size_t values = 0;
     H5Z_filter_t filter = H5Pget_filter2(layout, (unsigned)i, &flags, &values, NULL, 0, NULL, NULL);
     known = known && (filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
                       filter == H5Z_FILTER_FLETCHER32);
+    deflated += filter == H5Z_FILTER_DEFLATE;
   }
-  known = known && H5Pget_external_count(layout) == 0 && H5Pget_layout(layout) != H5D_VIRTUAL;
+  known = known && deflated <= 1 && H5Pget_external_count(layout) == 0 &&
+          H5Pget_layout(layout) != H5D_VIRTUAL;
   H5Pclose(layout);
   return known;
 }
@@ -136,7 +139,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
   hid_t set = -1, stored = -1, from = H5S_ALL, to = H5S_ALL;
   int found;
   bool done = false;
-  size_t count = 1, shape[H5S_MAX_RANK];
+  size_t count = 1, shape[H5S_MAX_RANK], begin[H5S_MAX_RANK] = {0};
   TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
   if (found != rank)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, %d are wanted", file->path, name, found,
@@ -158,6 +161,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
                first + rows);
     shape[axis] = rows;
     start[axis] = first;
+    begin[axis] = first;
     for (int i = 0; i < rank; i++) extent[i] = shape[i];
     from = H5Dget_space(set);
     to = H5Screate_simple(rank, extent, NULL);
@@ -173,6 +177,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
   if (memory_has_room(count, h5_type_size(type))) TRY(check_storage(file, set, stored, name));
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
   if (rows == SIZE_MAX) TRY(h5_read_chunks(set, stored, type, rank, shape, values, &done));
+  if (!done) TRY(h5_check_chunks(file->path, name, set, H5Tget_size(stored), rank, begin, shape));
   if (count > 0 && !done && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
   memcpy(data, &values, sizeof values);

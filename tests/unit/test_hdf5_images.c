@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "common/error.h"
 #include "common/log.h"
@@ -151,11 +152,93 @@ static void test_part_that_was_never_written(void **state) {
   holds(":/v", NZ, NULL);
 }
 
+/* A chunk of 1 MB that inflates to 100: the library would allocate all of it. */
+static void test_chunk_that_inflates_beyond_itself(void **state) {
+  (void)state;
+  enum { SIDE = 1024, TIMES = 100 };
+  static unsigned char plain[SIDE * SIDE];
+  const hsize_t shape[] = {8, SIDE, SIDE}, chunk[] = {1, SIDE, SIDE}, first[] = {0, 0, 0};
+  for (int times = 1; times <= TIMES; times += TIMES - 1) {
+    z_stream z = {0};
+    unsigned char *packed = malloc(2 * sizeof plain);
+    assert_int_equal(deflateInit(&z, 1), Z_OK);
+    z.next_out = packed;
+    z.avail_out = 2 * sizeof plain;
+    for (int i = 0; i < times; i++) {
+      /* It begins with noise, so that it is stored in more than 260 kB and looked at. */
+      for (size_t k = 0; k < sizeof plain; k++)
+        plain[k] = i == 0 && k < 300000 ? (unsigned char)(rand() >> 8) : 0;
+      z.next_in = plain;
+      z.avail_in = sizeof plain;
+      assert_int_equal(deflate(&z, i + 1 < times ? Z_NO_FLUSH : Z_FINISH),
+                       i + 1 < times ? Z_OK : Z_STREAM_END);
+    }
+    hid_t h5 = begin(), space = H5Screate_simple(3, shape, NULL);
+    hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(layout, 3, chunk);
+    H5Pset_deflate(layout, 1);
+    hid_t set = H5Dcreate2(h5, "v", H5T_NATIVE_UINT8, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+    assert_true(z.total_out > 270000);
+    assert_true(H5Dwrite_chunk(set, H5P_DEFAULT, 0, first, z.total_out, packed) >= 0);
+    deflateEnd(&z);
+    free(packed);
+    H5Pclose(layout);
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Fclose(h5);
+    char path[160];
+    const char *paths = path;
+    struct stack stack;
+    float *slice = malloc(sizeof *slice * SIDE * SIDE);
+    snprintf(path, sizeof path, "%s:/v", file);
+    assert_int_equal(stack_open(&paths, 1, NULL, &stack), STATUS_OK);
+    const enum status status = stack_read(&stack, 0, slice);
+    stack_close(&stack);
+    free(slice);
+    if (times == 1) {
+      assert_int_equal(status, STATUS_OK);
+    } else {
+      assert_int_equal(status, STATUS_INPUT);
+      assert_non_null(strstr(error_message(), "a chunk of 1048576 bytes inflates to more"));
+      error_clear();
+    }
+  }
+}
+
+/* Deflate applied twice makes ten gigabytes of ten kilobytes. */
+static void test_deflated_twice(void **state) {
+  (void)state;
+  hid_t h5 = begin(), space = H5Screate_simple(3, VOLUME, NULL);
+  hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(layout, 3, VOLUME);
+  H5Pset_deflate(layout, 1);
+  H5Pset_deflate(layout, 1);
+  hid_t set = H5Dcreate2(h5, "v", H5T_NATIVE_UINT8, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  const unsigned char zeros[N] = {0};
+  assert_true(H5Dwrite(set, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros) >= 0);
+  H5Pclose(layout);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(h5);
+  char path[160];
+  const char *paths = path;
+  struct stack stack;
+  float slice[NX * NY];
+  snprintf(path, sizeof path, "%s:/v", file);
+  assert_int_equal(stack_open(&paths, 1, NULL, &stack), STATUS_OK);
+  assert_int_equal(stack_read(&stack, 0, slice), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "filter"));
+  error_clear();
+  stack_close(&stack);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_only_array),
       cmocka_unit_test(test_axes_of_one),
       cmocka_unit_test(test_part_that_was_never_written),
+      cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
+      cmocka_unit_test(test_deflated_twice),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
