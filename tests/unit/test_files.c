@@ -2,7 +2,11 @@
  * is left behind. */
 #include "files_rig.h"
 
+#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <hdf5.h>
@@ -236,6 +240,30 @@ static void test_model(void **state) {
   model_free(&read);
 }
 
+/* Two programs with one output, and a file of which nothing can be written. */
+static void test_outputs_that_cannot_begin(void **state) {
+  (void)state;
+  struct h5_file *file = NULL;
+  char part[80];
+  snprintf(part, sizeof part, "%s.part", path);
+  const int held = open(part, O_RDWR | O_CREAT, 0600); /* as the library of another program does */
+  assert_int_equal(flock(held, LOCK_EX), 0);
+  assert_int_equal(h5_create(path, &file), STATUS_RUN);
+  assert_non_null(strstr(error_message(), "another program is writing it"));
+  error_clear();
+  assert_int_equal(access(part, F_OK), 0);
+  close(held);
+  const struct rlimit none = {0, RLIM_INFINITY};
+  struct rlimit before;
+  assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, SIG_IGN);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+  if (h5_create(path, &file) == STATUS_OK) h5_close(file);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+  error_clear();
+  assert_int_not_equal(access(part, F_OK), 0);
+}
+
 /* A number that no scan can have is refused, whatever it is the error of. */
 static void test_facts(void **state) {
   (void)state;
@@ -415,6 +443,7 @@ int main(void) {
                                      cmocka_unit_test(test_not_hdf5),
                                      cmocka_unit_test(test_model),
                                      cmocka_unit_test(test_facts),
+                                     cmocka_unit_test(test_outputs_that_cannot_begin),
                                      cmocka_unit_test(test_snapshot),
                                      cmocka_unit_test(test_series),
                                      cmocka_unit_test(test_damaged_checkpoints),
