@@ -135,6 +135,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
   for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
+  image->place = NAN;
   TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));
@@ -185,6 +186,14 @@ void image_close(struct image *image) {
   image->inflated = NULL;
   image_hdf5_end(image->dataset);
   image->dataset = NULL;
+}
+
+bool image_is_screen_resolution(double pixels_per_metre) {
+  static const double DPI[] = {72, 96, 100, 150, 300, 600};
+  for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
+    if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
+  }
+  return false;
 }
 
 enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size) {

@@ -49,6 +49,9 @@ struct image {
   unsigned char top;      /* highest of samples of less than a byte; 0: those of `type` */
   uint16_t *palette;      /* colours, by three, whose numbers the pixels are: labels */
   size_t palette_size;    /* number of colours */
+  unsigned used_bits;     /* of a DICOM pixel; 0: all */
+  double place;           /* along the normal of the slice, m; NAN if the file does not tell */
+  double rescale[2];      /* slope and intercept that make other numbers of the greys */
   bool plain;             /* every pixel is a value of `type` */
 };
 
@@ -93,7 +96,11 @@ bool image_name_known(const char *name);
 
 /* For readers: bytes of a contiguous pixel in the file, which may be widened when it is read. */
 size_t image_stored_size(const struct image *image);
-/* For readers: what is told about such an image. */
+/* For readers: screen resolutions (pixels per metre), which programs write by default, are no voxel
+ * sizes. */
+bool image_is_screen_resolution(double pixels_per_metre);
+/* For readers: what is told about images in colour. */
+#define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
 #define IMAGE_NUMBERS_OF_COLOURS                                                                   \
   "a palette of colours: the numbers of the colours are taken, as of labels"
 /* For readers: a palette of `size` colours, in the order red, green, blue. If all are grey, pixels

@@ -59,15 +59,6 @@ static bool png_claims(const char *path, const unsigned char *head, size_t n) {
   return n >= 8 && png_sig_cmp(head, 0, 8) == 0;
 }
 
-/* Screen resolutions, which programs write by default, are no voxel sizes. */
-static bool is_screen_resolution(double pixels_per_metre) {
-  static const double DPI[] = {72, 96, 100, 150, 300, 600};
-  for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
-    if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
-  }
-  return false;
-}
-
 /* Reads the palette, three values a colour, and returns the number of colours. */
 static size_t read_palette(struct png_session *session, uint16_t colours[3 * 256]) {
   png_colorp palette;
@@ -123,11 +114,11 @@ static enum status png_open(const char *path, struct image *image) {
   if (image->palette != NULL)
     image_note(image, IMAGE_NUMBERS_OF_COLOURS);
   else if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
-    image_note(image, "stored in colour; build takes it only where it is grey");
+    image_note(image, IMAGE_STORED_IN_COLOUR);
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
-      x > 0 && y > 0 && !is_screen_resolution(x)) {
+      x > 0 && y > 0 && !image_is_screen_resolution(x)) {
     image->voxel[0] = 1.0 / x;
     image->voxel[1] = 1.0 / y;
     image->voxel_source = "PNG pHYs";

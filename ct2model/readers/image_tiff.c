@@ -119,8 +119,6 @@ static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
                     (head[0] == 'M' && head[1] == 'M' && (head[3] == 42 || head[3] == 43)));
 }
 
-#define STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
-
 struct tiff_layout {
   uint32_t width, height;
   uint16_t bits, samples, format, photometric, compression, planar, orientation;
@@ -362,7 +360,7 @@ static enum status tiff_open(const char *path, struct image *image) {
         image,
         "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
         layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
-  if (layout.samples >= 3) image_note(image, STORED_IN_COLOUR);
+  if (layout.samples >= 3) image_note(image, IMAGE_STORED_IN_COLOUR);
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_resolution(tiff, description, image);
   TRY(tiff_refuse_hyperstack(path, description));
@@ -375,7 +373,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   if (image->palette != NULL)
     image_note(image, IMAGE_NUMBERS_OF_COLOURS);
   else if (layout.photometric == PHOTOMETRIC_PALETTE) {
-    image_note(image, STORED_IN_COLOUR);
+    image_note(image, IMAGE_STORED_IN_COLOUR);
     image->top = 0; /* greys of the palette, of 8 bits */
   }
   if (images > 0 && images != image->pages)

@@ -71,11 +71,12 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
       ignored++;
   }
   if (list->count == before)
-    TRY_FAIL(
-        STATUS_INPUT,
-        "%s: no .tif, .png, .mhd, .nrrd or .npy files in this folder; for headerless files give "
-        "--raw",
-        folder);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no .tif, .png, .bmp, .dcm, .mhd, .nrrd, .vti or .npy files in this folder; for "
+             "headerless "
+             "files give "
+             "--raw",
+             folder);
   if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
   sort_names(list->names + before, list->count - before);
 cleanup:
@@ -217,6 +218,12 @@ static enum status check_agreement(const struct image *first, const struct image
                 "%s: greys of 0 to %d, but the first slice has 0 to %d; save all as "
                 "one type",
                 image->path, image->top > 0 ? image->top : 255, first->top > 0 ? first->top : 255);
+  if (memcmp(image->rescale, first->rescale, sizeof first->rescale) != 0)
+    return FAIL(STATUS_INPUT,
+                "%s: its greys are to be scaled by %g and %g, those of the first slice by %g "
+                "and %g: the same number means other densities; export all alike",
+                image->path, image->rescale[0], image->rescale[1], first->rescale[0],
+                first->rescale[1]);
   if (!image_palettes_agree(first, image))
     return FAIL(STATUS_INPUT,
                 "%s: its palette is not that of the first slice, so that its numbers "
@@ -227,6 +234,38 @@ static enum status check_agreement(const struct image *first, const struct image
                 "%s: orientation %u, but the first slice has %u; save all in one orientation",
                 image->path, image->orientation, first->orientation);
   return STATUS_OK;
+}
+
+static int by_place(const void *a, const void *b) {
+  const double x = ((const struct image *)a)->place, y = ((const struct image *)b)->place;
+  return x < y ? -1 : x > y;
+}
+
+/* Slices that tell where they are, as of DICOM, stand in that order, whatever their names; their
+ * distance is that of the slices. */
+static enum status order_by_place(struct stack *stack) {
+  enum status status = STATUS_OK;
+  struct image *files = stack->files;
+  const size_t n = stack->file_count;
+  for (size_t i = 0; i < n; i++)
+    if (!isfinite(files[i].place) || files[i].pages > 1 || n < 2) return STATUS_OK;
+  qsort(files, n, sizeof *files, by_place);
+  const double step = (files[n - 1].place - files[0].place) / (double)(n - 1);
+  for (size_t i = 1; i < n; i++)
+    if (!(files[i].place - files[i - 1].place > 0.01 * step))
+      TRY_FAIL(STATUS_INPUT, "%s and %s are at the same place, %g mm; give one series",
+               files[i - 1].path, base_name(files[i].path), 1e3 * files[i].place);
+  for (size_t i = 1; i < n; i++) {
+    const double here = files[i].place - files[i - 1].place;
+    if (fabs(here - step) > 0.1 * step)
+      TRY_FAIL(STATUS_INPUT,
+               "%s is %g mm behind %s, but slices are %g mm apart in the mean: are some missing?",
+               files[i].path, 1e3 * here, base_name(files[i - 1].path), 1e3 * step);
+  }
+  stack->ordered = true;
+  for (size_t i = 0; i < n; i++) files[i].voxel[2] = step;
+cleanup:
+  return status;
 }
 
 static enum status open_files(const struct name_list *list, const struct raw_layout *raw,
@@ -246,6 +285,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
       log_warning("%s: %s%s", image->path, image->note,
                   list->count > 1 ? " (and perhaps others)" : "");
   }
+  TRY(order_by_place(stack));
   const struct image *first = &stack->files[0];
   stack->size[0] = first->size[0];
   stack->size[1] = first->size[1];
@@ -273,7 +313,7 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   memset(stack, 0, sizeof *stack);
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
-  if (!warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
+  if (!stack->ordered && !warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
   warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);
