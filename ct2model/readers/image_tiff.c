@@ -348,6 +348,10 @@ static enum status tiff_open(const char *path, struct image *image) {
              layout.compression);
   TRY(layout_type(path, &layout, &image->type));
   TRY(check_photometric(path, &layout));
+  uint32_t depth = 1;
+  if (TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth) && depth > 1)
+    TRY_FAIL(STATUS_INPUT, "%s: pages of %u slices each (ImageDepth) are not read; save one a page",
+             path, depth);
   if (layout.bits < 8) image->top = (unsigned char)((1 << layout.bits) - 1);
   image->size[0] = layout.width;
   image->size[1] = layout.height;

@@ -46,11 +46,12 @@ struct page {
   bool tiled, sparse;       /* sparse: the second of its blocks is not written */
   const char *description;
   uint16_t (*colour)(int channel, unsigned entry);
-  size_t shrunk; /* a thumbnail: so many pixels less */
+  size_t shrunk;  /* a thumbnail: so many pixels less */
+  uint32_t depth; /* slices in a page; 0: no tag */
 };
 
 static const struct page PLAIN = {
-    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0};
+    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0};
 
 /* Packs the samples of a row; a second sample is another pattern. */
 static void put_row(unsigned char *row, const struct page *page, size_t y, size_t nx) {
@@ -78,6 +79,7 @@ static void add_page(TIFF *tiff, const struct page *page) {
     uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
   }
+  if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
   if (page->description != NULL) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
   if (page->colour != NULL) {
     uint16_t maps[3][256];
@@ -251,6 +253,10 @@ static void test_undeclared_samples(void **state) {
   page.extra = EXTRASAMPLE_UNSPECIFIED;
   write_pages("w", &page, 1);
   refused("2 samples a pixel, of which number 2 is neither grey nor transparency");
+  page = PLAIN;
+  page.depth = 3;
+  write_pages("w", &page, 1);
+  refused("pages of 3 slices each");
   page = PLAIN;
   page.photometric = PHOTOMETRIC_SEPARATED;
   write_pages("w", &page, 1);
