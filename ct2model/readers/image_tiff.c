@@ -161,13 +161,13 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
 static enum status read_palette(TIFF *tiff, const struct tiff_layout *layout, struct image *image,
                                 bool *whole) {
   enum status status = STATUS_OK;
-  const size_t size = (size_t)1 << layout->bits;
   uint16_t *channels[3], *colours = NULL;
   *whole = true;
   if (layout->photometric != PHOTOMETRIC_PALETTE) return STATUS_OK;
   if (layout->samples != 1 || layout->bits > 16 || layout->format != SAMPLEFORMAT_UINT)
     return FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
                 pixel_name(image->type));
+  const size_t size = (size_t)1 << layout->bits;
   if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &channels[0], &channels[1], &channels[2]))
     return FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
   TRY(memory_allocate(&colours, 3 * size, sizeof *colours, "a palette"));
