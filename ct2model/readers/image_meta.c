@@ -54,7 +54,7 @@ static enum status read_sizes(const char *path, const struct meta_header *header
   while (count < header->dimensions) {
     char *end;
     const unsigned long long size = strtoull(at, &end, 10);
-    if (end == at || size == 0 || size > UINT32_MAX || strchr(header->sizes, '-') != NULL) break;
+    if (end == at || size == 0 || strchr(header->sizes, '-') != NULL) break;
     n[count++] = (size_t)size;
     at = end;
   }

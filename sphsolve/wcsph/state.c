@@ -281,7 +281,6 @@ enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *f
                       engine->settings.wall};
   size_t count = sizeof numbers / sizeof *numbers;
   TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
-  TRY(h5_write_attribute(file, "/state", "rebuilds", H5_U64, 1, &engine->rebuilds));
   TRY(budget_write(&state->budget.total, sizeof state->budget, file, "/state/account"));
   count = 1;
   TRY(h5_write(file, "/state/step", H5_I64, 1, &count, &state->step, false));
@@ -340,9 +339,6 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   state->dog.halvings = (int)numbers[12];
   state->dog.trip_time = numbers[13];
   engine->pairs_alone = (uint64_t)numbers[14];
-  /* The lists at hand are made once more. */
-  const double rebuilds = h5_attribute_or_nan(file, "/state", "rebuilds");
-  if (rebuilds >= 1.0 && rebuilds < 1e15) engine->rebuilds = (uint64_t)rebuilds - 1;
   engine_set_dt(engine, ldexp(engine->settings.dt, -state->halvings));
   if (h5_exists(file, "/state/monitor")) {
     TRY(h5_read(file, "/state/monitor", H5_F64, 2, dims, &rows));
