@@ -8,7 +8,8 @@ import h5py
 
 paths = [argument for argument in sys.argv[1:] if argument.endswith(".hdf")]
 # A resumed run makes its lists of neighbours anew, which counts.
-free = ("run/timing", "run@list_rebuilds", "run/effects/share", "provenance", "run/snapshots/name", "run/scene", *sys.argv[len(paths) + 1:])
+free = ("run/timing", "run@list_rebuilds", "run/effects/share", "provenance", "run/snapshots/name",
+        "run/scene", *sys.argv[len(paths) + 1:])
 
 
 def plain(value):
