@@ -8,6 +8,7 @@
 #include "common/hdf5_file.h"
 #include "common/json_number.h"
 #include "common/memory.h"
+#include "common/text.h"
 
 enum { LONGITUDINAL, TRANSVERSE, LONGITUDINAL_ERROR, TRANSVERSE_ERROR, COLUMNS };
 static const char *const column_names[COLUMNS] = {"longitudinal", "transverse",
@@ -98,6 +99,7 @@ static enum status read_run(const char *path, struct solute_run *run) {
   }
   if (h5_attribute_exists(file, "/run", "scene_name"))
     TRY(h5_read_attribute_text(file, "/run", "scene_name", &run->name));
+  if (run->name != NULL) text_make_plain(run->name);
   if (h5_attribute_exists(file, "/solute", "flow"))
     TRY(h5_read_attribute_text(file, "/solute", "flow", &run->flow));
   run->length = h5_attribute_or_nan(file, "/solute", "length");

@@ -31,15 +31,13 @@ void plot_point_style(FILE *stream, size_t i) {
 }
 
 void plot_text(FILE *stream, const char *text) {
-  fputc('\'', stream);
+  fputc('"', stream);
   for (; *text != '\0'; text++) {
-    unsigned char c = (unsigned char)*text;
-    if (c == '\'')
-      fputs("''", stream);
-    else
-      fputc(c < 0x20 || c == 0x7f || c == '`' ? ' ' : c, stream);
+    const unsigned char c = (unsigned char)*text;
+    if (c == '"' || c == '\\') fputc('\\', stream);
+    fputc(c < 0x20 || c == 0x7f || c == '`' ? ' ' : c, stream);
   }
-  fputc('\'', stream);
+  fputc('"', stream);
 }
 
 void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges,

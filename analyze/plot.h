@@ -16,8 +16,8 @@ extern const char *const plot_colours[PLOT_COLOURS];
 void plot_line_style(FILE *stream, size_t i);
 void plot_point_style(FILE *stream, size_t i);
 
-/* Writes `text` as a gnuplot string in single quotes, in which nothing is interpreted. Use with
- * `noenhanced`. */
+/* Writes `text` as a gnuplot string, in double quotes: a text in single ones cannot begin with an
+ * apostrophe. Use with `noenhanced`. */
 void plot_text(FILE *stream, const char *text);
 
 /* Writes `$name << EOD` with a histogram as a stepped line; empty bins are gaps, so that

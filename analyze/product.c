@@ -133,16 +133,15 @@ void product_add_run(struct product *product, json_t *object, size_t n) {
 }
 
 void csv_text(FILE *stream, const char *text) {
-  if (strpbrk(text, ",\"\r\n") == NULL) {
-    fputs(text, stream);
-    return;
-  }
-  fputc('"', stream);
+  /* Spreadsheets compute a text that begins so. */
+  const char *mark = text[0] != '\0' && strchr("=+-@\t\r", text[0]) != NULL ? "'" : "";
+  const bool quoted = strpbrk(text, ",\"\r\n") != NULL;
+  fprintf(stream, "%s%s", quoted ? "\"" : "", mark);
   for (; *text != '\0'; text++) {
     if (*text == '"') fputc('"', stream);
     fputc(*text, stream);
   }
-  fputc('"', stream);
+  if (quoted) fputc('"', stream);
 }
 
 void write_percent(FILE *stream, double share) {

@@ -38,7 +38,8 @@ enum status product_save(const struct product *product, const char *folder);
  * top level. Takes ownership of `object`. */
 void product_add_run(struct product *product, json_t *object, size_t n);
 
-/* A CSV field, quoted where it must be (RFC 4180). */
+/* A CSV field, quoted where it must be (RFC 4180); an apostrophe stands before what a spreadsheet
+ * would take for a formula. */
 void csv_text(FILE *stream, const char *text);
 /* A number with so many digits, below a million without an exponent: 1930, 300, 0.048. */
 const char *short_number(double value, int digits, char text[32]);

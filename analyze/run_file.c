@@ -10,6 +10,7 @@
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
+#include "common/text.h"
 
 double run_driving(const struct run *run) {
   const double *g = run->driving;
@@ -229,6 +230,7 @@ static enum status name_run(struct run *run) {
   size_t folder = slash == NULL ? 0 : (size_t)(slash - run->path) + 1;
   TRY(memory_copy_text(run->path, folder, &run->folder));
   if (run->name[0] == '\0') TRY(name_by_file(run));
+  text_make_plain(run->name);
   TRY(memory_copy_text(run->name, strlen(run->name), &run->title));
 cleanup:
   return status;

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/input_file.h"
 #include "common/memory.h"
 #include "common/options.h"
 
@@ -50,15 +51,15 @@ static const char *open_comment(const char *text) {
   return NULL;
 }
 
-/* libconfig compares each setting with all earlier ones of its group. */
+/* libconfig compares each setting, "a = 1" or "a : 1", with all earlier ones of its group. */
 #define SETTINGS_MAX 20000
 
 static enum status read_text(const char *path, char **text) {
   enum status status = STATUS_OK;
-  FILE *file = fopen(path, "rb");
-  if (file == NULL) return FAIL(STATUS_INPUT, "%s: cannot be opened; is the path right?", path);
+  FILE *file = NULL;
   size_t capacity = 1 << 16, used = 0;
   *text = NULL;
+  TRY(input_open(path, &file));
   TRY(memory_allocate(text, capacity, 1, "the scene's text"));
   for (;;) {
     used += fread(*text + used, 1, capacity - used - 1, file);
@@ -81,12 +82,12 @@ static enum status read_text(const char *path, char **text) {
     TRY_FAIL(STATUS_INPUT, "%s:%d: holds zero bytes: no scene file; write it as text", path,
              line_at(*text, *text + strlen(*text)));
   size_t settings = 0;
-  for (const char *c = *text; (c = strchr(c, '=')) != NULL; c++) settings++;
+  for (const char *c = *text; (c = strpbrk(c, "=:")) != NULL; c++) settings++;
   if (settings > SETTINGS_MAX)
     TRY_FAIL(STATUS_INPUT, "%s: %zu settings: no scene file; at most %d are read", path, settings,
              SETTINGS_MAX);
 cleanup:
-  fclose(file);
+  if (file != NULL) fclose(file);
   if (status != STATUS_OK) memory_free(text);
   return status;
 }

@@ -5,6 +5,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/text.h"
+
 static pthread_mutex_t lock = PTHREAD_MUTEX_INITIALIZER;
 static char message[2048];
 static char trail[1024];
@@ -15,12 +17,6 @@ static void trail_append(const char *file, int line) {
   snprintf(trail + used, sizeof trail - used, "%s%s:%d", used ? " < " : "", file, line);
 }
 
-/* Replaces control characters, so that a message stays on one line whatever it quotes. */
-static void text_one_line(char *text) {
-  for (unsigned char *c = (unsigned char *)text; *c; c++)
-    if (*c < ' ' || *c == 0x7f) *c = '?';
-}
-
 enum status error_set(enum status status, const char *file, int line, const char *format, ...) {
   pthread_mutex_lock(&lock);
   if (!pending) {
@@ -28,7 +24,7 @@ enum status error_set(enum status status, const char *file, int line, const char
     va_start(arguments, format);
     vsnprintf(message, sizeof message, format, arguments);
     va_end(arguments);
-    text_one_line(message);
+    text_make_plain(message);
     trail[0] = '\0';
     trail_append(file, line);
     pending = 1;
@@ -44,7 +40,7 @@ enum status error_context(enum status status, const char *format, ...) {
   va_start(arguments, format);
   vsnprintf(context, sizeof context, format, arguments);
   va_end(arguments);
-  text_one_line(context);
+  text_make_plain(context);
   snprintf(joined, sizeof joined, "%s: %s", context, message);
   memcpy(message, joined, sizeof message - 1);
   message[sizeof message - 1] = '\0';

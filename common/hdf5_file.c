@@ -104,10 +104,18 @@ enum status h5_create(const char *path, struct h5_file **result) {
   H5Pset_libver_bounds(access, H5F_LIBVER_V18, H5F_LIBVER_V110);
   /* Object times would make files of equal runs differ. */
   H5Pset_obj_track_times(creation, 0);
+  errno = 0;
   file->id = output_fails() ? -1 : H5Fcreate(file->part, H5F_ACC_TRUNC, creation, access);
-  if (file->id < 0)
-    TRY_FAIL(STATUS_RUN, "%s: cannot be written (%s)", path,
-             access < 0 ? "HDF5" : strerror(errno ? errno : EACCES));
+  if (file->id < 0 && (errno == EAGAIN || errno == EWOULDBLOCK)) /* the library locks it */
+    TRY_FAIL(STATUS_RUN,
+             "%s: another program is writing it (%s is locked); give another name with -o, or wait "
+             "for its end",
+             path, file->part);
+  if (file->id < 0) {
+    const char *why = strerror(errno ? errno : EACCES);
+    unlink(file->part); /* of which not even the first bytes could be written */
+    TRY_FAIL(STATUS_RUN, "%s: cannot be written (%s)", path, why);
+  }
 cleanup:
   if (access >= 0) H5Pclose(access);
   if (creation >= 0) H5Pclose(creation);

@@ -62,6 +62,11 @@ enum status h5_write_attribute_text(struct h5_file *file, const char *name, cons
 bool h5_exists(struct h5_file *file, const char *name);
 /* Names of a group's members, sorted; free with h5_free_texts. */
 enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names);
+/* Names of the datasets of numbers in any group that have several values along two axes or more, each
+ * once; links out of the file are not followed. Free with h5_free_texts. */
+enum status h5_list_arrays(struct h5_file *file, size_t *count, char ***names);
+/* Whether a part of an existing dataset was never written; HDF5 fills it in when it is read. */
+bool h5_is_partial(struct h5_file *file, const char *name);
 enum status h5_list_attributes(struct h5_file *file, const char *object, size_t *count,
                                char ***names);
 bool h5_attribute_exists(struct h5_file *file, const char *name, const char *attribute);
@@ -76,6 +81,9 @@ enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, i
 /* Reads only the rows [first, first + dims[0]) of a dataset with `rows` rows in all. */
 enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
                          size_t rows, size_t first, size_t *dims, void *data);
+/* Reads [first, first + length) along one axis of a dataset, and all along the others. */
+enum status h5_read_slab(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                         int axis, size_t first, size_t length, void *data);
 /* Collective: as h5_read, but each rank reads a part of the rows, and ranks on the same machine
  * share the memory (common/node_memory.h). */
 enum status h5_read_together(struct h5_file *file, const char *name, enum h5_type type, int rank,

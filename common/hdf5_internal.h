@@ -36,6 +36,9 @@ enum status h5_write_chunks(hid_t set, enum h5_type type, int rank, const size_t
  * reports the error. */
 enum status h5_read_chunks(hid_t set, hid_t stored, enum h5_type type, int rank, const size_t *dims,
                            void *data, bool *done);
+/* Refuses chunks in [start, start + extent) of a dataset that inflate to more than a chunk. */
+enum status h5_check_chunks(const char *path, const char *name, hid_t set, size_t number_size,
+                            int rank, const size_t *start, const size_t *extent);
 /* Creates the missing groups on the way to `name` (and `name` itself with `last`), without time
  * stamps, so that two equal runs give equal bytes. */
 enum status h5_make_groups(struct h5_file *file, const char *name, bool last);

@@ -70,7 +70,7 @@ static void try_dataset(hid_t set) {
   hid_t type = H5Dget_type(set), space = H5Dget_space(set), layout = H5Dget_create_plist(set);
   hsize_t chunks = 0;
   if (type >= 0 && space >= 0 && layout >= 0) {
-    if (H5Pget_layout(layout) == H5D_CHUNKED) H5Dget_num_chunks(set, H5S_ALL, &chunks);
+    if (H5Pget_layout(layout) == H5D_CHUNKED) H5Dget_num_chunks(set, space, &chunks);
     /* With the filters checked, the probe loads no plug-in and no other file. */
     if (h5_filters_known(set)) read_small(set, type, space, false);
   }

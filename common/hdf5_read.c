@@ -42,19 +42,22 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
   return STATUS_OK;
 }
 
-/* Only filters of HDF5 itself are allowed: a file must not make the library load a plug-in. */
+/* Only filters of HDF5 itself are allowed, each once: a file must not make the library load a
+ * plug-in, nor inflate what it has inflated. */
 bool h5_filters_known(hid_t set) {
   hid_t layout = H5Dget_create_plist(set);
   bool known = true;
-  int n = H5Pget_nfilters(layout);
+  int n = H5Pget_nfilters(layout), deflated = 0;
   for (int i = 0; i < n; i++) {
     unsigned flags;
     size_t values = 0;
     H5Z_filter_t filter = H5Pget_filter2(layout, (unsigned)i, &flags, &values, NULL, 0, NULL, NULL);
     known = known && (filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
                       filter == H5Z_FILTER_FLETCHER32);
+    deflated += filter == H5Z_FILTER_DEFLATE;
   }
-  known = known && H5Pget_external_count(layout) == 0 && H5Pget_layout(layout) != H5D_VIRTUAL;
+  known = known && deflated <= 1 && H5Pget_external_count(layout) == 0 &&
+          H5Pget_layout(layout) != H5D_VIRTUAL;
   H5Pclose(layout);
   return known;
 }
@@ -128,15 +131,15 @@ static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, 
               file->path, name, bytes, there, DEFLATE_RATIO_MAX * there);
 }
 
-/* Reads `rows` rows of the slowest axis from `first` on; all rows if SIZE_MAX. */
+/* Reads `rows` rows of an axis from `first` on; all rows if SIZE_MAX. */
 static enum status read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
-                             size_t first, size_t rows, size_t *dims, void *data) {
+                             int axis, size_t first, size_t rows, size_t *dims, void *data) {
   enum status status = STATUS_OK;
   void *values = NULL;
   hid_t set = -1, stored = -1, from = H5S_ALL, to = H5S_ALL;
   int found;
   bool done = false;
-  size_t count = 1, shape[H5S_MAX_RANK];
+  size_t count = 1, shape[H5S_MAX_RANK], begin[H5S_MAX_RANK] = {0};
   TRY(h5_shape(file, name, H5S_MAX_RANK, &found, shape));
   if (found != rank)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %d dimensions, %d are wanted", file->path, name, found,
@@ -152,11 +155,13 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
              "with deflate",
              file->path, name);
   if (rows != SIZE_MAX && rank > 0) {
-    hsize_t start[H5S_MAX_RANK] = {first}, extent[H5S_MAX_RANK];
-    if (first > shape[0] || rows > shape[0] - first)
-      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, %zu are wanted", file->path, name, shape[0],
+    hsize_t start[H5S_MAX_RANK] = {0}, extent[H5S_MAX_RANK];
+    if (first > shape[axis] || rows > shape[axis] - first)
+      TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, %zu are wanted", file->path, name, shape[axis],
                first + rows);
-    shape[0] = rows;
+    shape[axis] = rows;
+    start[axis] = first;
+    begin[axis] = first;
     for (int i = 0; i < rank; i++) extent[i] = shape[i];
     from = H5Dget_space(set);
     to = H5Screate_simple(rank, extent, NULL);
@@ -172,6 +177,7 @@ static enum status read_rows(struct h5_file *file, const char *name, enum h5_typ
   if (memory_has_room(count, h5_type_size(type))) TRY(check_storage(file, set, stored, name));
   TRY(memory_allocate(&values, count, h5_type_size(type), name));
   if (rows == SIZE_MAX) TRY(h5_read_chunks(set, stored, type, rank, shape, values, &done));
+  if (!done) TRY(h5_check_chunks(file->path, name, set, H5Tget_size(stored), rank, begin, shape));
   if (count > 0 && !done && H5Dread(set, h5_memory_type(type), to, from, H5P_DEFAULT, values) < 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s is damaged and cannot be read", file->path, name);
   memcpy(data, &values, sizeof values);
@@ -187,7 +193,7 @@ cleanup:
 
 enum status h5_read(struct h5_file *file, const char *name, enum h5_type type, int rank,
                     size_t *dims, void *data) {
-  return read_rows(file, name, type, rank, 0, SIZE_MAX, dims, data);
+  return read_rows(file, name, type, rank, 0, 0, SIZE_MAX, dims, data);
 }
 
 enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type type, int rank,
@@ -199,9 +205,15 @@ enum status h5_read_rows(struct h5_file *file, const char *name, enum h5_type ty
   if (found != rank || shape[0] != rows)
     TRY_FAIL(STATUS_INPUT, "%s: %s has %zu rows, not %zu", file->path, name,
              found > 0 ? shape[0] : 1, rows);
-  TRY(read_rows(file, name, type, rank, first, dims[0], dims, data));
+  TRY(read_rows(file, name, type, rank, 0, first, dims[0], dims, data));
 cleanup:
   return status;
+}
+
+enum status h5_read_slab(struct h5_file *file, const char *name, enum h5_type type, int rank,
+                         int axis, size_t first, size_t length, void *data) {
+  size_t dims[H5S_MAX_RANK];
+  return read_rows(file, name, type, rank, axis, first, length, dims, data);
 }
 
 void h5_free_texts(size_t count, char ***texts) {

@@ -1,5 +1,6 @@
 /* Reads datasets with the layout of h5_dataset_layout by several threads, as HDF5 itself
  * decompresses one chunk after the other. */
+#include <limits.h>
 #include <omp.h>
 #include <string.h>
 #include <zlib.h>
@@ -139,5 +140,70 @@ enum status h5_read_chunks(hid_t set, hid_t stored, enum h5_type type, int rank,
 cleanup:
   for (size_t i = 0; i < allocated; i++) memory_free(&chunks[i].packed);
   memory_free(&chunks);
+  return status;
+}
+
+/* A chunk that might inflate to more than this is inflated beforehand, into nothing, and refused if
+ * it holds more than a chunk: the library would allocate whatever comes out. */
+#define UNSEEN_BYTES ((double)(1ul << 28))
+#define DEFLATE_RATIO_MOST 1032.0
+
+/* Whether a stream inflates to at most `most` bytes. */
+static bool inflates_within(const unsigned char *in, size_t size, size_t most,
+                            unsigned char scratch[1 << 16]) {
+  z_stream z = {.next_in = (Bytef *)(uintptr_t)in, .avail_in = (uInt)size};
+  int code = Z_OK;
+  if (size > UINT_MAX || inflateInit(&z) != Z_OK) return false;
+  while (code == Z_OK && z.total_out <= most) {
+    z.next_out = scratch;
+    z.avail_out = 1 << 16;
+    code = inflate(&z, Z_NO_FLUSH);
+  }
+  const bool within = z.total_out <= most;
+  inflateEnd(&z);
+  return within; /* the library tells of damage */
+}
+
+enum status h5_check_chunks(const char *path, const char *name, hid_t set, size_t number_size,
+                            int rank, const size_t *start, const size_t *extent) {
+  enum status status = STATUS_OK;
+  hsize_t chunk[H5S_MAX_RANK], at[H5S_MAX_RANK];
+  unsigned char *scratch = NULL, *packed = NULL;
+  double bytes = (double)number_size;
+  const hid_t list = H5Dget_create_plist(set);
+  const bool chunked = rank > 0 && H5Pget_layout(list) == H5D_CHUNKED &&
+                       H5Pget_chunk(list, H5S_MAX_RANK, chunk) == rank && H5Pget_nfilters(list) > 0;
+  H5Pclose(list);
+  for (int d = 0; d < rank && chunked; d++) bytes *= (double)chunk[d];
+  for (int d = 0; d < rank; d++) {
+    if (!chunked || extent[d] == 0) return STATUS_OK;
+    at[d] = start[d] / chunk[d] * chunk[d];
+  }
+  for (int d = 0; d >= 0;) {
+    hsize_t size = 0;
+    uint32_t skipped = 0;
+    if (H5Dget_chunk_storage_size(set, at, &size) >= 0 &&
+        DEFLATE_RATIO_MOST * (double)size > UNSEEN_BYTES) {
+      /* What is packed is hardly ever longer, and a checksum of four bytes may come along. */
+      if ((double)size > 1.01 * bytes + 1024.0)
+        TRY_FAIL(STATUS_INPUT, "%s: %s is damaged: a chunk of %.0f bytes is stored in %llu", path,
+                 name, bytes, (unsigned long long)size);
+      if (scratch == NULL) TRY(memory_allocate(&scratch, 1 << 16, 1, "a chunk"));
+      TRY(memory_allocate(&packed, (size_t)size, 1, "a chunk"));
+      if (H5Dread_chunk(set, H5P_DEFAULT, at, &skipped, packed) >= 0 && skipped == 0 &&
+          !inflates_within(packed, (size_t)size, (size_t)bytes + 4, scratch))
+        TRY_FAIL(STATUS_INPUT, "%s: %s is damaged: a chunk of %.0f bytes inflates to more", path,
+                 name, bytes);
+      memory_free(&packed);
+    }
+    for (d = rank - 1; d >= 0; d--) {
+      at[d] += chunk[d];
+      if (at[d] < start[d] + extent[d]) break;
+      at[d] = start[d] / chunk[d] * chunk[d];
+    }
+  }
+cleanup:
+  memory_free(&packed);
+  memory_free(&scratch);
   return status;
 }

@@ -7,6 +7,7 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "common/text.h"
 #include "common/units.h"
 
 static const char *program = "tosui";
@@ -30,8 +31,12 @@ enum log_level log_level(void) {
   return level;
 }
 
+/* What a message quotes, such as a file's name, must not act on the terminal. */
 static void write_line(const char *format, va_list arguments) {
-  vfprintf(stderr, format, arguments);
+  char line[4096];
+  vsnprintf(line, sizeof line, format, arguments);
+  text_make_plain(line);
+  fputs(line, stderr);
   fputc('\n', stderr);
 }
 

@@ -1,5 +1,6 @@
 #include "common/model_file.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -73,33 +74,59 @@ cleanup:
   return status;
 }
 
-static enum status read_optional_number(struct h5_file *file, const char *attribute,
-                                        double *value) {
+static enum status read_optional_number(struct h5_file *file, const char *attribute, double low,
+                                        double high, double *value) {
+  enum status status = STATUS_OK;
   *value = NAN;
   if (!h5_attribute_exists(file, "/model", attribute)) return STATUS_OK;
-  return h5_read_attribute(file, "/model", attribute, H5_F64, 1, value);
+  TRY(h5_read_attribute(file, "/model", attribute, H5_F64, 1, value));
+  if (*value < low || *value > high)
+    TRY_FAIL(STATUS_INPUT, "%s: /model: %s is %g; %g to %g is possible", h5_path(file), attribute,
+             *value, low, high);
+cleanup:
+  return status;
 }
 
-/* Wall distances of the wrong sign or unit would silently give a wrong k. */
+/* Largest distance, in voxels, that is as good as none: distances are zeros, or not in metres. */
+#define DISTANCE_NONE 1e-3
+/* Share of a phase's voxels that may lie on the wrong side of the wall by more than a voxel. */
+#define DISTANCE_STRAY 0.01
+
+/* Wall distances of the wrong sign or unit would silently give a wrong k. Pores and grains are
+ * judged apart: of a tight sample most voxels are grain. A voxel that the wall cuts may have either
+ * sign. */
 static enum status check_distances(const char *path, const struct voxel_model *model,
                                    size_t grains) {
-  const size_t count = model_site_count(model);
-  size_t wrong = 0;
+  static const char *const PHASES[] = {"pores", "grains"};
+  const size_t count = model_site_count(model), all[2] = {count - grains, grains};
+  size_t wrong[2] = {0}, far[2] = {0};
   double widest = 0;
-  float nearest = INFINITY;
+  float nearest = INFINITY, largest[2] = {0};
   for (int a = 0; a < 3; a++) widest = fmax(widest, model->spacing[a]);
-#pragma omp parallel for schedule(static) reduction(+ : wrong) reduction(min : nearest)
+#pragma omp parallel for schedule(static) reduction(+ : wrong[ : 2], far[ : 2]) \
+    reduction(min : nearest) reduction(max : largest[ : 2])
   for (size_t i = 0; i < count; i++) {
     const float d = model->wall_distance[i], size = fabsf(d);
-    wrong += model->solid[i] ? d > 0 : d < 0;
+    const int phase = model->solid[i];
+    const bool other = phase ? d > 0 : d < 0;
+    wrong[phase] += other;
+    far[phase] += other && (double)size > widest;
     nearest = size < nearest ? size : nearest;
+    largest[phase] = size > largest[phase] ? size : largest[phase];
   }
-  if (2 * wrong > count)
-    return FAIL(
-        STATUS_INPUT,
-        "%s: /model/wall_distance has the wrong sign in %zu of %zu voxels: it is positive in "
-        "the pores (solid 0) and negative in the grains",
-        path, wrong, count);
+  for (int phase = 0; phase < 2; phase++) {
+    if (2 * wrong[phase] > all[phase] || (double)far[phase] > DISTANCE_STRAY * (double)all[phase])
+      return FAIL(
+          STATUS_INPUT,
+          "%s: /model/wall_distance has the wrong sign in %zu of %zu voxels of the %s: it is "
+          "positive in the pores (solid 0) and negative in the grains",
+          path, wrong[phase], all[phase], PHASES[phase]);
+    if (all[phase] > 0 && all[1 - phase] > 0 && (double)largest[phase] < DISTANCE_NONE * widest)
+      return FAIL(STATUS_INPUT,
+                  "%s: /model/wall_distance is nowhere beyond %g m in the %s, %.2g voxels: metres "
+                  "from the middle of a voxel to the surface are wanted",
+                  path, (double)largest[phase], PHASES[phase], (double)largest[phase] / widest);
+  }
   if (grains > 0 && grains < count && (double)nearest > 2 * widest)
     return FAIL(
         STATUS_INPUT,
@@ -187,8 +214,8 @@ enum status model_read(const char *path, struct voxel_model *model) {
       TRY_FAIL(STATUS_INPUT, "%s: spacing %g m: metres, greater than 0, are wanted", path,
                spacing[a]);
   }
-  TRY(read_optional_number(file, "void_ratio_measured", &model->void_ratio_measured));
-  TRY(read_optional_number(file, "threshold", &model->threshold));
+  TRY(read_optional_number(file, "void_ratio_measured", 0.0, 1e4, &model->void_ratio_measured));
+  TRY(read_optional_number(file, "threshold", -FLT_MAX, FLT_MAX, &model->threshold));
   /* Counted rather than read: the attribute is informative only and may belong to another model. */
   model->void_ratio = grains > 0 ? (double)(count - grains) / (double)grains : INFINITY;
   TRY(read_optional_field(file, "/model/micro_porosity", model, 0, 1, &model->micro_porosity));

@@ -220,6 +220,7 @@ static enum status apply_common(const struct options *options) {
     TRY_FAIL(STATUS_USAGE, "--threads %s: a whole number from 1 to 4096 is wanted",
              options_text(options, "threads"));
   if (threads >= 1) threads_use((int)threads);
+  TRY(threads_check());
   const char *size = options_text(options, "max-memory");
   if (size != NULL) {
     char *unit;

@@ -387,6 +387,22 @@ static void warn_of_mirrored_repeats(const struct pipeline *pipeline) {
                 ends && !sides ? "--mirror none" : "");
 }
 
+/* Nothing flows along z; another axis may be the one that was meant. */
+static void warn_of_no_path(const struct pipeline *pipeline, size_t layers) {
+  const bool *leads = pipeline->quality.percolates;
+  const int along = leads[0] ? 0 : 1;
+  /* The model's x, y, z are these axes of the scan. */
+  const char axis = (char)('x' + (pipeline->request->flow_axis + 1 + along) % 3);
+  char instead[80] = "";
+  if (leads[0] || leads[1])
+    snprintf(instead, sizeof instead, "one leads along %c: --flow %c makes that axis z",
+             'x' + along, axis);
+  log_warning("no pore path leads through the model along z: nothing can flow; %s",
+              instead[0] != '\0' ? instead
+              : layers > 1       ? "a finer --size may open the throats"
+                                 : "it has one layer");
+}
+
 enum status binarise_connect(struct pipeline *pipeline) {
   enum status status = STATUS_OK;
   struct voxel_model *model = &pipeline->model;
@@ -408,9 +424,7 @@ enum status binarise_connect(struct pipeline *pipeline) {
   }
   warn_of_cut_pores(pipeline, flow);
   warn_of_mirrored_repeats(pipeline);
-  if (!quality->percolates[2])
-    log_warning("no pore path leads through the model along z: nothing can flow; %s",
-                model->size[flow] > 1 ? "a finer --size may open the throats" : "it has one layer");
+  if (!quality->percolates[2]) warn_of_no_path(pipeline, model->size[flow]);
   if (pipeline->request->fill_islands && quality->isolated_pores > 0) {
     if (connected == 0)
       TRY_FAIL(STATUS_INPUT,

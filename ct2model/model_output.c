@@ -184,6 +184,20 @@ cleanup:
   return status;
 }
 
+/* The hash of the file with an image's pixels; of several, that of their hashes in turn. */
+static enum status hash_image(const struct image *image, uint64_t *hash) {
+  enum status status = STATUS_OK;
+  const size_t n = image->data_file_count;
+  uint64_t *hashes = NULL;
+  if (n <= 1) return hash_file(n == 1 ? image->data_files[0] : image->path, hash);
+  TRY(memory_allocate(&hashes, n, sizeof *hashes, "hashes"));
+  for (size_t i = 0; i < n; i++) TRY(hash_file(image->data_files[i], &hashes[i]));
+  *hash = hash_bytes(hashes, n * sizeof *hashes);
+cleanup:
+  memory_free(&hashes);
+  return status;
+}
+
 static enum status write_provenance(struct h5_file *file, const struct pipeline *pipeline,
                                     const struct options *options) {
   enum status status = STATUS_OK;
@@ -196,8 +210,7 @@ static enum status write_provenance(struct h5_file *file, const struct pipeline 
   for (size_t i = 0; i < n; i++) {
     const struct image *image = &pipeline->stack.files[i];
     paths[i] = image->path;
-    enum status one =
-        hash_file(image->data_path != NULL ? image->data_path : image->path, &hashes[i]);
+    enum status one = hash_image(image, &hashes[i]);
     if (one != STATUS_OK) {
 #pragma omp critical
       status = one;

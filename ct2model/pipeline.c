@@ -333,8 +333,9 @@ cleanup:
 static enum status check_output(const struct pipeline *pipeline) {
   const struct stack *stack = &pipeline->stack;
   for (size_t i = 0; i < stack->file_count; i++) {
-    output_protect(stack->files[i].path);
-    if (stack->files[i].data_path != NULL) output_protect(stack->files[i].data_path);
+    const struct image *image = &stack->files[i];
+    output_protect(image->path);
+    for (size_t k = 0; k < image->data_file_count; k++) output_protect(image->data_files[k]);
   }
   return output_allow_kind(pipeline->request->output, "/run", "a run of sphsolve");
 }

@@ -37,9 +37,9 @@ static const struct option_entry ENTRIES[] = {
     {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
      "edge of a voxel, e.g. 5.83um, or of x, y and z: 5um,5um,10um (needed unless the file says "
      "it)"},
-    {"raw", 0, "NXxNYxNZ:TYPE", SWEEP | BUILD | INFO,
+    {"raw", 0, "NXxNYxNZ:TYPE[:BYTES]", SWEEP | BUILD | INFO,
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
-     "f64be"},
+     "f64be; BYTES: length of what each file begins with and no reader knows"},
     {"crop", 0, "auto|BOX", SWEEP | BUILD,
      "X0,Y0,Z0,NX,NY,NZ: use these voxels only; auto: the largest box in the specimen"},
     {"roi", 0, "SHAPE", SWEEP | BUILD,

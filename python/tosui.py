@@ -161,6 +161,23 @@ def _path(name, value):
         raise TosuiError(f"{name} {value!r}: the name of a file is wanted, as a text or a pathlib.Path") from None
 
 
+def _stay_inside(path, group, seen=()):
+    """Refuses what leads out of a file, as the programs do: links into others, and datasets stored elsewhere."""
+    address = h5py.h5o.get_info(group.id).addr
+    if address in seen:  # a group within itself
+        return
+    for name in group:
+        link = group.get(name, getlink=True)
+        place = f"{group.name.rstrip('/')}/{name}"
+        if isinstance(link, h5py.ExternalLink):
+            raise TosuiError(f"{path}: {place} is a link into another file, which is not followed")
+        item = None if isinstance(link, h5py.SoftLink) else group[name]
+        if isinstance(item, h5py.Group):
+            _stay_inside(path, item, (*seen, address))
+        elif isinstance(item, h5py.Dataset) and (item.is_virtual or item.external):
+            raise TosuiError(f"{path}: {place} is stored in another file, which is not read")
+
+
 def load(path):
     """A model, a run or a snapshot, by what the file holds."""
     path = _path("path", path)
@@ -168,6 +185,7 @@ def load(path):
         raise TosuiError(f"{path}: a folder; name a file in it" if path else "the name of a file is wanted, not ''")
     try:
         with h5py.File(path, "r") as file:
+            _stay_inside(path, file)
             if "VTKHDF/PointData/time" in file:
                 raise TosuiError(f"{path}: the ways of walkers, for ParaView; read VTKHDF/Points, PointData/time and id"
                                  " with h5py")

@@ -5,24 +5,13 @@
 #include <zlib.h>
 
 #include "common/memory.h"
-
-/* Length of the well-formed UTF-8 sequence at `c`, 0 if there is none. */
-static int utf8_length(const unsigned char *c) {
-  static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
-  int n = c[0] < 0x80 ? 1 : c[0] >> 5 == 6 ? 2 : c[0] >> 4 == 14 ? 3 : c[0] >> 3 == 30 ? 4 : 0;
-  if (n < 2) return n;
-  uint32_t code = c[0] & (0x7fu >> n);
-  for (int i = 1; i < n; i++) {
-    if ((c[i] & 0xc0) != 0x80) return 0;
-    code = code << 6 | (c[i] & 0x3fu);
-  }
-  return code < least[n] || code > 0x10ffff || (code >= 0xd800 && code < 0xe000) ? 0 : n;
-}
+#include "common/text.h"
 
 void html_text(FILE *stream, const char *text) {
-  const unsigned char *c = (const unsigned char *)text;
+  const char *c = text;
+  uint32_t code;
   while (*c != '\0') {
-    int n = utf8_length(c);
+    const int n = text_character(c, &code);
     if (n == 0) {
       fputs("\xef\xbf\xbd", stream); /* U+FFFD */
       c++;
@@ -45,7 +34,7 @@ void html_text(FILE *stream, const char *text) {
       fputs("&#39;", stream);
       break;
     default:
-      if (n > 1 || *c >= 0x20 || *c == '\n' || *c == '\t') fwrite(c, 1, (size_t)n, stream);
+      if (!text_is_hidden(code) || *c == '\n' || *c == '\t') fwrite(c, 1, (size_t)n, stream);
     }
     c += n;
   }

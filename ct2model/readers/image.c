@@ -3,6 +3,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -68,20 +69,25 @@ enum status raw_layout_parse(const char *text, struct raw_layout *layout) {
   int used = 0;
   memset(layout, 0, sizeof *layout);
   if (strchr(text, '-') == NULL &&
-      sscanf(text, "%zux%zux%zu:%7s%n", &layout->size[0], &layout->size[1], &layout->size[2], name,
-             &used) == 4 &&
-      text[used] == '\0' && layout->size[0] > 0 && layout->size[1] > 0 && layout->size[2] > 0) {
-    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
+      sscanf(text, "%zux%zux%zu:%7[a-z0-9]%n", &layout->size[0], &layout->size[1], &layout->size[2],
+             name, &used) == 4 &&
+      layout->size[0] > 0 && layout->size[1] > 0 && layout->size[2] > 0) {
+    const char *rest = text + used, *digits = rest + (rest[0] == ':');
+    const size_t length = strspn(digits, "0123456789");
+    const bool placed = digits > rest && length > 0 && length < 19 && digits[length] == '\0';
+    for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES && (rest[0] == '\0' || placed); i++) {
       if (strcmp(name, TYPES[i].name) != 0) continue;
       layout->given = true;
       layout->big_endian = TYPES[i].big_endian;
+      layout->offset = placed ? strtoull(digits, NULL, 10) : 0;
       (void)pixel_type_of(TYPES[i].bits, TYPES[i].format, &layout->type);
       return STATUS_OK;
     }
   }
   return FAIL(STATUS_USAGE,
               "--raw %s: write NXxNYxNZ:TYPE with TYPE one of u8 i8 u16le u16be i16le i16be u32le "
-              "u32be i32le i32be f32le f32be f64le f64be, e.g. 480x480x256:u16le",
+              "u32be i32le i32be f32le f32be f64le f64be, e.g. 480x480x256:u16le, and :BYTES after "
+              "it where each file begins with so many bytes of another kind",
               text);
 }
 
@@ -97,13 +103,16 @@ static enum status raw_open(const struct raw_layout *raw, struct image *image) {
   image->size[0] = raw->size[0];
   image->size[1] = raw->size[1];
   image->type = raw->type;
-  image->pages = (size_t)(bytes / page_bytes);
+  image->data_offset = raw->offset;
   image->swap = raw->big_endian;
   image->plain = true;
-  if (image->pages == 0 || bytes % page_bytes != 0)
+  const uint64_t there = bytes > raw->offset ? bytes - raw->offset : 0;
+  image->pages = (size_t)(there / page_bytes);
+  if (image->pages == 0 || there % page_bytes != 0)
     return FAIL(STATUS_INPUT,
-                "%s: %llu bytes are not whole slices of %zux%zu %s (%zu bytes each); check --raw",
-                image->path, (unsigned long long)bytes, raw->size[0], raw->size[1],
+                "%s: %llu bytes are not whole slices of %zux%zu %s (%zu bytes each); check --raw, "
+                "to which NXxNYxNZ:TYPE:BYTES adds the length of a header",
+                image->path, (unsigned long long)there, raw->size[0], raw->size[1],
                 pixel_name(raw->type), page_bytes);
   return STATUS_OK;
 }
@@ -126,14 +135,19 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
   for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
+  image->place = NAN;
   TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));
     goto cleanup;
   }
   const char *dataset = image_hdf5_dataset(path);
-  if (dataset != NULL) TRY(memory_copy_text(path, (size_t)(dataset - path) - 1, &image->data_path));
-  const char *file = dataset != NULL ? image->data_path : path;
+  if (dataset != NULL) {
+    TRY(memory_allocate(&image->data_files, 1, sizeof *image->data_files, "file names"));
+    TRY(memory_copy_text(path, (size_t)(dataset - path) - 1, &image->data_files[0]));
+    image->data_file_count = 1;
+  }
+  const char *file = dataset != NULL ? image->data_files[0] : path;
   TRY(image_file_size(file, &bytes));
   TRY(read_head(file, head, sizeof head, &got));
   for (size_t i = 0; i < READER_COUNT && image->reader == NULL; i++) {
@@ -163,12 +177,54 @@ cleanup:
 
 void image_close(struct image *image) {
   memory_free(&image->path);
-  memory_free(&image->data_path);
+  for (size_t i = 0; i < image->data_file_count; i++) memory_free(&image->data_files[i]);
+  memory_free(&image->data_files);
+  image->data_file_count = 0;
   memory_free(&image->page_offsets);
+  memory_free(&image->palette);
   inflate_end(image->inflated);
   image->inflated = NULL;
   image_hdf5_end(image->dataset);
   image->dataset = NULL;
+}
+
+bool image_is_screen_resolution(double pixels_per_metre) {
+  static const double DPI[] = {72, 96, 100, 150, 300, 600};
+  for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
+    if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
+  }
+  return false;
+}
+
+enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size) {
+  enum status status = STATUS_OK;
+  bool grey = true;
+  for (size_t i = 0; i < size; i++)
+    grey &= colours[3 * i] == colours[3 * i + 1] && colours[3 * i] == colours[3 * i + 2];
+  memory_free(&image->palette);
+  image->palette_size = 0;
+  if (grey) return STATUS_OK;
+  TRY(memory_allocate(&image->palette, 3 * size, sizeof *colours, "a palette"));
+  memcpy(image->palette, colours, 3 * size * sizeof *colours);
+  image->palette_size = size;
+cleanup:
+  return status;
+}
+
+bool image_palettes_agree(const struct image *a, const struct image *b) {
+  const size_t n = a->palette_size < b->palette_size ? a->palette_size : b->palette_size;
+  if ((a->palette == NULL) != (b->palette == NULL)) return false;
+  return n == 0 || memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
+}
+
+void image_note(struct image *image, const char *format, ...) {
+  const size_t used = strlen(image->note), size = sizeof image->note;
+  va_list arguments;
+  if (used > 0) snprintf(image->note + used, size - used, "; ");
+  const size_t start = strlen(image->note);
+  va_start(arguments, format);
+  vsnprintf(image->note + start, size - start, format, arguments);
+  va_end(arguments);
 }
 
 bool image_has_levels(const struct image *image) {
@@ -181,8 +237,8 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
   enum status status = image->reader->read(image, page, out);
   unsigned char *pixels = out;
   /* Exchanging white and black, signed or not, inverts every bit. */
-  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++)
-    pixels[i] = (unsigned char)~pixels[i];
+  const unsigned char top = image->top > 0 ? image->top : UINT8_MAX;
+  for (size_t i = 0; i < bytes && image->invert && status == STATUS_OK; i++) pixels[i] ^= top;
   return status;
 }
 
@@ -201,77 +257,14 @@ cleanup:
   return status;
 }
 
-/* Whether a link takes `path` out of the folder of the header. */
-static bool leads_out(const char *header, const char *path) {
-  char *of_header = realpath(header, NULL), *of_path = realpath(path, NULL);
-  bool out = false;
-  if (of_header != NULL && of_path != NULL) {
-    const size_t folder = (size_t)(strrchr(of_header, '/') - of_header) + 1;
-    out = strncmp(of_header, of_path, folder) != 0;
-  }
-  free(of_header);
-  free(of_path);
-  return out;
-}
-
-enum status image_data_beside(struct image *image, const char *name, int line) {
-  const char *slash = strrchr(image->path, '/');
-  size_t folder = slash == NULL ? 0 : (size_t)(slash - image->path) + 1;
-  char *joined;
-  enum status status = memory_allocate(&joined, folder + strlen(name) + 1, 1, "a path");
-  if (status != STATUS_OK) return status;
-  memcpy(joined, image->path, folder);
-  strcpy(joined + folder, name);
-  if (name[0] == '/' || strncmp(name, "../", 3) == 0 || strstr(name, "/../") != NULL ||
-      leads_out(image->path, joined)) {
-    memory_free(&joined);
-    return FAIL(STATUS_INPUT,
-                "%s:%d: the pixels in %s lie outside the header's folder; a header may name only "
-                "files beside it: move them together, or give the pixels themselves with --raw",
-                image->path, line, name);
-  }
-  memory_free(&image->data_path);
-  image->data_path = joined;
-  return STATUS_OK;
-}
-
-enum status image_claim_pixels(struct image *image, bool compressed) {
-  const char *path = image->data_path != NULL ? image->data_path : image->path;
-  uint64_t bytes = 0;
-  enum status status = image_file_size(path, &bytes);
-  if (status != STATUS_OK) return status;
-  double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
-                  (double)pixel_size(image->type);
-  if (image->data_offset == PIXELS_AT_END) {
-    if (compressed)
-      return FAIL(STATUS_INPUT, "%s: compressed pixels need a header of known size", image->path);
-    image->data_offset = (double)bytes > wanted ? bytes - (uint64_t)wanted : 0;
-  }
-  if (compressed) {
-    /* A deflate stream expands to at most 1032 times its length. */
-    double most = 1032.0 * ((double)bytes - (double)image->data_offset);
-    if (!(wanted <= most))
-      return FAIL(STATUS_INPUT,
-                  "%s: the header promises %.0f bytes of pixels, but the compressed data can hold "
-                  "at most %.0f; the file is cut short or damaged",
-                  image->path, wanted, fmax(most, 0));
-    status = inflate_start(path, image->data_offset, (uint64_t)wanted, &image->inflated);
-    image->data_offset = 0;
-    return status;
-  }
-  if ((double)bytes - (double)image->data_offset >= wanted) return STATUS_OK;
-  return FAIL(STATUS_INPUT, "%s: %.10g bytes of pixels, but the header promises %.10g" EXPORT_AGAIN,
-              path, (double)bytes - (double)image->data_offset, wanted);
-}
-
 /* Reads one page at `offset` of an uncompressed file. */
 static enum status read_bytes(const char *path, uint64_t offset, size_t size, size_t page,
-                              unsigned char *out) {
+                              void *out) {
   int file = open(path, O_RDONLY | O_CLOEXEC);
   if (file < 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
   size_t done = 0;
   while (done < size) {
-    ssize_t got = pread(file, out + done, size - done, (off_t)(offset + done));
+    ssize_t got = pread(file, (char *)out + done, size - done, (off_t)(offset + done));
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) break;
     done += (size_t)got;
@@ -283,9 +276,9 @@ static enum status read_bytes(const char *path, uint64_t offset, size_t size, si
 
 /* Reads a page of pixels in column order, z first, whose pixels are spread through the whole file.
  * Planes of one x are read one after the other, and all that is not of the page is dropped. */
-static enum status read_columns(const struct image *image, size_t page, unsigned char *out) {
+static enum status read_columns(const struct image *image, size_t page, char *out) {
   enum status status = STATUS_OK;
-  const size_t nx = image->size[0], ny = image->size[1], one = pixel_size(image->type);
+  const size_t nx = image->size[0], ny = image->size[1], one = image_stored_size(image);
   const size_t bytes = image->pages * ny * one;
   unsigned char *plane = NULL;
   TRY(memory_allocate(&plane, bytes, 1, "columns of an array"));
@@ -299,14 +292,50 @@ cleanup:
   return status;
 }
 
+/* IEEE 754 (2008), binary16: a sign, 5 bits of exponent, 10 of the fraction. */
+static float half_value(uint16_t half) {
+  const int exponent = half >> 10 & 31, fraction = half & 1023;
+  const float size = exponent == 0    ? ldexpf((float)fraction, -24)
+                     : exponent == 31 ? (fraction ? NAN : INFINITY)
+                                      : ldexpf((float)(1024 + fraction), exponent - 25);
+  return half >> 15 ? -size : size;
+}
+
+size_t image_stored_size(const struct image *image) {
+  return image->widened == WIDENED_HALF ? sizeof(uint16_t) : pixel_size(image->type);
+}
+
+/* Types that are no pixel types are widened: floats of 16 bits to 32, integers of 64 bits to
+ * floats, exact up to 2^53. `from` may lie at the end of `out`, so that writing does not overtake
+ * it. */
+static void widen(const struct image *image, const char *from, size_t n, char *out) {
+  for (size_t i = 0; i < n; i++) {
+    if (image->widened == WIDENED_HALF) {
+      uint16_t half;
+      memcpy(&half, from + i * sizeof half, sizeof half);
+      const float value = half_value(half);
+      memcpy(out + i * sizeof value, &value, sizeof value);
+      continue;
+    }
+    uint64_t bits;
+    memcpy(&bits, from + i * sizeof bits, sizeof bits);
+    const double value = image->widened == WIDENED_I64 ? (double)(int64_t)bits : (double)bits;
+    memcpy(out + i * sizeof value, &value, sizeof value);
+  }
+}
+
 enum status image_read_contiguous(const struct image *image, size_t page, void *out) {
-  const size_t pixels = image->size[0] * image->size[1], bytes = pixels * pixel_size(image->type);
-  const uint64_t offset = image->data_offset + (uint64_t)page * bytes;
-  enum status status = image->columns ? read_columns(image, page, out)
-                       : image->inflated != NULL
-                           ? inflate_read(image->inflated, offset, bytes, out)
-                           : read_bytes(image->data_path != NULL ? image->data_path : image->path,
-                                        offset, bytes, page, out);
-  if (status == STATUS_OK && image->swap) pixels_swap(out, pixels, image->type);
+  const size_t pixels = image->size[0] * image->size[1], one = image_stored_size(image);
+  const size_t bytes = pixels * one, files = image->data_file_count;
+  const size_t each = files > 0 ? image->pages / files : image->pages; /* pages of a file */
+  const char *path = files > 0 ? image->data_files[page / each] : image->path;
+  const uint64_t offset = image->data_offset + (uint64_t)(page % each) * bytes;
+  char *to = (char *)out + pixels * (pixel_size(image->type) - one);
+  enum status status = image->columns            ? read_columns(image, page, to)
+                       : image->inflated != NULL ? inflate_read(image->inflated, offset, bytes, to)
+                                                 : read_bytes(path, offset, bytes, page, to);
+  if (status == STATUS_OK && image->swap)
+    pixels_swap(to, pixels, image->widened == WIDENED_HALF ? PIXEL_U16 : image->type);
+  if (status == STATUS_OK && image->widened != WIDENED_NOT) widen(image, to, pixels, out);
   return status;
 }

@@ -24,12 +24,15 @@ struct image {
   enum pixel_type type;
   double voxel[3];          /* m; x, y, z; NAN if the file does not tell */
   const char *voxel_source; /* "TIFF resolution tags"; NULL if none */
-  char note[160];           /* a message to the user about this file; "" if none */
+  char note[320];           /* messages to the user about this file; "" if none */
   /* for use by the reader */
-  char *data_path;      /* file with the pixels, if it is not `path` */
-  uint64_t data_offset; /* of page 0, for contiguous pixels; 0 otherwise */
+  char **data_files;      /* files with the pixels, if these are not in `path` */
+  size_t data_file_count; /* each holds as many pages as the others */
+  uint64_t data_offset;   /* of page 0, for contiguous pixels; 0 otherwise; in every data file */
+  bool placed;            /* the header says by a number where contiguous pixels begin */
   struct inflated
-      *inflated; /* compressed contiguous pixels; data_offset then counts unpacked bytes */
+      *inflated;          /* compressed contiguous pixels; data_offset then counts unpacked bytes */
+  uint64_t packed_offset; /* where compressed data begin in their file */
   struct image_dataset *dataset; /* dataset of an HDF5 file */
   bool swap;                     /* contiguous pixels have reversed bytes */
   enum {
@@ -43,6 +46,12 @@ struct image {
   uint64_t *page_offsets; /* offsets of the directories of a multi-page TIFF */
   unsigned orientation;   /* of a TIFF: position of its first row and column */
   bool invert;            /* white is zero */
+  unsigned char top;      /* highest of samples of less than a byte; 0: those of `type` */
+  uint16_t *palette;      /* colours, by three, whose numbers the pixels are: labels */
+  size_t palette_size;    /* number of colours */
+  unsigned used_bits;     /* of a DICOM pixel; 0: all */
+  double place;           /* along the normal of the slice, m; NAN if the file does not tell */
+  double rescale[2];      /* slope and intercept that make other numbers of the greys */
   bool plain;             /* every pixel is a value of `type` */
 };
 
@@ -66,9 +75,10 @@ struct raw_layout {
   size_t size[3];
   enum pixel_type type;
   bool big_endian;
+  uint64_t offset; /* bytes before the pixels of each file */
 };
 
-/* Parses "NXxNYxNZ:u8|u16le|..."; usage errors. */
+/* Parses "NXxNYxNZ:u8|u16le|...[:OFFSET]"; usage errors. */
 enum status raw_layout_parse(const char *text, struct raw_layout *layout);
 
 /* Reads the header. `raw` is NULL or not `given` for files that describe themselves. Free with
@@ -84,16 +94,30 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
 /* Whether one of the readers takes files with this extension. */
 bool image_name_known(const char *name);
 
+/* For readers: bytes of a contiguous pixel in the file, which may be widened when it is read. */
+size_t image_stored_size(const struct image *image);
+/* For readers: screen resolutions (pixels per metre), which programs write by default, are no voxel
+ * sizes. */
+bool image_is_screen_resolution(double pixels_per_metre);
+/* For readers: what is told about images in colour. */
+#define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
+#define IMAGE_NUMBERS_OF_COLOURS                                                                   \
+  "a palette of colours: the numbers of the colours are taken, as of labels"
+/* For readers: a palette of `size` colours, in the order red, green, blue. If all are grey, pixels
+ * are those greys; otherwise they are the numbers of their colours, as of labels, and the image
+ * keeps the palette. */
+enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size);
+/* Whether the numbers of two images mean the same colours, where they mean any. */
+bool image_palettes_agree(const struct image *a, const struct image *b);
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, void *out);
 /* For readers: data_offset of pixels that end with the end of the file, wherever they start. */
 #define PIXELS_AT_END UINT64_MAX
-/* For readers: line `line` of the header names the file `name` beside it as that with the pixels.
- * Names that lead out of the folder of the header are refused. */
-enum status image_data_beside(struct image *image, const char *name, int line);
-/* For readers: checks that the file holds the pixels that the header describes; with `compressed`
- * they are gzip or zlib data from data_offset on. */
+/* For readers: checks that the files hold the pixels that the header describes, and no others about
+ * whose place it is silent; with `compressed` they are gzip or zlib data from packed_offset on. */
 enum status image_claim_pixels(struct image *image, bool compressed);
+/* For readers: adds a message to the user. */
+__attribute__((format(printf, 2, 3))) void image_note(struct image *image, const char *format, ...);
 /* For readers: advice about data that cannot be decoded. */
 #define EXPORT_AGAIN "; the file is cut short or damaged: export it again"
 /* For readers: size of a file in bytes. */

@@ -7,6 +7,7 @@
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/image_shape.h"
 
 /* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
 #define BLOCK_BYTES 64e6
@@ -16,7 +17,7 @@ struct image_dataset {
   struct h5_file *file;
   char *name;
   enum h5_type type;
-  int rank;
+  int rank, z_axis;          /* -1: one page */
   size_t first, count, most; /* pages in `block` */
   char *block;
 };
@@ -56,8 +57,11 @@ static void list_group(struct h5_file *file, const char *group, char list[200]) 
   h5_free_texts(count, &names);
 }
 
-static enum status name_datasets(struct h5_file *file) {
-  char list[200];
+/* Finds the dataset of a file for which none is named: the only array in it. */
+static enum status find_dataset(struct h5_file *file, struct image *image, char **name) {
+  enum status status = STATUS_OK;
+  char list[200] = "", **names = NULL;
+  size_t count = 0;
   if (h5_exists(file, "/run"))
     return FAIL(STATUS_INPUT, "%s: a run, no image: analyze reads it", h5_path(file));
   if (h5_exists(file, "/model"))
@@ -65,9 +69,21 @@ static enum status name_datasets(struct h5_file *file) {
                 "%s: a model already, no image: sphsolve solves the flow in it, ct2model export "
                 "writes its slices",
                 h5_path(file));
-  list_group(file, "/", list);
-  return FAIL(STATUS_INPUT, "%s: an HDF5 file; name the dataset, as %s:/dataset (it has%s)",
-              h5_path(file), h5_path(file), list);
+  TRY(h5_list_arrays(file, &count, &names));
+  if (count == 1) {
+    *name = names[0];
+    names[0] = NULL;
+    image_note(image, "its one array, %s, is taken", *name);
+    goto cleanup;
+  }
+  for (size_t i = 0; i < count; i++)
+    snprintf(list + strlen(list), sizeof list - strlen(list), " %s", names[i]);
+  if (count == 0) list_group(file, "/", list);
+  TRY_FAIL(STATUS_INPUT, "%s: an HDF5 file; name the dataset, as %s:/dataset (it has%s)",
+           h5_path(file), h5_path(file), list);
+cleanup:
+  h5_free_texts(count, &names);
+  return status;
 }
 
 /* The type of a pixel, and that in which numbers are read: the HDF5 layer below has no others. */
@@ -102,18 +118,22 @@ static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_ty
 static enum status hdf5_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   const char *name = image_hdf5_dataset(path);
-  const char *of_file = image->data_path != NULL ? image->data_path : path;
+  const char *of_file = image->data_file_count > 0 ? image->data_files[0] : path;
   struct image_dataset *dataset = NULL;
-  size_t dims[3], page;
+  size_t dims[AXES_MOST], turned[AXES_MOST], page;
+  int axis[3];
   int bits;
   char format;
   TRY(memory_allocate(&dataset, 1, sizeof *dataset, "a dataset"));
   image->dataset = dataset;
   TRY(h5_open(of_file, &dataset->file));
-  if (name == NULL) TRY(name_datasets(dataset->file));
   char list[200];
-  TRY(memory_allocate(&dataset->name, strlen(name) + 2, 1, "a name"));
-  sprintf(dataset->name, "%s%s", name[0] == '/' ? "" : "/", name);
+  if (name == NULL) {
+    TRY(find_dataset(dataset->file, image, &dataset->name));
+  } else {
+    TRY(memory_allocate(&dataset->name, strlen(name) + 2, 1, "a name"));
+    sprintf(dataset->name, "%s%s", name[0] == '/' ? "" : "/", name);
+  }
   name = dataset->name;
   if (!h5_exists(dataset->file, name)) {
     list_group(dataset->file, "/", list);
@@ -125,15 +145,19 @@ static enum status hdf5_open(const char *path, struct image *image) {
   if (list[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: %s is a group; name a dataset in it (it has%s)", of_file, name,
              list);
-  TRY(h5_shape(dataset->file, name, 3, &dataset->rank, dims));
-  if (dataset->rank < 2)
-    TRY_FAIL(STATUS_INPUT, "%s: %s has %d axes; an image has 2 or 3, [z][y][x]", of_file, name,
-             dataset->rank);
+  TRY(h5_shape(dataset->file, name, AXES_MOST, &dataset->rank, dims));
+  for (int a = 0; a < dataset->rank; a++) turned[a] = dims[dataset->rank - 1 - a];
+  if (!image_choose_axes(turned, dataset->rank, axis))
+    TRY_FAIL(STATUS_INPUT, "%s: %s has %d axes; an image has 2 or 3, [z][y][x] (and others of one)",
+             of_file, name, dataset->rank);
   TRY(h5_number_format(dataset->file, name, &bits, &format));
   choose_types(bits, format, &image->type, &dataset->type);
-  image->size[0] = dims[dataset->rank - 1];
-  image->size[1] = dims[dataset->rank - 2];
-  image->pages = dataset->rank == 3 ? dims[0] : 1;
+  image->size[0] = turned[axis[0]];
+  image->size[1] = turned[axis[1]];
+  image->pages = axis[2] < 0 ? 1 : turned[axis[2]];
+  dataset->z_axis = axis[2] < 0 ? -1 : dataset->rank - 1 - axis[2];
+  if (h5_is_partial(dataset->file, name))
+    image_note(image, "%s was not written to its end: the rest is filled in", name);
   if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0 ||
       !size_multiply(image->size[0], image->size[1], &page) || page > ((size_t)1 << 32))
     TRY_FAIL(STATUS_INPUT, "%s: %s is %zux%zux%zu, which is no image", of_file, name,
@@ -147,18 +171,18 @@ cleanup:
 
 static enum status read_block(const struct image *image, struct image_dataset *dataset,
                               size_t page) {
-  size_t dims[3] = {image->pages - page < dataset->most ? image->pages - page : dataset->most, 0,
-                    0};
+  size_t dims[AXES_MOST];
+  const size_t left = image->pages - page, count = left < dataset->most ? left : dataset->most;
   memory_free(&dataset->block);
   dataset->count = 0;
   enum status status =
-      dataset->rank == 2
-          ? h5_read(dataset->file, dataset->name, dataset->type, 2, dims, &dataset->block)
-          : h5_read_rows(dataset->file, dataset->name, dataset->type, 3, image->pages, page, dims,
-                         &dataset->block);
+      dataset->z_axis < 0 ? h5_read(dataset->file, dataset->name, dataset->type, dataset->rank,
+                                    dims, &dataset->block)
+                          : h5_read_slab(dataset->file, dataset->name, dataset->type, dataset->rank,
+                                         dataset->z_axis, page, count, &dataset->block);
   if (status != STATUS_OK) return status;
   dataset->first = page;
-  dataset->count = dataset->rank == 2 ? 1 : dims[0];
+  dataset->count = dataset->z_axis < 0 ? 1 : count;
   return STATUS_OK;
 }
 

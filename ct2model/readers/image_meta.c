@@ -6,7 +6,12 @@
 #include <string.h>
 #include <strings.h>
 
-/* MetaImage: "Key = value" lines; ElementDataFile is the last and names the pixels or LOCAL. */
+#include "ct2model/readers/image_data.h"
+#include "ct2model/readers/image_shape.h"
+
+/* MetaImage: "Key = value" lines; ElementDataFile is the last and names the pixels, LOCAL, a
+ * pattern of names or a LIST. Programs add keys of their own, so that unknown ones are passed over.
+ */
 
 static bool meta_claims(const char *path, const unsigned char *head, size_t n) {
   const char *dot = strrchr(path, '.');
@@ -14,83 +19,147 @@ static bool meta_claims(const char *path, const unsigned char *head, size_t n) {
   return n > 10 && dot != NULL && (strcasecmp(dot, ".mhd") == 0 || strcasecmp(dot, ".mha") == 0);
 }
 
-static bool element_type(const char *name, enum pixel_type *type) {
+static bool element_type(const char *name, struct image *image) {
   static const struct {
     const char *name;
     enum pixel_type type;
-  } TYPES[] = {{"MET_UCHAR", PIXEL_U8},  {"MET_CHAR", PIXEL_I8},   {"MET_USHORT", PIXEL_U16},
-               {"MET_SHORT", PIXEL_I16}, {"MET_UINT", PIXEL_U32},  {"MET_INT", PIXEL_I32},
-               {"MET_FLOAT", PIXEL_F32}, {"MET_DOUBLE", PIXEL_F64}};
+    int widened;
+  } TYPES[] = {
+      {"MET_UCHAR", PIXEL_U8, WIDENED_NOT},      {"MET_CHAR", PIXEL_I8, WIDENED_NOT},
+      {"MET_USHORT", PIXEL_U16, WIDENED_NOT},    {"MET_SHORT", PIXEL_I16, WIDENED_NOT},
+      {"MET_UINT", PIXEL_U32, WIDENED_NOT},      {"MET_INT", PIXEL_I32, WIDENED_NOT},
+      {"MET_FLOAT", PIXEL_F32, WIDENED_NOT},     {"MET_DOUBLE", PIXEL_F64, WIDENED_NOT},
+      {"MET_LONG_LONG", PIXEL_F64, WIDENED_I64}, {"MET_ULONG_LONG", PIXEL_F64, WIDENED_U64}};
   for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
     if (strcmp(name, TYPES[i].name) == 0) {
-      *type = TYPES[i].type;
+      image->type = TYPES[i].type;
+      image->widened = TYPES[i].widened;
       return true;
     }
   }
   return false;
 }
 
+struct meta_header {
+  int dimensions;
+  char sizes[200];
+  bool sized, typed, placed, compressed;
+};
+
+static enum status read_sizes(const char *path, const struct meta_header *header,
+                              struct image *image) {
+  size_t n[AXES_MOST];
+  int axis[3], count = 0;
+  const char *at = header->sizes;
+  while (count < header->dimensions) {
+    char *end;
+    const unsigned long long size = strtoull(at, &end, 10);
+    if (end == at || size == 0 || strchr(header->sizes, '-') != NULL) break;
+    n[count++] = (size_t)size;
+    at = end;
+  }
+  if (count < header->dimensions || at[strspn(at, " \t")] != '\0')
+    return FAIL(STATUS_INPUT, "%s: DimSize = %s is not %d numbers above zero", path, header->sizes,
+                header->dimensions);
+  if (!image_choose_axes(n, count, axis))
+    return FAIL(STATUS_INPUT,
+                "%s: NDims = %d, DimSize = %s; 2 or 3 axes (and others of one) are read: save one "
+                "volume",
+                path, header->dimensions, header->sizes);
+  image->size[0] = n[axis[0]];
+  image->size[1] = n[axis[1]];
+  image->pages = axis[2] < 0 ? 1 : n[axis[2]];
+  return STATUS_OK;
+}
+
+/* ElementDataFile. */
+static enum status place_pixels(const char *value, FILE *file, int number,
+                                const struct meta_header *header, struct image *image) {
+  if (strcasecmp(value, "LOCAL") == 0) {
+    const uint64_t start = (uint64_t)ftello(file);
+    if (image->data_offset == PIXELS_AT_END) return STATUS_OK;
+    image->packed_offset = header->compressed ? start : 0;
+    image->data_offset = header->compressed ? 0 : start;
+    return STATUS_OK;
+  }
+  if (header->compressed && image->data_offset != PIXELS_AT_END) {
+    image->packed_offset = image->data_offset;
+    image->data_offset = 0;
+  }
+  if (strncasecmp(value, "LIST", 4) == 0 && (value[4] == '\0' || value[4] == ' '))
+    return image_data_list(image, file, number);
+  return strchr(value, '%') != NULL ? image_data_pattern(image, value, number)
+                                    : image_data_beside(image, value, number);
+}
+
+static enum status read_key(const char *path, const char *key, const char *value, int number,
+                            struct meta_header *header, struct image *image) {
+  const bool truth = strcasecmp(value, "True") == 0 || strcmp(value, "1") == 0;
+  if (strcmp(key, "NDims") == 0) {
+    header->dimensions = atoi(value);
+    if (header->dimensions < 2 || header->dimensions > AXES_MOST)
+      return FAIL(STATUS_INPUT, "%s:%d: NDims = %s; 2 or 3 are read: save one volume", path, number,
+                  value);
+  } else if (strcmp(key, "DimSize") == 0) {
+    snprintf(header->sizes, sizeof header->sizes, "%s", value);
+    header->sized = true;
+  } else if (strcmp(key, "ElementSpacing") == 0 || strcmp(key, "ElementSize") == 0) {
+    /* The format has no unit; ITK users mean millimetres, so it is only shown. */
+    image_note(image, "%.40s = %.60s has no unit; --voxel-size decides", key, value);
+  } else if (strcmp(key, "ElementType") == 0) {
+    header->typed = element_type(value, image);
+    if (!header->typed)
+      return FAIL(STATUS_INPUT, "%s:%d: ElementType = %s is not read; save integers or floats",
+                  path, number, value);
+  } else if (strcmp(key, "CompressedData") == 0) {
+    header->compressed = truth;
+  } else if (strcmp(key, "BinaryData") == 0 && !truth) {
+    return FAIL(STATUS_INPUT, "%s:%d: pixels as text (BinaryData = %s) are not read; save binary",
+                path, number, value);
+  } else if (strcmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
+    return FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read: save as grey", path, number, value);
+  } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
+             strcmp(key, "ElementByteOrderMSB") == 0) {
+    image->swap = truth;
+  } else if (strcmp(key, "HeaderSizePerSlice") == 0 && atoi(value) != 0) {
+    return FAIL(STATUS_INPUT, "%s:%d: a header before every slice is not read; save one volume",
+                path, number);
+  } else if (strcmp(key, "HeaderSize") == 0) {
+    const long long bytes = atoll(value);
+    if (bytes < -1)
+      return FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read; it counts bytes, or is -1",
+                  path, number, value);
+    image->placed = true;
+    image->data_offset = bytes < 0 ? PIXELS_AT_END : (uint64_t)bytes;
+  }
+  return STATUS_OK;
+}
+
 static enum status meta_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
-  char line[512], key[64], value[400];
-  bool sized = false, typed = false, placed = false, compressed = false;
-  int dimensions = 3;
+  char line[1 << 15], key[64], value[1024];
+  struct meta_header header = {.dimensions = 3};
+  bool more = true;
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  for (int number = 1; !placed && fgets(line, sizeof line, file) != NULL; number++) {
-    if (sscanf(line, " %63[^ =\t] = %399[^\r\n]", key, value) != 2) continue;
-    if (strcmp(key, "NDims") == 0) {
-      dimensions = atoi(value);
-      if (dimensions != 2 && dimensions != 3)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: NDims = %s; 2 or 3 are read: save one volume", path, number,
-                 value);
-    } else if (strcmp(key, "DimSize") == 0) {
-      image->pages = 1;
-      if (value[0] == '-' || sscanf(value, "%zu %zu %zu", &image->size[0], &image->size[1],
-                                    &image->pages) < dimensions)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: DimSize = %s is not %d numbers", path, number, value,
-                 dimensions);
-      sized = true;
-    } else if (strcmp(key, "ElementSpacing") == 0 || strcmp(key, "ElementSize") == 0) {
-      /* The format has no unit; ITK users mean millimetres, so it is only shown. */
-      snprintf(image->note, sizeof image->note, "%.40s = %.60s has no unit; --voxel-size decides",
-               key, value);
-    } else if (strcmp(key, "ElementType") == 0) {
-      typed = element_type(value, &image->type);
-      if (!typed)
-        TRY_FAIL(STATUS_INPUT,
-                 "%s:%d: ElementType = %s is not read; save integers of 8 to 32 bits or floats",
-                 path, number, value);
-    } else if (strcmp(key, "CompressedData") == 0) {
-      compressed = strcasecmp(value, "True") == 0;
-    } else if (strcmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
-      TRY_FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read: save as grey", path, number, value);
-    } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
-               strcmp(key, "ElementByteOrderMSB") == 0) {
-      image->swap = strcasecmp(value, "True") == 0;
-    } else if (strcmp(key, "HeaderSize") == 0) {
-      long long header = atoll(value);
-      if (header < -1)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read; it counts bytes, or is -1",
-                 path, number, value);
-      image->data_offset = header < 0 ? PIXELS_AT_END : (uint64_t)header;
-    } else if (strcmp(key, "ElementDataFile") == 0) {
-      placed = true;
-      if (strcasecmp(value, "LOCAL") == 0)
-        image->data_offset = (uint64_t)ftell(file);
-      else if (strcasecmp(value, "LIST") == 0 || strchr(value, '%') != NULL)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: give the listed slices themselves instead", path, number);
-      else
-        TRY(image_data_beside(image, value, number));
-    }
+  for (int number = 0; !header.placed;) {
+    TRY(image_header_line(path, file, line, sizeof line, &number, &more));
+    if (!more) break;
+    if (sscanf(line, " %63[^ :=\t] %*[:=] %1023[^\r\n]", key, value) != 2) continue;
+    for (char *end = value + strlen(value); end > value && (end[-1] == ' ' || end[-1] == '\t');)
+      *--end = '\0';
+    header.placed = strcmp(key, "ElementDataFile") == 0;
+    TRY(header.placed ? place_pixels(value, file, number, &header, image)
+                      : read_key(path, key, value, number, &header, image));
   }
-  if (!sized || !typed || !placed)
+  if (!header.sized || !header.typed || !header.placed)
     TRY_FAIL(STATUS_INPUT, "%s: %s is missing" EXPORT_AGAIN, path,
-             !sized   ? "DimSize"
-             : !typed ? "ElementType"
-                      : "ElementDataFile");
+             !header.sized   ? "DimSize"
+             : !header.typed ? "ElementType"
+                             : "ElementDataFile");
+  TRY(read_sizes(path, &header, image));
   image->plain = true;
-  TRY(image_claim_pixels(image, compressed));
+  TRY(image_claim_pixels(image, header.compressed));
 cleanup:
   if (file != NULL) fclose(file);
   return status;

@@ -1,12 +1,12 @@
 #include "ct2model/readers/image.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/image_shape.h"
 
 /* NumPy's format, versions 1 to 3: magic, version, length, a Python dictionary of the shape, then
  * the pixels (numpy.lib.format). An array of a volume is [z][y][x], of one slice [y][x]. */
@@ -28,9 +28,6 @@ static const char *value_of(const char *header, const char *key) {
   return at + strspn(at, " ");
 }
 
-/* Types that are no pixel types are widened when read: floats of 16 bits to 32, integers of 64 bits
- * to floats, exact up to 2^53. image->type is that of the bytes in the file until the pixels are
- * claimed. */
 static bool read_type(const char *value, struct image *image) {
   char order, format;
   int bytes;
@@ -40,7 +37,7 @@ static bool read_type(const char *value, struct image *image) {
   if (format == 'b' && bytes == 1) format = 'u'; /* booleans */
   if (format == 'f' && bytes == 2) {
     image->widened = WIDENED_HALF;
-    image->type = PIXEL_U16;
+    image->type = PIXEL_F32;
     return true;
   }
   if ((format == 'i' || format == 'u') && bytes == 8) {
@@ -52,10 +49,10 @@ static bool read_type(const char *value, struct image *image) {
 }
 
 static bool read_shape(const char *value, struct image *image) {
-  size_t n[3];
-  int count = 0;
+  size_t n[AXES_MOST], turned[AXES_MOST];
+  int count = 0, axis[3];
   if (value == NULL || *value++ != '(') return false;
-  while (*value != ')' && count < 3) {
+  while (*value != ')' && count < AXES_MOST) {
     char *end;
     if (*value < '0' || *value > '9') return false;
     errno = 0;
@@ -64,10 +61,12 @@ static bool read_shape(const char *value, struct image *image) {
     n[count++] = (size_t)size;
     value = end + strspn(end, ", ");
   }
-  if (*value != ')' || count < 2) return false;
-  image->size[0] = n[count - 1];
-  image->size[1] = n[count - 2];
-  image->pages = count == 3 ? n[0] : 1;
+  if (*value != ')') return false;
+  for (int a = 0; a < count; a++) turned[a] = n[count - 1 - a];
+  if (!image_choose_axes(turned, count, axis)) return false;
+  image->size[0] = turned[axis[0]];
+  image->size[1] = turned[axis[1]];
+  image->pages = axis[2] < 0 ? 1 : turned[axis[2]];
   return true;
 }
 
@@ -102,54 +101,18 @@ static enum status npy_open(const char *path, struct image *image) {
   }
   if (!read_shape(value_of(header, "shape"), image))
     TRY_FAIL(STATUS_INPUT,
-             "%s: is empty, over 2^32 long on an axis, or no array of 2 or 3 axes; save one volume "
-             "as [z][y][x]",
+             "%s: is empty, over 2^32 long on an axis, or no array of 2 or 3 axes (and others of "
+             "one); save one volume as [z][y][x]",
              path);
   image->columns = order != NULL && strncmp(order, "True", 4) == 0;
   image->data_offset = at + length;
   image->plain = true;
   TRY(image_claim_pixels(image, false));
-  if (image->widened == WIDENED_HALF) image->type = PIXEL_F32;
 cleanup:
   fclose(file);
   memory_free(&header);
   return status;
 }
 
-/* IEEE 754 (2008), binary16: a sign, 5 bits of exponent, 10 of the fraction. */
-static float half_value(uint16_t half) {
-  const int exponent = half >> 10 & 31, fraction = half & 1023;
-  const float size = exponent == 0    ? ldexpf((float)fraction, -24)
-                     : exponent == 31 ? (fraction ? NAN : INFINITY)
-                                      : ldexpf((float)(1024 + fraction), exponent - 25);
-  return half >> 15 ? -size : size;
-}
-
-static enum status npy_read(const struct image *image, size_t page, void *out) {
-  struct image stored = *image;
-  const size_t n = image->size[0] * image->size[1];
-  /* Narrower values are read to the end of `out`, so that writing from its start does not overtake
-   * them. */
-  char *from = out;
-  if (image->widened == WIDENED_HALF) {
-    stored.type = PIXEL_U16;
-    from += n * (sizeof(float) - sizeof(uint16_t));
-  }
-  const enum status status = image_read_contiguous(&stored, page, from);
-  for (size_t i = 0; i < n && image->widened != WIDENED_NOT && status == STATUS_OK; i++) {
-    if (image->widened == WIDENED_HALF) {
-      uint16_t half;
-      memcpy(&half, from + i * sizeof half, sizeof half);
-      const float value = half_value(half);
-      memcpy((char *)out + i * sizeof value, &value, sizeof value);
-      continue;
-    }
-    uint64_t bits;
-    memcpy(&bits, from + i * sizeof bits, sizeof bits);
-    const double value = image->widened == WIDENED_I64 ? (double)(int64_t)bits : (double)bits;
-    memcpy(from + i * sizeof value, &value, sizeof value);
-  }
-  return status;
-}
-
-const struct image_reader image_npy_reader = {"NumPy", {".npy"}, npy_claims, npy_open, npy_read};
+const struct image_reader image_npy_reader = {
+    "NumPy", {".npy"}, npy_claims, npy_open, image_read_contiguous};

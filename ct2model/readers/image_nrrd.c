@@ -7,133 +7,404 @@
 #include <string.h>
 #include <strings.h>
 
-/* NRRD: "key: value" lines after the magic, an empty line, then the pixels (or a detached file). */
+#include "common/memory.h"
+#include "ct2model/readers/image_data.h"
+#include "ct2model/readers/image_shape.h"
+#include "ct2model/readers/length_unit.h"
+
+/* NRRD, versions 1 to 5 (teem.sourceforge.net/nrrd/format.html): "field: value" lines after the
+ * magic, an empty line, then the pixels (or detached files). Fields are known in all their
+ * spellings, in capitals or not; others are refused, as by the definition. */
 
 static bool nrrd_claims(const char *path, const unsigned char *head, size_t n) {
   (void)path;
   return n > 8 && memcmp(head, "NRRD000", 7) == 0;
 }
 
-static bool nrrd_type(const char *name, enum pixel_type *type) {
+enum field {
+  TYPE,
+  DIMENSION,
+  SIZES,
+  ENCODING,
+  ENDIAN,
+  LINE_SKIP,
+  BYTE_SKIP,
+  SPACINGS,
+  DIRECTIONS,
+  UNITS,
+  SPACE_UNITS,
+  KINDS,
+  DATA_FILE,
+  FIELDS, /* those that are used; the others tell nothing about greys and voxels */
+  OTHER = FIELDS
+};
+
+/* The definition's fields. */
+static const struct {
+  const char *name;
+  enum field field;
+} NAMES[] = {
+    {"type", TYPE},
+    {"dimension", DIMENSION},
+    {"sizes", SIZES},
+    {"encoding", ENCODING},
+    {"endian", ENDIAN},
+    {"line skip", LINE_SKIP},
+    {"lineskip", LINE_SKIP},
+    {"byte skip", BYTE_SKIP},
+    {"byteskip", BYTE_SKIP},
+    {"spacings", SPACINGS},
+    {"space directions", DIRECTIONS},
+    {"spacedirections", DIRECTIONS},
+    {"units", UNITS},
+    {"space units", SPACE_UNITS},
+    {"spaceunits", SPACE_UNITS},
+    {"kinds", KINDS},
+    {"data file", DATA_FILE},
+    {"datafile", DATA_FILE},
+    {"content", OTHER},
+    {"number", OTHER},
+    {"block size", OTHER},
+    {"blocksize", OTHER},
+    {"space", OTHER},
+    {"space dimension", OTHER},
+    {"spacedimension", OTHER},
+    {"space origin", OTHER},
+    {"spaceorigin", OTHER},
+    {"measurement frame", OTHER},
+    {"measurementframe", OTHER},
+    {"thicknesses", OTHER},
+    {"axis mins", OTHER},
+    {"axismins", OTHER},
+    {"axis maxs", OTHER},
+    {"axismaxs", OTHER},
+    {"centers", OTHER},
+    {"centerings", OTHER},
+    {"labels", OTHER},
+    {"min", OTHER},
+    {"max", OTHER},
+    {"old min", OTHER},
+    {"oldmin", OTHER},
+    {"old max", OTHER},
+    {"oldmax", OTHER},
+    {"sample units", OTHER},
+    {"sampleunits", OTHER},
+};
+
+struct nrrd_header {
+  char *value[FIELDS]; /* NULL: not there */
+  int line[FIELDS];
+  int dimension;
+  size_t sizes[AXES_MOST];
+  int axis[3];
+};
+
+static bool read_type(const char *name, struct image *image) {
   static const struct {
     const char *name;
     enum pixel_type type;
   } TYPES[] = {
-      {"uchar", PIXEL_U8},         {"unsigned char", PIXEL_U8}, {"uint8", PIXEL_U8},
-      {"uint8_t", PIXEL_U8},       {"signed char", PIXEL_I8},   {"int8", PIXEL_I8},
-      {"int8_t", PIXEL_I8},        {"ushort", PIXEL_U16},       {"unsigned short", PIXEL_U16},
-      {"uint16", PIXEL_U16},       {"uint16_t", PIXEL_U16},     {"short", PIXEL_I16},
-      {"int16", PIXEL_I16},        {"int16_t", PIXEL_I16},      {"uint", PIXEL_U32},
-      {"unsigned int", PIXEL_U32}, {"uint32", PIXEL_U32},       {"uint32_t", PIXEL_U32},
-      {"int", PIXEL_I32},          {"int32", PIXEL_I32},        {"int32_t", PIXEL_I32},
-      {"float", PIXEL_F32},        {"double", PIXEL_F64},
+      {"signed char", PIXEL_I8},
+      {"int8", PIXEL_I8},
+      {"int8_t", PIXEL_I8},
+      {"uchar", PIXEL_U8},
+      {"unsigned char", PIXEL_U8},
+      {"uint8", PIXEL_U8},
+      {"uint8_t", PIXEL_U8},
+      {"short", PIXEL_I16},
+      {"short int", PIXEL_I16},
+      {"signed short", PIXEL_I16},
+      {"signed short int", PIXEL_I16},
+      {"int16", PIXEL_I16},
+      {"int16_t", PIXEL_I16},
+      {"ushort", PIXEL_U16},
+      {"unsigned short", PIXEL_U16},
+      {"unsigned short int", PIXEL_U16},
+      {"uint16", PIXEL_U16},
+      {"uint16_t", PIXEL_U16},
+      {"int", PIXEL_I32},
+      {"signed int", PIXEL_I32},
+      {"int32", PIXEL_I32},
+      {"int32_t", PIXEL_I32},
+      {"uint", PIXEL_U32},
+      {"unsigned int", PIXEL_U32},
+      {"uint32", PIXEL_U32},
+      {"uint32_t", PIXEL_U32},
+      {"float", PIXEL_F32},
+      {"double", PIXEL_F64},
   };
+  static const char *const LONG[] = {
+      "longlong", "long long", "long long int", "signed long long", "signed long long int",
+      "int64",    "int64_t"};
+  static const char *const UNSIGNED_LONG[] = {"ulonglong", "unsigned long long",
+                                              "unsigned long long int", "uint64", "uint64_t"};
   for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
-    if (strcmp(name, TYPES[i].name) == 0) {
-      *type = TYPES[i].type;
-      return true;
-    }
+    if (strcasecmp(name, TYPES[i].name) != 0) continue;
+    image->type = TYPES[i].type;
+    return true;
   }
-  return false;
+  for (size_t i = 0; i < sizeof LONG / sizeof *LONG; i++)
+    if (strcasecmp(name, LONG[i]) == 0) image->widened = WIDENED_I64;
+  for (size_t i = 0; i < sizeof UNSIGNED_LONG / sizeof *UNSIGNED_LONG; i++)
+    if (strcasecmp(name, UNSIGNED_LONG[i]) == 0) image->widened = WIDENED_U64;
+  image->type = PIXEL_F64;
+  return image->widened != WIDENED_NOT;
 }
 
-/* Reads the lengths of "(a,b,c)" vectors, or plain spacings, in the units `units`. */
-static void read_spacing(struct image *image, const char *value, const char *units) {
-  double metres[3];
-  const char *at = units;
-  for (int axis = 0; axis < 3; axis++) {
-    char unit[24] = "";
-    at = at != NULL ? strchr(at, '"') : NULL;
-    if (at == NULL || sscanf(at, "\"%23[^\"]\"", unit) != 1) return;
-    at = strchr(at + 1, '"');
-    if (at != NULL) at++;
-    metres[axis] = strcmp(unit, "mm") == 0 || strcmp(unit, "millimeter") == 0 ? 1e-3
-                   : strcmp(unit, "um") == 0 || strcmp(unit, "micrometer") == 0 ||
-                           strcmp(unit, "micron") == 0 || strcmp(unit, "\xC2\xB5m") == 0
-                       ? 1e-6
-                   : strcmp(unit, "m") == 0 || strcmp(unit, "meter") == 0 ? 1.0
-                                                                          : NAN;
+/* A line of the header: a comment, a key of the user ("key:=value") or a field. */
+static enum status read_line(const char *path, char *line, int number, struct nrrd_header *header) {
+  char *value = strstr(line, ": ");
+  const char *key = strstr(line, ":=");
+  if (line[0] == '#' || (key != NULL && (value == NULL || key < value))) return STATUS_OK;
+  if (value == NULL) {
+    if (number == 1) return STATUS_OK; /* the magic */
+    return FAIL(STATUS_INPUT, "%s:%d: neither \"field: value\" nor a comment" EXPORT_AGAIN, path,
+                number);
   }
-  const char *cursor = value;
-  for (int axis = 0; axis < 3; axis++) {
-    double v[3] = {0, 0, 0};
-    char *end = NULL;
-    while (*cursor == ' ') cursor++;
-    if (*cursor == '(') {
-      if (sscanf(cursor, "(%lf,%lf,%lf)", &v[0], &v[1], &v[2]) != 3) return;
-      cursor = strchr(cursor, ')');
-      if (cursor == NULL) return;
-      cursor++;
-    } else {
-      v[0] = strtod(cursor, &end);
-      if (end == cursor) return;
-      cursor = end;
+  *value = '\0';
+  for (value += 2; *value == ' ' || *value == '\t';) value++;
+  for (char *end = value + strlen(value); end > value && (end[-1] == ' ' || end[-1] == '\t');)
+    *--end = '\0';
+  for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
+    if (strcasecmp(line, NAMES[i].name) != 0) continue;
+    if (NAMES[i].field == OTHER) return STATUS_OK;
+    if (header->value[NAMES[i].field] != NULL)
+      return FAIL(STATUS_INPUT, "%s:%d: a second %s; one counts, and which is unclear", path,
+                  number, line);
+    header->line[NAMES[i].field] = number;
+    return memory_copy_text(value, strlen(value), &header->value[NAMES[i].field]);
+  }
+  return FAIL(STATUS_INPUT,
+              "%s:%d: '%.60s' is no field of NRRD; correct it, or make it a comment (#)", path,
+              number, line);
+}
+
+static enum status read_header(const char *path, FILE *file, struct image *image,
+                               struct nrrd_header *header) {
+  enum status status = STATUS_OK;
+  char line[1 << 15];
+  int number = 0;
+  for (bool more = true;;) {
+    TRY(image_header_line(path, file, line, sizeof line, &number, &more));
+    if (!more || line[0] == '\0') break;
+    TRY(read_line(path, line, number, header));
+    const char *names = header->value[DATA_FILE];
+    if (names == NULL || image->data_file_count > 0) continue;
+    if (strncmp(names, "LIST", 4) == 0 && (names[4] == '\0' || names[4] == ' ')) {
+      TRY(image_data_list(image, file, number)); /* to the end of the header */
+      break;
     }
-    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) * metres[axis];
-    image->voxel[axis] = length > 0.0 ? length : NAN;
+    TRY(strchr(names, '%') != NULL ? image_data_pattern(image, names, number)
+                                   : image_data_beside(image, names, number));
+  }
+cleanup:
+  return status;
+}
+
+/* The whole numbers of a field, at most `most`; the number of them, or -1 if there is another word.
+ */
+static int whole_numbers(const char *text, long long *values, int most) {
+  int count = 0;
+  while (*text != '\0') {
+    char *end;
+    errno = 0;
+    const long long value = strtoll(text, &end, 10);
+    if (end == text || errno != 0 || (*end != '\0' && *end != ' ' && *end != '\t') || count == most)
+      return -1;
+    values[count++] = value;
+    text = end + strspn(end, " \t");
+  }
+  return count;
+}
+
+static enum status read_shape(const char *path, struct nrrd_header *header, struct image *image) {
+  long long n[AXES_MOST], dimension;
+  const int sizes = whole_numbers(header->value[SIZES], n, AXES_MOST);
+  if (whole_numbers(header->value[DIMENSION], &dimension, 1) != 1 || sizes != dimension)
+    return FAIL(STATUS_INPUT, "%s:%d: sizes %s are not %s whole numbers, one for each dimension",
+                path, header->line[SIZES], header->value[SIZES], header->value[DIMENSION]);
+  for (int a = 0; a < sizes; a++) {
+    if (n[a] < 1)
+      return FAIL(STATUS_INPUT, "%s:%d: sizes %s: each is 1 or more", path, header->line[SIZES],
+                  header->value[SIZES]);
+    header->sizes[a] = (size_t)n[a];
+  }
+  header->dimension = sizes;
+  if (!image_choose_axes(header->sizes, sizes, header->axis))
+    return FAIL(STATUS_INPUT,
+                "%s:%d: dimension %d, sizes %s; 2 or 3 axes (and others of one) are read: save one "
+                "volume",
+                path, header->line[DIMENSION], sizes, header->value[SIZES]);
+  image->size[0] = header->sizes[header->axis[0]];
+  image->size[1] = header->sizes[header->axis[1]];
+  image->pages = header->axis[2] < 0 ? 1 : header->sizes[header->axis[2]];
+  return STATUS_OK;
+}
+
+/* Axes of colours, vectors or times are not those of a volume. */
+static enum status check_kinds(const char *path, const struct nrrd_header *header) {
+  static const char *const OF_SPACE[] = {"domain", "space",  "list", "none",
+                                         "???",    "scalar", "stub"};
+  const char *at = header->value[KINDS];
+  for (int a = 0; at != NULL && a < header->dimension; a++) {
+    char kind[40] = "";
+    at += strspn(at, " \t");
+    (void)sscanf(at, "%39s", kind);
+    at += strlen(kind);
+    bool known = kind[0] == '\0' || header->sizes[a] == 1;
+    for (size_t i = 0; i < sizeof OF_SPACE / sizeof *OF_SPACE; i++)
+      known |= strcasecmp(kind, OF_SPACE[i]) == 0;
+    if (!known)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: axis %d holds %zu values of kind %s, no places in space; save one volume "
+                  "of greys",
+                  path, header->line[KINDS], a, header->sizes[a], kind);
+  }
+  return STATUS_OK;
+}
+
+/* The next quoted text; false if there is none. */
+static bool next_quoted(const char **at, char text[24]) {
+  const char *from = *at != NULL ? strchr(*at, '"') : NULL;
+  const char *to = from != NULL ? strchr(from + 1, '"') : NULL;
+  if (to == NULL) return false;
+  snprintf(text, 24, "%.*s", (int)(to - from - 1 < 23 ? to - from - 1 : 23), from + 1);
+  *at = to + 1;
+  return true;
+}
+
+/* The voxel size: `spacings` with `units`, a value an axis, or lengths of `space directions` with
+ * `space units`, an entry a coordinate of space. In files of others `units` stand with directions
+ * and the other way round, so that either is taken. */
+static void read_spacing(const struct nrrd_header *header, struct image *image) {
+  double length[AXES_MOST];
+  const bool directions = header->value[DIRECTIONS] != NULL;
+  const char *at = header->value[directions ? DIRECTIONS : SPACINGS];
+  const char *units = header->value[directions ? SPACE_UNITS : UNITS];
+  if (units == NULL) units = header->value[directions ? UNITS : SPACE_UNITS];
+  const bool by_axis = units != NULL && units == header->value[UNITS];
+  char unit[24];
+  double metres[AXES_MOST];
+  int spatial = 0, count = 0;
+  while (count < AXES_MOST && next_quoted(&units, unit)) metres[count++] = length_unit(unit);
+  if (at == NULL || count == 0) return;
+  for (int a = 0; a < header->dimension; a++) {
+    char *end;
+    double square = 0.0;
+    at += strspn(at, " \t");
+    if (strncasecmp(at, "none", 4) == 0) {
+      length[a] = NAN;
+      at += 4;
+      continue;
+    }
+    const bool vector = *at == '(';
+    const double own =
+        by_axis ? (a < count ? metres[a] : NAN) : (spatial < count ? metres[spatial] : NAN);
+    spatial++;
+    for (int c = 0;; c++) {
+      const double value = strtod(at + (vector ? 1 : 0), &end);
+      if (end == at + (vector ? 1 : 0)) return;
+      const double scale = vector && !by_axis ? (c < count ? metres[c] : NAN) : own;
+      if (value != 0.0) square += value * scale * value * scale;
+      at = end + strspn(end, " \t");
+      if (!vector || *at != ',') break;
+    }
+    if (vector && *at++ != ')') return;
+    length[a] = sqrt(square);
+  }
+  for (int d = 0; d < 3; d++) {
+    const double edge = header->axis[d] < 0 ? NAN : length[header->axis[d]];
+    image->voxel[d] = edge > 0.0 && isfinite(edge) ? edge : NAN;
   }
   if (isfinite(image->voxel[0])) image->voxel_source = "NRRD spacings";
 }
 
+/* Where the pixels begin: after the header and `line skip` lines, then `byte skip` bytes, of the
+ * unpacked ones where they are compressed. */
+static enum status place_pixels(const char *path, FILE *header_file, bool compressed,
+                                const struct nrrd_header *header, struct image *image) {
+  enum status status = STATUS_OK;
+  long long lines = 0, bytes = 0;
+  const char *skips = header->value[LINE_SKIP], *byte_skip = header->value[BYTE_SKIP];
+  FILE *own = NULL, *file = header_file;
+  if (skips != NULL && (whole_numbers(skips, &lines, 1) != 1 || lines < 0))
+    TRY_FAIL(STATUS_INPUT, "%s:%d: line skip %s is not read; it counts lines", path,
+             header->line[LINE_SKIP], skips);
+  if (byte_skip != NULL && (whole_numbers(byte_skip, &bytes, 1) != 1 || bytes < -1))
+    TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read; it counts bytes, or is -1", path,
+             header->line[BYTE_SKIP], byte_skip);
+  image->placed = lines > 0 || byte_skip != NULL;
+  if (bytes < 0) {
+    image->data_offset = PIXELS_AT_END;
+    goto cleanup;
+  }
+  if (lines > 0 && image->data_file_count > 1)
+    TRY_FAIL(STATUS_INPUT, "%s:%d: lines are skipped in one file, not in several; say byte skip",
+             path, header->line[LINE_SKIP]);
+  if (image->data_file_count > 0) {
+    file = NULL;
+    if (lines > 0 && (own = fopen(image->data_files[0], "rb")) == NULL)
+      TRY_FAIL(STATUS_INPUT, "%s: %s", image->data_files[0], strerror(errno));
+    file = own;
+  }
+  while (lines > 0) {
+    const int c = getc(file);
+    if (c == EOF)
+      TRY_FAIL(STATUS_INPUT, "%s:%d: line skip %s: there are not so many lines", path,
+               header->line[LINE_SKIP], skips);
+    lines -= c == '\n';
+  }
+  const uint64_t start = file != NULL ? (uint64_t)ftello(file) : 0;
+  image->packed_offset = compressed ? start : 0;
+  image->data_offset = (uint64_t)bytes + (compressed ? 0 : start);
+cleanup:
+  if (own != NULL) fclose(own);
+  return status;
+}
+
+/* `endian` and `encoding`. */
+static enum status read_storage(const char *path, const struct nrrd_header *header,
+                                struct image *image, bool *compressed) {
+  const char *encoding = header->value[ENCODING], *endian = header->value[ENDIAN];
+  *compressed = strcasecmp(encoding, "gzip") == 0 || strcasecmp(encoding, "gz") == 0;
+  if (!*compressed && strcasecmp(encoding, "raw") != 0)
+    return FAIL(STATUS_INPUT, "%s:%d: encoding %s is not read; save as raw or gzip", path,
+                header->line[ENCODING], encoding);
+  const bool big = endian != NULL && strcasecmp(endian, "big") == 0;
+  if (endian == NULL && image_stored_size(image) > 1)
+    return FAIL(STATUS_INPUT, "%s: endian is missing, the order of a pixel's bytes" EXPORT_AGAIN,
+                path);
+  if (endian != NULL && !big && strcasecmp(endian, "little") != 0)
+    return FAIL(STATUS_INPUT, "%s:%d: endian %s is neither little nor big", path,
+                header->line[ENDIAN], endian);
+  image->swap = big;
+  return STATUS_OK;
+}
+
 static enum status nrrd_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
-  char line[1024], spacing[256] = "", units[128] = "";
-  bool typed = false, sized = false, compressed = false;
+  static const char *const NEEDED[] = {"type", "dimension", "sizes", "encoding"};
+  struct nrrd_header header = {{NULL}, {0}, 0, {0}, {0}};
+  bool compressed;
   FILE *file = fopen(path, "rb");
   if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
-  for (int number = 1; fgets(line, sizeof line, file) != NULL; number++) {
-    line[strcspn(line, "\r\n")] = '\0';
-    if (line[0] == '\0') break;
-    char *value = strstr(line, ": ");
-    if (line[0] == '#' || value == NULL) continue;
-    *value = '\0';
-    value += 2;
-    if (strcmp(line, "type") == 0) {
-      typed = nrrd_type(value, &image->type);
-      if (!typed)
-        TRY_FAIL(STATUS_INPUT,
-                 "%s:%d: type %s is not read; save integers of 8 to 32 bits or floats", path,
-                 number, value);
-    } else if (strcmp(line, "dimension") == 0) {
-      if (strcmp(value, "3") != 0 && strcmp(value, "2") != 0)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: dimension %s; 2 or 3 are read: save one volume", path,
-                 number, value);
-    } else if (strcmp(line, "sizes") == 0) {
-      image->pages = 1;
-      sized = value[0] != '-' &&
-              sscanf(value, "%zu %zu %zu", &image->size[0], &image->size[1], &image->pages) >= 2;
-    } else if (strcmp(line, "endian") == 0) {
-      image->swap = strcmp(value, "big") == 0;
-    } else if (strcmp(line, "encoding") == 0) {
-      compressed = strcmp(value, "gzip") == 0 || strcmp(value, "gz") == 0;
-      if (!compressed && strcmp(value, "raw") != 0)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: encoding %s is not read; save as raw or gzip", path, number,
-                 value);
-    } else if (strcmp(line, "spacings") == 0 || strcmp(line, "space directions") == 0) {
-      snprintf(spacing, sizeof spacing, "%s", value);
-    } else if (strcmp(line, "space units") == 0 || strcmp(line, "units") == 0) {
-      snprintf(units, sizeof units, "%s", value);
-    } else if (strcmp(line, "byte skip") == 0) {
-      long long skip = atoll(value);
-      if (skip < -1)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: byte skip %s is not read; it counts bytes, or is -1", path,
-                 number, value);
-      image->data_offset = skip < 0 ? PIXELS_AT_END : (uint64_t)skip;
-    } else if (strcmp(line, "data file") == 0 || strcmp(line, "datafile") == 0) {
-      if (strncmp(value, "LIST", 4) == 0 || strchr(value, '%') != NULL)
-        TRY_FAIL(STATUS_INPUT, "%s:%d: give the listed slices themselves instead", path, number);
-      TRY(image_data_beside(image, value, number));
-    }
-  }
-  if (!typed || !sized)
-    TRY_FAIL(STATUS_INPUT, "%s: %s is missing" EXPORT_AGAIN, path, !typed ? "type" : "sizes");
-  if (image->data_path == NULL && image->data_offset != PIXELS_AT_END)
-    image->data_offset += (uint64_t)ftell(file);
-  read_spacing(image, spacing, units);
+  TRY(read_header(path, file, image, &header));
+  for (int f = 0; f < 4; f++)
+    if (header.value[f] == NULL)
+      TRY_FAIL(STATUS_INPUT, "%s: %s is missing" EXPORT_AGAIN, path, NEEDED[f]);
+  if (!read_type(header.value[TYPE], image))
+    TRY_FAIL(STATUS_INPUT, "%s:%d: type %s is not read; save integers or floats", path,
+             header.line[TYPE], header.value[TYPE]);
+  TRY(read_shape(path, &header, image));
+  TRY(check_kinds(path, &header));
+  TRY(read_storage(path, &header, image, &compressed));
+  TRY(place_pixels(path, file, compressed, &header, image));
+  read_spacing(&header, image);
   image->plain = true;
   TRY(image_claim_pixels(image, compressed));
 cleanup:
   if (file != NULL) fclose(file);
+  for (int f = 0; f < FIELDS; f++) memory_free(&header.value[f]);
   return status;
 }
 

@@ -59,13 +59,31 @@ static bool png_claims(const char *path, const unsigned char *head, size_t n) {
   return n >= 8 && png_sig_cmp(head, 0, 8) == 0;
 }
 
-/* Screen resolutions, which programs write by default, are no voxel sizes. */
-static bool is_screen_resolution(double pixels_per_metre) {
-  static const double DPI[] = {72, 96, 100, 150, 300, 600};
-  for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
-    if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
+/* Reads the palette, three values a colour, and returns the number of colours. */
+static size_t read_palette(struct png_session *session, uint16_t colours[3 * 256]) {
+  png_colorp palette;
+  int count = 0;
+  if (!png_get_PLTE(session->png, session->info, &palette, &count)) return 0;
+  for (int i = 0; i < count && i < 256; i++) {
+    colours[3 * i] = palette[i].red;
+    colours[3 * i + 1] = palette[i].green;
+    colours[3 * i + 2] = palette[i].blue;
   }
-  return false;
+  return (size_t)count;
+}
+
+/* Turns numbers of a palette's colours into its greys; where it has colours they are kept. */
+static enum status palette_to_grey(struct png_session *session, const struct image *image,
+                                   unsigned char *pixels) {
+  uint16_t colours[3 * 256];
+  const size_t size = read_palette(session, colours);
+  for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
+    if (pixels[i] >= size)
+      return FAIL(STATUS_INPUT, "%s: pixel %zu,%zu is colour %d of a palette of %zu" EXPORT_AGAIN,
+                  image->path, i % image->size[0], i / image->size[0], pixels[i], size);
+    if (image->palette == NULL) pixels[i] = (unsigned char)colours[3 * pixels[i]];
+  }
+  return STATUS_OK;
 }
 
 static enum status png_open(const char *path, struct image *image) {
@@ -83,14 +101,24 @@ static enum status png_open(const char *path, struct image *image) {
   image->pages = 1;
   image->plain = true;
   image->type = png_get_bit_depth(session.png, session.info) == 16 ? PIXEL_U16 : PIXEL_U8;
-  int colour = png_get_color_type(session.png, session.info);
-  if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
-    snprintf(image->note, sizeof image->note,
-             "stored in colour; build takes it only where it is grey");
+  const int colour = png_get_color_type(session.png, session.info);
+  const int bits = png_get_bit_depth(session.png, session.info);
+  if (bits < 8) image->top = (unsigned char)((1 << bits) - 1);
+  if (colour == PNG_COLOR_TYPE_PALETTE) {
+    uint16_t colours[3 * 256];
+    const size_t size = read_palette(&session, colours);
+    status = image_keep_palette(image, colours, size);
+    if (status != STATUS_OK) goto cleanup;
+    if (image->palette == NULL) image->top = 0;
+  }
+  if (image->palette != NULL)
+    image_note(image, IMAGE_NUMBERS_OF_COLOURS);
+  else if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
+    image_note(image, IMAGE_STORED_IN_COLOUR);
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
-      x > 0 && y > 0 && !is_screen_resolution(x)) {
+      x > 0 && y > 0 && !image_is_screen_resolution(x)) {
     image->voxel[0] = 1.0 / x;
     image->voxel[1] = 1.0 / y;
     image->voxel_source = "PNG pHYs";
@@ -128,9 +156,8 @@ static enum status png_read(const struct image *image, size_t page, void *out) {
   }
   png_init_io(session.png, session.file);
   png_read_info(session.png, session.info);
-  if (png_get_color_type(session.png, session.info) == PNG_COLOR_TYPE_PALETTE)
-    png_set_palette_to_rgb(session.png);
-  if (png_get_bit_depth(session.png, session.info) < 8) png_set_expand_gray_1_2_4_to_8(session.png);
+  const bool palette = png_get_color_type(session.png, session.info) == PNG_COLOR_TYPE_PALETTE;
+  png_set_packing(session.png); /* samples of less than a byte, as they are */
   png_set_strip_alpha(session.png);
   (void)png_set_interlace_handling(session.png);
   png_read_update_info(session.png, session.info);
@@ -154,6 +181,7 @@ static enum status png_read(const struct image *image, size_t page, void *out) {
     memcpy(out, session.pixels, pixels * pixel_size(image->type));
   else
     status = colour_to_grey(image, session.pixels, out);
+  if (palette && status == STATUS_OK) status = palette_to_grey(&session, image, out);
   pixels_swap(out, pixels, image->type); /* PNG is big-endian */
 cleanup:
   session_end(&session);

@@ -156,18 +156,28 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   return STATUS_OK;
 }
 
-/* Whether the greys of a palette fit in 8 bits (TIFF stores 16). Entries that are not grey do not
- * count: a pixel with such an entry is refused. */
-static bool palette_is_whole(TIFF *tiff, const struct tiff_layout *layout) {
-  uint16_t *palette[3];
-  if (layout->photometric != PHOTOMETRIC_PALETTE || layout->bits > 8 ||
-      !TIFFGetField(tiff, TIFFTAG_COLORMAP, &palette[0], &palette[1], &palette[2]))
-    return true;
-  for (size_t i = 0; i < (size_t)1 << layout->bits; i++) {
-    const uint16_t grey = palette[0][i];
-    if (grey % 257 != 0 && grey == palette[1][i] && grey == palette[2][i]) return false;
-  }
-  return true;
+/* Keeps the palette of a page where it has colours (image_keep_palette); *whole is false where its
+ * greys, of 16 bits, do not fit in 8. */
+static enum status read_palette(TIFF *tiff, const struct tiff_layout *layout, struct image *image,
+                                bool *whole) {
+  enum status status = STATUS_OK;
+  uint16_t *channels[3], *colours = NULL;
+  *whole = true;
+  if (layout->photometric != PHOTOMETRIC_PALETTE) return STATUS_OK;
+  if (layout->samples != 1 || layout->bits > 16 || layout->format != SAMPLEFORMAT_UINT)
+    return FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
+                pixel_name(image->type));
+  const size_t size = (size_t)1 << layout->bits;
+  if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &channels[0], &channels[1], &channels[2]))
+    return FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
+  TRY(memory_allocate(&colours, 3 * size, sizeof *colours, "a palette"));
+  for (size_t i = 0; i < 3 * size; i++) colours[i] = channels[i % 3][i / 3];
+  TRY(image_keep_palette(image, colours, size));
+  for (size_t i = 0; i < size && layout->bits <= 8 && image->palette == NULL; i++)
+    *whole &= colours[3 * i] % 257 == 0;
+cleanup:
+  memory_free(&colours);
+  return status;
 }
 
 static void read_resolution(TIFF *tiff, const char *description, struct image *image) {
@@ -203,22 +213,55 @@ static bool imagej_contiguous(TIFF *tiff, const char *description, const struct 
   image->swap = TIFFIsByteSwapped(tiff) != 0;
   if ((bytes - image->data_offset) / page < images) {
     image->pages = (size_t)((bytes - image->data_offset) / page);
-    snprintf(image->note, sizeof image->note, "cut short: %zu of %llu slices are there",
-             image->pages, images);
+    image_note(image, "cut short: %zu of %llu slices are there", image->pages, images);
   }
   return image->pages > 0;
 }
 
-/* Collects the offsets of all directories with images of full size; thumbnails (reduced images) are
- * left out. */
+/* The number of slices that ImageJ says it wrote; 0: it does not. */
+static unsigned long long count_imagej(const char *description) {
+  char text[40];
+  const bool told = description != NULL && strncmp(description, "ImageJ=", 7) == 0 &&
+                    tiff_description_value(description, "images", text, sizeof text);
+  return told ? strtoull(text, NULL, 10) : 0;
+}
+
+/* Whether the present directory is of another kind than a slice: a thumbnail or a mask of
+ * transparency, tagged so. */
+static bool is_aside(TIFF *tiff) {
+  uint32_t kind = 0;
+  TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
+  return (kind & (FILETYPE_REDUCEDIMAGE | FILETYPE_MASK)) != 0;
+}
+
+/* Strips or tiles that are not in the file, as sparse files leave them out where all is zero. */
+static size_t count_missing(TIFF *tiff) {
+  const uint32_t count = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  size_t missing = 0;
+  for (uint32_t i = 0; i < count; i++)
+    missing += TIFFGetStrileOffset(tiff, i) == 0 && TIFFGetStrileByteCount(tiff, i) == 0;
+  return missing;
+}
+
+/* Extra samples are of transparency, or the same everywhere (decode_row); this says whether the
+ * first one is declared so. */
+static bool has_alpha(TIFF *tiff) {
+  uint16_t count = 0, *kinds = NULL;
+  if (!TIFFGetField(tiff, TIFFTAG_EXTRASAMPLES, &count, &kinds) || count == 0) return false;
+  return kinds[0] == EXTRASAMPLE_ASSOCALPHA || kinds[0] == EXTRASAMPLE_UNASSALPHA;
+}
+
+/* Collects the offsets of all directories with slices, from the present one on; thumbnails and
+ * masks are left out. */
 static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
-  size_t room = 0;
+  size_t room = 0, missing = 0;
   enum status status = STATUS_OK;
+  struct image other = {.path = image->path, .type = image->type};
+  const bool all_aside = is_aside(tiff); /* then they are the slices after all */
   do {
     struct tiff_layout layout;
-    uint32_t kind = 0;
-    TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &kind);
-    if ((kind & FILETYPE_REDUCEDIMAGE) != 0) continue;
+    bool whole;
+    if (is_aside(tiff) && !all_aside) continue;
     layout_read(tiff, &layout);
     if (layout.width != first->width || layout.height != first->height)
       TRY_FAIL(STATUS_INPUT,
@@ -230,6 +273,12 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
           STATUS_INPUT,
           "%s: page %zu: %u bits, but the first page has %u bits a sample; save pages of one type",
           image->path, image->pages, layout.bits, first->bits);
+    if (layout.photometric != first->photometric)
+      TRY_FAIL(
+          STATUS_INPUT,
+          "%s: page %zu: photometric %u, but the first page has %u (0: white is zero, 1: black "
+          "is zero); save pages of one kind",
+          image->path, image->pages, layout.photometric, first->photometric);
     if (layout.orientation != first->orientation)
       TRY_FAIL(STATUS_INPUT,
                "%s: page %zu: orientation %u, but the first page has %u; save pages of one "
@@ -240,7 +289,14 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
       TRY(memory_resize(&image->page_offsets, room, sizeof *image->page_offsets,
                         "the pages of a TIFF"));
     }
-    image->plain &= palette_is_whole(tiff, &layout);
+    TRY(read_palette(tiff, &layout, image->pages == 0 ? image : &other, &whole));
+    if (image->pages > 0 && !image_palettes_agree(image, &other))
+      TRY_FAIL(STATUS_INPUT,
+               "%s: page %zu has another palette than the first: its numbers mean other colours; "
+               "save all with one",
+               image->path, image->pages);
+    image->plain &= whole;
+    missing += count_missing(tiff);
     image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
   } while (TIFFReadDirectory(tiff));
   if (tiff_message[0] == '\0' && !TIFFLastDirectory(tiff))
@@ -249,8 +305,29 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
+  if (missing > 0)
+    image_note(image, "%zu of its blocks are not in the file (sparse): all 0 there", missing);
 cleanup:
+  memory_free(&other.palette);
   return status;
+}
+
+/* Samples that are greys, or colours that may be. */
+static enum status check_photometric(const char *path, const struct tiff_layout *layout) {
+  static const uint16_t READ[] = {PHOTOMETRIC_MINISWHITE, PHOTOMETRIC_MINISBLACK, PHOTOMETRIC_RGB,
+                                  PHOTOMETRIC_PALETTE,    PHOTOMETRIC_MASK,       34892 /* raw */};
+  for (size_t i = 0; i < sizeof READ / sizeof *READ; i++)
+    if (layout->photometric == READ[i]) return STATUS_OK;
+  if (layout->photometric == PHOTOMETRIC_YCBCR && layout->compression == COMPRESSION_JPEG)
+    return STATUS_OK;
+  return FAIL(STATUS_INPUT, "%s: colours of the kind %u (5: of print, 8: CIE Lab); save as grey",
+              path, layout->photometric);
+}
+
+/* Goes to the first directory that is a slice: some programs put a thumbnail before. */
+static void find_first_slice(TIFF *tiff) {
+  while (is_aside(tiff) && TIFFReadDirectory(tiff)) continue;
+  if (is_aside(tiff)) (void)TIFFSetDirectory(tiff, 0);
 }
 
 static enum status tiff_open(const char *path, struct image *image) {
@@ -261,6 +338,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   if (tiff == NULL)
     TRY_FAIL(STATUS_INPUT, "%s: not a readable TIFF: %s" EXPORT_AGAIN, path,
              tiff_message[0] != '\0' ? tiff_message : "its first directory is damaged");
+  find_first_slice(tiff);
   layout_read(tiff, &layout);
   if (layout.width == 0 || layout.height == 0)
     TRY_FAIL(STATUS_INPUT, "%s: a TIFF without width and height" EXPORT_AGAIN, path);
@@ -269,6 +347,12 @@ static enum status tiff_open(const char *path, struct image *image) {
              "%s: compression %u is not supported by libtiff here; save it uncompressed", path,
              layout.compression);
   TRY(layout_type(path, &layout, &image->type));
+  TRY(check_photometric(path, &layout));
+  uint32_t depth = 1;
+  if (TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth) && depth > 1)
+    TRY_FAIL(STATUS_INPUT, "%s: pages of %u slices each (ImageDepth) are not read; save one a page",
+             path, depth);
+  if (layout.bits < 8) image->top = (unsigned char)((1 << layout.bits) - 1);
   image->size[0] = layout.width;
   image->size[1] = layout.height;
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
@@ -276,21 +360,29 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->orientation = layout.orientation;
   /* Boxes refer to pixels as in ImageJ and in arrays, which ignore the orientation, too. */
   if (layout.orientation != ORIENTATION_TOPLEFT)
-    snprintf(
-        image->note, sizeof image->note,
+    image_note(
+        image,
         "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
         layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
-  if (layout.samples >= 3 || layout.photometric == PHOTOMETRIC_PALETTE)
-    snprintf(image->note, sizeof image->note,
-             "stored in colour; build takes it only where it is grey");
+  if (layout.samples >= 3) image_note(image, IMAGE_STORED_IN_COLOUR);
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_resolution(tiff, description, image);
   TRY(tiff_refuse_hyperstack(path, description));
   if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
+  const unsigned long long images = count_imagej(description); /* a text of this directory alone */
   image->data_offset = 0;
   image->pages = 0;
   tiff_message[0] = '\0';
   TRY(collect_pages(tiff, &layout, image));
+  if (image->palette != NULL)
+    image_note(image, IMAGE_NUMBERS_OF_COLOURS);
+  else if (layout.photometric == PHOTOMETRIC_PALETTE) {
+    image_note(image, IMAGE_STORED_IN_COLOUR);
+    image->top = 0; /* greys of the palette, of 8 bits */
+  }
+  if (images > 0 && images != image->pages)
+    image_note(image, "its text says %llu images, but %zu are there: slices lost?", images,
+               image->pages);
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   return status;
@@ -302,20 +394,18 @@ struct row_decoder {
   const struct image *image;
   struct tiff_layout layout;
   uint16_t *palette[3];
+  bool alpha; /* the first sample beyond grey or colours is transparency */
 };
 
-/* Maps entries of the palette, which stand in `out` where greys fit in 8 bits, to greys. */
-static enum status map_palette(const struct row_decoder *decoder, const unsigned char *in, size_t n,
-                               void *out) {
+/* Maps entries of a palette of greys, which stand in `out` where they fit in 8 bits. */
+static void map_palette(const struct row_decoder *decoder, const unsigned char *in, size_t n,
+                        void *out) {
   const struct image *image = decoder->image;
   const bool bytes = image->type == PIXEL_U8;
   for (size_t x = 0; x < n; x++) {
     uint16_t entry = in[x];
     if (!bytes) memcpy(&entry, in + 2 * x, 2);
     const uint16_t grey = decoder->palette[0][entry];
-    if (grey != decoder->palette[1][entry] || grey != decoder->palette[2][entry])
-      return FAIL(STATUS_INPUT, "%s: palette entry %u is a colour, not grey; save as grey",
-                  image->path, entry);
     if (!image->plain)
       ((float *)out)[x] = (float)(grey / 257.0);
     else if (bytes)
@@ -323,6 +413,22 @@ static enum status map_palette(const struct row_decoder *decoder, const unsigned
     else
       ((uint16_t *)out)[x] = grey;
   }
+}
+
+/* Checks that samples beyond the grey or the three colours are transparency, or tell nothing. */
+static enum status check_extra(const struct row_decoder *decoder, const unsigned char *in,
+                               size_t x0, size_t n, size_t y) {
+  const struct tiff_layout *layout = &decoder->layout;
+  const size_t bytes = pixel_size(decoder->image->type), stride = bytes * layout->samples;
+  const size_t used = layout->samples > 2 ? 3 : 1, first = decoder->alpha ? used + 1 : used;
+  if (first >= layout->samples) return STATUS_OK;
+  for (size_t x = 0; x < n; x++)
+    for (size_t s = first; s < layout->samples; s++)
+      if (memcmp(in + x * stride + s * bytes, in + s * bytes, bytes) != 0)
+        return FAIL(STATUS_INPUT,
+                    "%s: %u samples a pixel, of which number %zu is neither grey nor transparency "
+                    "(pixel %zu,%zu); save the one that is the scan as grey",
+                    decoder->image->path, layout->samples, s + 1, x0 + x, y);
   return STATUS_OK;
 }
 
@@ -332,18 +438,20 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
   const struct tiff_layout *layout = &decoder->layout;
   const struct image *image = decoder->image;
   const size_t bytes = pixel_size(image->type), stride = bytes * layout->samples;
-  const bool palette = layout->photometric == PHOTOMETRIC_PALETTE;
+  const bool palette = layout->photometric == PHOTOMETRIC_PALETTE && image->palette == NULL;
   char *out = (char *)page + (y * image->size[0] + x0) * (image->plain ? bytes : sizeof(float));
   if (layout->bits < 8) {
-    unsigned mask = (1u << layout->bits) - 1u, top = palette ? 1u : 255u / mask;
+    const unsigned mask = (1u << layout->bits) - 1u;
     for (size_t x = 0; x < n; x++) {
-      size_t bit = x * layout->bits;
-      small[x] =
-          (unsigned char)(((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask) * top);
+      const size_t bit = x * layout->bits;
+      small[x] = (unsigned char)((unsigned)in[bit / 8] >> (8 - layout->bits - bit % 8) & mask);
     }
     in = small;
   }
-  if (palette) return map_palette(decoder, in, n, out);
+  if (palette) {
+    map_palette(decoder, in, n, out);
+    return STATUS_OK;
+  }
   if (layout->samples == 1 && !image->plain) { /* among pages with palettes */
     pixels_to_float((float *)(void *)out, in, n, image->type);
     return STATUS_OK;
@@ -352,6 +460,8 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
     memcpy(out, in, n * bytes);
     return STATUS_OK;
   }
+  const enum status status = check_extra(decoder, in, x0, n, y);
+  if (status != STATUS_OK) return status;
   for (size_t x = 0; x < n; x++, in += stride) {
     if (layout->samples > 2 &&
         (memcmp(in, in + bytes, bytes) != 0 || memcmp(in, in + 2 * bytes, bytes) != 0))
@@ -367,9 +477,25 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
 /* Whether strips can be decoded in place, since the page is stored in the wanted form. */
 static bool stands_as_wanted(const struct row_decoder *decoder, size_t row) {
   const struct image *image = decoder->image;
-  return image->plain && decoder->layout.photometric != PHOTOMETRIC_PALETTE &&
+  return image->plain &&
+         (decoder->layout.photometric != PHOTOMETRIC_PALETTE || image->palette != NULL) &&
          decoder->layout.samples == 1 && row == image->size[0] * pixel_size(image->type) &&
          decoder->layout.bits >= 8;
+}
+
+/* Whether a strip or tile is in the file. libtiff reads uncompressed ones from their offset on,
+ * whatever their length is said to be: the start of the file where both are 0. */
+static enum status find_block(TIFF *tiff, const struct row_decoder *decoder, uint32_t number,
+                              size_t bytes, bool *missing) {
+  const uint64_t offset = TIFFGetStrileOffset(tiff, number);
+  const uint64_t count = TIFFGetStrileByteCount(tiff, number);
+  *missing = offset == 0 && count == 0;
+  if (*missing ||
+      (offset > 0 && (decoder->layout.compression != COMPRESSION_NONE || count >= bytes)))
+    return STATUS_OK;
+  return FAIL(
+      STATUS_INPUT, "%s: block %u is said to be %llu bytes from byte %llu on, not %zu" EXPORT_AGAIN,
+      decoder->image->path, number, (unsigned long long)count, (unsigned long long)offset, bytes);
 }
 
 static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, void *out) {
@@ -392,8 +518,12 @@ static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, vo
   for (size_t y0 = 0; y0 < height; y0 += rows) {
     size_t n = height - y0 < rows ? height - y0 : rows;
     unsigned char *to = buffer == NULL ? (unsigned char *)out + y0 * row : buffer;
-    tmsize_t got = TIFFReadEncodedStrip(tiff, (uint32_t)(y0 / rows), to, (tmsize_t)(n * row));
-    if (got < (tmsize_t)(n * row))
+    const uint32_t strip = (uint32_t)(y0 / rows);
+    bool missing;
+    TRY(find_block(tiff, decoder, strip, n * row, &missing));
+    if (missing) memset(to, 0, n * row);
+    const tmsize_t want = (tmsize_t)(n * row);
+    if (!missing && TIFFReadEncodedStrip(tiff, strip, to, want) < want)
       TRY_FAIL(STATUS_INPUT, "%s: rows %zu to %zu cannot be decoded: %s" EXPORT_AGAIN, image->path,
                y0, y0 + n - 1, tiff_message[0] != '\0' ? tiff_message : "too few bytes");
     for (size_t y = 0; y < n && buffer != NULL; y++)
@@ -420,7 +550,11 @@ static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, voi
   TRY(memory_allocate(&small, tile[0], 1, "a TIFF row"));
   for (size_t y0 = 0; y0 < height; y0 += tile[1]) {
     for (size_t x0 = 0; x0 < width; x0 += tile[0]) {
-      if (TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
+      const uint32_t tile_number = TIFFComputeTile(tiff, (uint32_t)x0, (uint32_t)y0, 0, 0);
+      bool missing;
+      TRY(find_block(tiff, decoder, tile_number, bytes, &missing));
+      if (missing) memset(buffer, 0, bytes);
+      if (!missing && TIFFReadTile(tiff, buffer, (uint32_t)x0, (uint32_t)y0, 0, 0) < 0)
         TRY_FAIL(STATUS_INPUT, "%s: the tile at %zu,%zu cannot be decoded: %s" EXPORT_AGAIN,
                  image->path, x0, y0, tiff_message);
       size_t nx = width - x0 < tile[0] ? width - x0 : tile[0];
@@ -452,14 +586,11 @@ static enum status page_open(const struct image *image, size_t page, struct row_
     TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
   if (layout->compression == COMPRESSION_JPEG)
     TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-  if (layout->photometric == PHOTOMETRIC_PALETTE) {
-    if (layout->samples != 1 || (image->type != PIXEL_U8 && image->type != PIXEL_U16))
-      TRY_FAIL(STATUS_INPUT, "%s: a palette of %s samples is not read; save as grey", image->path,
-               pixel_name(image->type));
-    if (!TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
-                      &decoder->palette[2]))
-      TRY_FAIL(STATUS_INPUT, "%s: a palette image without its palette; save as grey", image->path);
-  }
+  decoder->alpha = has_alpha(tiff);
+  if (layout->photometric == PHOTOMETRIC_PALETTE &&
+      !TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
+                    &decoder->palette[2]))
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
 cleanup:
   return status;
 }

@@ -11,6 +11,8 @@
 
 #include "common/memory.h"
 
+enum { CHUNK = 1 << 18 }; /* bytes read or unpacked at a time */
+
 struct inflated {
   char *path;
   uint64_t offset, size;
@@ -43,37 +45,50 @@ void inflate_end(struct inflated *inflated) {
   memory_free(&inflated);
 }
 
+/* The next compressed bytes; false at the end of the file. */
+static bool feed(z_stream *stream, FILE *packed, unsigned char *in) {
+  if (stream->avail_in > 0) return true;
+  stream->next_in = in;
+  stream->avail_in = (unsigned)fread(in, 1, CHUNK, packed);
+  return stream->avail_in > 0;
+}
+
+/* Whether another gzip member follows, as of programs that compress in parallel or append. */
+static bool follows_member(z_stream *stream, FILE *packed, unsigned char *in) {
+  return feed(stream, packed, in) && stream->next_in[0] == 0x1f && inflateReset(stream) == Z_OK;
+}
+
+/* Unpacks all of the stream, so that its checksum is compared, but no more than is promised. */
 static enum status unpack_stream(struct inflated *inflated, FILE *packed, z_stream *stream) {
-  static const size_t CHUNK = 1u << 18;
   unsigned char *in = NULL, *out = NULL;
   enum status status = STATUS_OK;
   uint64_t done = 0;
   int code = Z_OK;
   TRY(memory_allocate(&in, CHUNK, 1, "compressed pixels"));
   TRY(memory_allocate(&out, CHUNK, 1, "unpacked pixels"));
-  while (done < inflated->size && code != Z_STREAM_END) {
-    if (stream->avail_in == 0) {
-      stream->next_in = in;
-      stream->avail_in = (unsigned)fread(in, 1, CHUNK, packed);
-      if (stream->avail_in == 0) break;
-    }
+  while (code != Z_STREAM_END || follows_member(stream, packed, in)) {
+    if (!feed(stream, packed, in)) break;
     stream->next_out = out;
-    stream->avail_out = (unsigned)CHUNK;
+    stream->avail_out = CHUNK;
     code = inflate(stream, Z_NO_FLUSH);
     if (code != Z_OK && code != Z_STREAM_END && code != Z_BUF_ERROR)
       TRY_FAIL(STATUS_INPUT,
                "%s: the compressed pixels are damaged after %llu bytes; export it again",
                inflated->path, (unsigned long long)done);
-    size_t got = CHUNK - stream->avail_out;
+    const size_t got = CHUNK - stream->avail_out;
+    if (got > inflated->size - done)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: more than the %llu bytes of pixels that the header promises; export it again",
+               inflated->path, (unsigned long long)inflated->size);
     if (fwrite(out, 1, got, inflated->unpacked) != got)
       TRY_FAIL(STATUS_RUN, "%s: no room to unpack it in the temporary folder: %s", inflated->path,
                strerror(errno));
     done += got;
   }
-  if (done < inflated->size)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: %llu bytes of pixels, but the header promises %llu; export it again",
-             inflated->path, (unsigned long long)done, (unsigned long long)inflated->size);
+  if (done < inflated->size || code != Z_STREAM_END)
+    TRY_FAIL(STATUS_INPUT, "%s: %llu bytes of pixels, %s the header promises %llu; export it again",
+             inflated->path, (unsigned long long)done,
+             done < inflated->size ? "but" : "cut short where", (unsigned long long)inflated->size);
   if (fflush(inflated->unpacked) != 0)
     TRY_FAIL(STATUS_RUN, "%s: no room to unpack it in the temporary folder: %s", inflated->path,
              strerror(errno));

@@ -1,3 +1,4 @@
+#define _GNU_SOURCE /* qsort_r */ // NOLINT: the name is the library's
 #include "ct2model/readers/stack.h"
 
 #include <ctype.h>
@@ -14,6 +15,7 @@
 #include "common/units.h"
 #include "ct2model/readers/byte_order.h"
 #include "ct2model/readers/image_hdf5.h"
+#include "ct2model/readers/slice_names.h"
 
 /* Largest number of voxels along an axis: more are a mistyped size. */
 #define VOXELS_PER_AXIS_MOST (1 << 20)
@@ -45,35 +47,13 @@ static enum status names_add(struct name_list *list, const char *folder, const c
   return STATUS_OK;
 }
 
-int natural_compare(const char *a, const char *b) {
-  const char *const a_start = a, *const b_start = b;
-  while (*a != '\0' && *b != '\0') {
-    if (isdigit((unsigned char)*a) && isdigit((unsigned char)*b)) {
-      while (*a == '0') a++;
-      while (*b == '0') b++;
-      size_t na = strspn(a, "0123456789"), nb = strspn(b, "0123456789");
-      if (na != nb) return na < nb ? -1 : 1;
-      int order = strncmp(a, b, na);
-      if (order != 0) return order;
-      a += na;
-      b += nb;
-    } else {
-      if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
-      a++;
-      b++;
-    }
-  }
-  if (*a != *b) return *a == '\0' ? -1 : 1;
-  return strcmp(a_start, b_start); /* slice_1 and slice_01: in a fixed order */
+static int by_name(const void *a, const void *b, void *order) {
+  return name_compare(*(char *const *)a, *(char *const *)b, order);
 }
 
-static int by_natural_order(const void *a, const void *b) {
-  return natural_compare(*(char *const *)a, *(char *const *)b);
-}
-
-static const char *base_name(const char *path) {
-  const char *slash = strrchr(path, '/');
-  return slash != NULL ? slash + 1 : path;
+static void sort_names(char **names, size_t count) {
+  struct name_order order = name_order_find(names, count);
+  qsort_r(names, count, sizeof *names, by_name, &order);
 }
 
 /* Lists the images of a folder. Files of other kinds are left out, and counted for a message. A
@@ -91,13 +71,14 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
       ignored++;
   }
   if (list->count == before)
-    TRY_FAIL(
-        STATUS_INPUT,
-        "%s: no .tif, .png, .mhd, .nrrd or .npy files in this folder; for headerless files give "
-        "--raw",
-        folder);
+    TRY_FAIL(STATUS_INPUT,
+             "%s: no .tif, .png, .bmp, .dcm, .mhd, .nrrd, .vti or .npy files in this folder; for "
+             "headerless "
+             "files give "
+             "--raw",
+             folder);
   if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
-  qsort(list->names + before, list->count - before, sizeof *list->names, by_natural_order);
+  sort_names(list->names + before, list->count - before);
 cleanup:
   if (handle != NULL) closedir(handle);
   return status;
@@ -123,23 +104,13 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
       TRY(names_add(list, "", paths[i]));
   }
   /* A shell lists slice_10 before slice_9. */
-  if (count > 1) qsort(list->names, list->count, sizeof *list->names, by_natural_order);
+  if (count > 1) sort_names(list->names, list->count);
   for (size_t i = 1; i < list->count; i++) {
     if (strcmp(list->names[i - 1], list->names[i]) == 0)
       TRY_FAIL(STATUS_INPUT, "%s: given twice; name it once", list->names[i]);
   }
 cleanup:
   return status;
-}
-
-/* The last number in a name; -1 if there is none. */
-static long long slice_number(const char *path) {
-  const char *name = base_name(path), *dot = strrchr(name, '.');
-  const char *end = dot != NULL ? dot : name + strlen(name);
-  while (end > name && !isdigit((unsigned char)end[-1])) end--;
-  const char *start = end;
-  while (start > name && isdigit((unsigned char)start[-1])) start--;
-  return start == end || end - start > 17 ? -1 : strtoll(start, NULL, 10);
 }
 
 /* The voxel size of the first slice is used; a slice that disagrees is reported. */
@@ -155,11 +126,18 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
-/* Whether two names differ only in their digits. */
+/* Skips a number, with its sign and point if it has them. */
+static const char *after_number(const char *at) {
+  if (*at == '-' && isdigit((unsigned char)at[1])) at++;
+  while (isdigit((unsigned char)*at) || (*at == '.' && isdigit((unsigned char)at[1]))) at++;
+  return at;
+}
+
+/* Whether two names differ only in their numbers. */
 static bool is_named_alike(const char *a, const char *b) {
   for (a = base_name(a), b = base_name(b);; a++, b++) {
-    while (isdigit((unsigned char)*a)) a++;
-    while (isdigit((unsigned char)*b)) b++;
+    a = after_number(a);
+    b = after_number(b);
     if (*a != *b) return false;
     if (*a == '\0') return true;
   }
@@ -191,18 +169,20 @@ static bool warn_of_other_names(const struct name_list *list) {
 }
 
 /* Warns of gaps in the numbering. A uniform stride is no gap, as some scanners number every second
- * slice; it is returned, otherwise 0. */
+ * slice; it is returned where numbers are whole, otherwise 0. */
 static long long warn_of_gaps(const struct name_list *list) {
+  const struct name_order order = name_order_find(list->names, list->count);
+  long long stride = 0, a, b;
   if (list->count < 3) return 0;
-  long long stride = 0;
   for (size_t i = 1; i < list->count; i++) {
-    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
-    if (a < 0 || b < 0) return 0;
+    if (!name_number(list->names[i - 1], &order, &a) || !name_number(list->names[i], &order, &b))
+      return 0;
     if (b > a && (stride == 0 || b - a < stride)) stride = b - a;
   }
   size_t gaps = 0;
   for (size_t i = 1; i < list->count; i++) {
-    long long a = slice_number(list->names[i - 1]), b = slice_number(list->names[i]);
+    (void)name_number(list->names[i - 1], &order, &a);
+    (void)name_number(list->names[i], &order, &b);
     if (b - a == stride) continue;
     if (gaps++ > 4) continue;
     if (b == a)
@@ -213,7 +193,7 @@ static long long warn_of_gaps(const struct name_list *list) {
                   base_name(list->names[i - 1]), base_name(list->names[i]));
   }
   if (gaps > 5) log_warning("%zu jumps in the numbering in all", gaps);
-  return gaps == 0 ? stride : 0;
+  return gaps == 0 && !order.fractions ? stride : 0;
 }
 
 static void look_for_levels(struct stack *stack) {
@@ -233,11 +213,59 @@ static enum status check_agreement(const struct image *first, const struct image
   if (image->type != first->type)
     return FAIL(STATUS_INPUT, "%s: %s, but the first slice is %s; save all as one type",
                 image->path, pixel_name(image->type), pixel_name(first->type));
+  if (image->top != first->top)
+    return FAIL(STATUS_INPUT,
+                "%s: greys of 0 to %d, but the first slice has 0 to %d; save all as "
+                "one type",
+                image->path, image->top > 0 ? image->top : 255, first->top > 0 ? first->top : 255);
+  if (memcmp(image->rescale, first->rescale, sizeof first->rescale) != 0)
+    return FAIL(STATUS_INPUT,
+                "%s: its greys are to be scaled by %g and %g, those of the first slice by %g "
+                "and %g: the same number means other densities; export all alike",
+                image->path, image->rescale[0], image->rescale[1], first->rescale[0],
+                first->rescale[1]);
+  if (!image_palettes_agree(first, image))
+    return FAIL(STATUS_INPUT,
+                "%s: its palette is not that of the first slice, so that its numbers "
+                "mean other colours; save all with one palette",
+                image->path);
   if (image->orientation != first->orientation)
     return FAIL(STATUS_INPUT,
                 "%s: orientation %u, but the first slice has %u; save all in one orientation",
                 image->path, image->orientation, first->orientation);
   return STATUS_OK;
+}
+
+static int by_place(const void *a, const void *b) {
+  const double x = ((const struct image *)a)->place, y = ((const struct image *)b)->place;
+  return x < y ? -1 : x > y;
+}
+
+/* Slices that tell where they are, as of DICOM, stand in that order, whatever their names; their
+ * distance is that of the slices. */
+static enum status order_by_place(struct stack *stack) {
+  enum status status = STATUS_OK;
+  struct image *files = stack->files;
+  const size_t n = stack->file_count;
+  for (size_t i = 0; i < n; i++)
+    if (!isfinite(files[i].place) || files[i].pages > 1 || n < 2) return STATUS_OK;
+  qsort(files, n, sizeof *files, by_place);
+  const double step = (files[n - 1].place - files[0].place) / (double)(n - 1);
+  for (size_t i = 1; i < n; i++)
+    if (!(files[i].place - files[i - 1].place > 0.01 * step))
+      TRY_FAIL(STATUS_INPUT, "%s and %s are at the same place, %g mm; give one series",
+               files[i - 1].path, base_name(files[i].path), 1e3 * files[i].place);
+  for (size_t i = 1; i < n; i++) {
+    const double here = files[i].place - files[i - 1].place;
+    if (fabs(here - step) > 0.1 * step)
+      TRY_FAIL(STATUS_INPUT,
+               "%s is %g mm behind %s, but slices are %g mm apart in the mean: are some missing?",
+               files[i].path, 1e3 * here, base_name(files[i - 1].path), 1e3 * step);
+  }
+  stack->ordered = true;
+  for (size_t i = 0; i < n; i++) files[i].voxel[2] = step;
+cleanup:
+  return status;
 }
 
 static enum status open_files(const struct name_list *list, const struct raw_layout *raw,
@@ -257,6 +285,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
       log_warning("%s: %s%s", image->path, image->note,
                   list->count > 1 ? " (and perhaps others)" : "");
   }
+  TRY(order_by_place(stack));
   const struct image *first = &stack->files[0];
   stack->size[0] = first->size[0];
   stack->size[1] = first->size[1];
@@ -284,7 +313,7 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   memset(stack, 0, sizeof *stack);
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
-  if (!warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
+  if (!stack->ordered && !warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
   warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);

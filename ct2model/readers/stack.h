@@ -18,6 +18,7 @@ struct stack {
   size_t file_count;
   struct image *files;
   size_t *first_slice; /* first slice of each file; file_count + 1 values */
+  bool ordered;        /* slices stand in the order of their places, not of their names */
   long long stride;    /* difference of the numbers in successive file names; 0: none, or not
                           uniform */
 };
@@ -39,9 +40,5 @@ void stack_compare_voxel(const struct stack *stack, const double given[3], bool 
 enum status stack_keep_labels(struct stack *stack, size_t z);
 /* The name of slice z for messages: "slice_0123.tif" or "stack.tif[12]"; truncated to `size`. */
 void stack_slice_name(const struct stack *stack, size_t z, char *name, size_t size);
-
-/* Compares names in natural order, numbers by value ("slice_9" before "slice_10"); returns a value
- * like strcmp. */
-int natural_compare(const char *a, const char *b);
 
 #endif

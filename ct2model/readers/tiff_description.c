@@ -5,21 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static double unit_in_metres(const char *unit) {
-  static const struct {
-    const char *name;
-    double metres;
-  } UNITS[] = {
-      {"micron", 1e-6},    {"microns", 1e-6},   {"um", 1e-6},     {"\\u00B5m", 1e-6},
-      {"\xC2\xB5m", 1e-6}, {"\xCE\xBCm", 1e-6}, {"\xB5m", 1e-6},  {"&#181;m", 1e-6},
-      {"&#xB5;m", 1e-6},   {"&#xb5;m", 1e-6},   {"nm", 1e-9},     {"mm", 1e-3},
-      {"cm", 1e-2},        {"m", 1.0},          {"inch", 0.0254},
-  };
-  for (size_t i = 0; i < sizeof UNITS / sizeof *UNITS; i++) {
-    if (strcmp(unit, UNITS[i].name) == 0) return UNITS[i].metres;
-  }
-  return NAN;
-}
+#include "ct2model/readers/length_unit.h"
 
 bool tiff_description_value(const char *description, const char *key, char *value, size_t size) {
   size_t length = strlen(key);
@@ -44,12 +30,12 @@ static double ome_size(const char *xml, char axis) {
   snprintf(key, sizeof key, "PhysicalSize%cUnit=\"", axis);
   const char *unit_at = strstr(xml, key);
   if (unit_at != NULL) (void)sscanf(unit_at + strlen(key), "%15[^\"]", unit);
-  return strtod(value, NULL) * unit_in_metres(unit);
+  return strtod(value, NULL) * length_unit(unit);
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
                      double voxel[3], const char **source) {
-  char text[40];
+  char text[40], other[40];
   if (description != NULL && strstr(description, "PhysicalSizeX") != NULL) {
     voxel[0] = ome_size(description, 'X');
     voxel[1] = ome_size(description, 'Y');
@@ -57,23 +43,29 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
     if (voxel[0] > 0.0) *source = "OME metadata";
     return;
   }
-  bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  const bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  double unit[3] = {metres, metres, metres};
   if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
-    metres = unit_in_metres(text);
+    static const char *const OF_AXIS[] = {"unit", "yunit", "zunit"};
+    for (int axis = 0; axis < 3; axis++) {
+      unit[axis] = length_unit(text);
+      if (tiff_description_value(description, OF_AXIS[axis], other, sizeof other))
+        unit[axis] = length_unit(other);
+    }
     *source = "ImageJ metadata";
   } else if (isfinite(metres)) {
     *source = "TIFF resolution tags";
   }
   for (int axis = 0; axis < 2; axis++) {
-    double edge = metres / (double)resolution[axis];
+    double edge = unit[axis] / (double)resolution[axis];
     /* A coarse resolution, of 600 dpi (42 um) or less, is that of a page, unless the unit is one of
      * microscopy. */
-    bool page = metres >= 0.0254 * 0.39 && (double)resolution[axis] / metres < 24000.0;
+    bool page = unit[axis] >= 0.0254 * 0.39 && (double)resolution[axis] / unit[axis] < 24000.0;
     voxel[axis] = resolution[axis] > 0.0f && isfinite(edge) && !page ? edge : NAN;
   }
   if (imagej && isfinite(voxel[0]) &&
       tiff_description_value(description, "spacing", text, sizeof text))
-    voxel[2] = strtod(text, NULL) * metres;
+    voxel[2] = fabs(strtod(text, NULL)) * unit[2];
   if (!(voxel[2] > 0.0)) voxel[2] = NAN;
   if (!isfinite(voxel[0])) *source = NULL;
 }

@@ -1,5 +1,6 @@
 #include "sphsolve/geometry/model_facts.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
@@ -85,6 +86,54 @@ static struct scan_quality read_scan(struct h5_file *file) {
   return scan;
 }
 
+/* What the numbers of a model can be: outside of these ranges the error of k would be none. NAN is
+ * unknown, and 0 as good as that. */
+static const struct range {
+  const char *group, *attribute;
+  double low, high;
+  bool in_voxels; /* a length, in voxels of the scan where these are known */
+} RANGES[] = {
+    {"/model", "voxel_scanned", 1e-12, 1e3, false},
+    {"/model", "voxel_scanned_longest", 0.0, 1e3, true},
+    {"/model", "void_ratio_error", -1e3, 1e3, false},
+    {"/model", "void_ratio_measured", 0.0, 1e4, false},
+    {"/model", "micro_ln_permeability_uncertainty", 0.0, 1e2, false},
+    {"/calibration", "pore_peak", -FLT_MAX, FLT_MAX, false},
+    {"/calibration", "grain_peak", -FLT_MAX, FLT_MAX, false},
+    {"/calibration", "threshold_original", -FLT_MAX, FLT_MAX, false},
+    {"/calibration", "threshold_uncertainty", 0.0, FLT_MAX, false},
+    {"/calibration", "dthreshold_dvoid_ratio", -FLT_MAX, FLT_MAX, false},
+    {"/calibration", "contrast_to_noise", 1e-6, INFINITY, false},
+    {"/calibration", "smoothing", 0.0, 1e3, true},
+    {"/calibration", "void_ratio_uncertainty", 0.0, 1e3, false},
+    {"/scanner", "contrast_to_noise", 1e-6, INFINITY, false},
+    {"/scanner", "noise_correlation", 0.0, 1e3, true},
+    {"/scanner", "blur", 0.0, 1e3, true},
+    {"/scanner", "blur_uncertainty", 0.0, 1e3, true},
+    {"/scanner", "resolution", 0.0, 1e4, true},
+    {"/scanner", "smooth_walls", 0.0, 1.0, false},
+};
+
+static enum status check_ranges(const char *path, struct h5_file *file) {
+  const double voxel = h5_attribute_or_nan(file, "/model", "voxel_scanned");
+  for (size_t i = 0; i < sizeof RANGES / sizeof *RANGES; i++) {
+    const struct range *range = &RANGES[i];
+    const double value = h5_attribute_or_nan(file, range->group, range->attribute);
+    const double unit = range->in_voxels && voxel > 0.0 ? voxel : 1.0;
+    if (value != 0.0 && (value < range->low * unit || value > range->high * unit))
+      return FAIL(STATUS_INPUT, "%s: %s: %s is %g; %g to %g is possible (docs/formats.md)", path,
+                  range->group, range->attribute, value, range->low * unit, range->high * unit);
+  }
+  const double uncertainty = h5_attribute_or_nan(file, "/calibration", "threshold_uncertainty");
+  const double slope = fabs(h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio"));
+  if (uncertainty > 1e3 * slope)
+    return FAIL(STATUS_INPUT,
+                "%s: /calibration: threshold_uncertainty is %g where the threshold changes by %g a "
+                "void ratio of 1: the two do not belong together",
+                path, uncertainty, slope);
+  return STATUS_OK;
+}
+
 enum status model_facts_read(const char *path, struct model_facts *facts) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -92,6 +141,7 @@ enum status model_facts_read(const char *path, struct model_facts *facts) {
   *facts = (struct model_facts){0};
   TRY(hash_file(path, &facts->hash));
   TRY(h5_open(path, &file));
+  TRY(check_ranges(path, file));
   facts->voxel_scanned = h5_attribute_or_nan(file, "/model", "voxel_scanned");
   facts->void_ratio_error = model_void_ratio_error(file);
   facts->threshold_slope = h5_attribute_or_nan(file, "/calibration", "dthreshold_dvoid_ratio");

@@ -314,7 +314,9 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   double numbers[] = {s->time, s->viscosity_most, s->ending.last, s->ending.steps};
   int64_t counts[] = {s->step, (int64_t)s->next_id, (int64_t)s->lost_count, (int64_t)s->left_count,
                       (int64_t)s->entered_count};
+  const double pairs = ranks_sum(s->pair_interactions);
   TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
+  TRY(h5_write_attribute(file, "/state", "pairs", H5_F64, 1, &pairs));
   TRY(h5_write_attribute(file, "/state", "passed", H5_F64, 4, &s->passed.entered));
   TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   size_t losses[2] = {CONSERVATION_LOSSES, 6};
@@ -430,7 +432,9 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   isph_open_update_dry(s, false);
   isph_wall_move(s, 0);
   TRY(isph_sort_walls(s));
-  TRY(isph_refresh(s));
+  TRY(isph_refresh(s)); /* finds pairs that were counted before */
+  const double pairs = h5_attribute_or_nan(file, "/state", "pairs");
+  if (isfinite(pairs)) s->pair_interactions = ranks_own() == 0 ? pairs : 0.0;
   TRY(budget_read(&s->budget, sizeof s->budget, file, "/state/account"));
 cleanup:
   return status;

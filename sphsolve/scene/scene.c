@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "common/text.h"
 #include "common/units.h"
 #include "sphsolve/scene/scene_internal.h"
 
@@ -68,10 +69,9 @@ static enum status read_scene_group(struct config *config, struct scene *scene) 
     return config_error(config, NULL,
                         "the group 'scene' is missing; write scene = { name = \"my-sand\"; };");
   TRY(config_string(config, group, "name", &name, NULL));
-  for (const char *c = name; *c; c++)
-    if ((unsigned char)*c < ' ')
-      TRY(config_error(config, config_child(config, group, "name"),
-                       "holds a line break or another control character; leave it out"));
+  if (!text_is_plain(name))
+    TRY(config_error(config, config_child(config, group, "name"),
+                     "holds a line break or another character that is not shown; leave it out"));
   snprintf(scene->name, sizeof scene->name, "%s", name);
   TRY(config_choice(config, group, "method", method_names, &method, NULL));
   scene->method = methods[method];

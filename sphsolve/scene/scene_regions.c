@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/text.h"
 #include "common/units.h"
 
 const char *const region_type_names[] = {"water", "porous", "wall", "inflow",    "empty",
@@ -132,7 +133,7 @@ static enum status read_name(struct config *config, config_node *group, const ch
     snprintf(name, size, "%s_%zu", title, number);
     return STATUS_OK;
   }
-  bool plain = *given != '\0' && strlen(given) < size;
+  bool plain = *given != '\0' && strlen(given) < size && text_is_plain(given);
   for (const char *c = given; *c; c++)
     plain =
         plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/input_file.h"
 #include "common/memory.h"
 
 /* Largest number of triangles in a file. */
@@ -18,9 +19,9 @@ enum { TITLE = 80, HEAD = 84, RECORD = 50 };
 
 static enum status read_bytes(const char *path, char **bytes, size_t *size) {
   enum status status = STATUS_OK;
-  FILE *file = fopen(path, "rb");
+  FILE *file = NULL;
   long end = -1;
-  if (file == NULL) return FAIL(STATUS_INPUT, "%s: cannot be read", path);
+  TRY(input_open(path, &file));
   if (fseek(file, 0, SEEK_END) == 0) end = ftell(file);
   if (end < 0 || (size_t)end > BYTES_MAX || fseek(file, 0, SEEK_SET) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: no file of at most %zu bytes, as an STL of %d triangles is", path,
@@ -31,7 +32,7 @@ static enum status read_bytes(const char *path, char **bytes, size_t *size) {
     TRY_FAIL(STATUS_INPUT, "%s: ends before its %zu bytes", path, *size);
   (*bytes)[*size] = '\0';
 cleanup:
-  fclose(file);
+  if (file != NULL) fclose(file);
   return status;
 }
 

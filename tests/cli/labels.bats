@@ -439,3 +439,15 @@ END
   ct2model build layers.raw --raw 12x12x24:u8 --voxel-size 26.666667um --mirror none --json -o layers.hdf > layers.json
   jq -e '.segmented.pore == [0] and .segmented.grain == [1]' layers.json
 }
+
+@test "a body whose pores lead along another axis is told which --flow that is" {
+  cd "$BATS_TEST_TMPDIR"
+  /usr/bin/python3 -c 'import numpy as np
+image = np.ones((12, 14, 16), "u1")
+image[4:8, 5:9, :] = 0
+np.save("duct.npy", image)'
+  local build="ct2model build duct.npy --segmented 0 --voxel-size 5um --mirror none --quiet -o duct.hdf"
+  [[ "$(${build/--quiet/} 2>&1)" == *"nothing can flow; one leads along x: --flow x makes that axis z"* ]]
+  [[ "$(${build/--quiet/} --flow y 2>&1)" == *"nothing can flow; one leads along y: --flow x makes that axis z"* ]]
+  [[ "$(${build/--quiet/} --flow x 2>&1)" != *"nothing can flow"* ]]
+}

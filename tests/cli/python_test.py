@@ -148,6 +148,19 @@ class Module(unittest.TestCase):
             half["run/history"] = 0
         with self.assertRaisesRegex(tosui.TosuiError, "half.hdf: not as Tosui writes it"):
             tosui.load(os.path.join(at, "half.hdf"))
+        # What the programs do not follow is not followed here.
+        model, linked = os.path.join(at, "model.hdf"), os.path.join(at, "linked.hdf")
+        for name, link in (("model", h5py.ExternalLink(model, "/model")), ("model/solid", h5py.ExternalLink(model, "/model/solid")),
+                           ("model/solid", h5py.VirtualLayout((2, 2, 2), "u1"))):
+            with h5py.File(linked, "w") as file:
+                if isinstance(link, h5py.VirtualLayout):
+                    link[:] = h5py.VirtualSource(model, "model/solid", (12, 12, 12))[:2, :2, :2]
+                    file.create_virtual_dataset(name, link)
+                else:
+                    file[name] = link
+                file["itself"] = file["/"]
+            with self.assertRaisesRegex(tosui.TosuiError, "linked.hdf: /" + name + " is (a link into|stored in) another file"):
+                tosui.load(linked)
         run = tosui.load(os.path.join(at, "run.hdf"))
         with self.assertRaisesRegex(tosui.TosuiError, "no snapshot 1; it has 1"):
             run.snapshot(1)

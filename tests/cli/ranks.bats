@@ -104,11 +104,11 @@ END
   sphsolve run "$ROOT/tests/cli/slit.cfg" -o slit --quiet
   sphsolve $given -o alone --quiet --set checkpoint.interval='"1 h"'
   on 3 sphsolve-mpi $given -o carried --quiet --set checkpoint.interval='"1 h"'
-  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf carried.hdf
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf carried.hdf @
   on 2 sphsolve-mpi $given -o ended --quiet > log 2>&1 &
   killed ended $!
   sphsolve $given -o ended --quiet --resume --set checkpoint.interval='"1 h"'
-  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf ended.hdf
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf ended.hdf @
 }
 
 @test "a dataset of more dimensions than are wanted is refused on 2 ranks" {
@@ -189,7 +189,7 @@ same() { # SERIAL OTHER: bit for bit, snapshots too
   local file pairs=()
   for file in "$1".hdf "$1"-0*.hdf; do pairs+=("$file" "$2${file#"$1"}"); done
   # The error's lattices are solved by method stokes, whose sums are cut at the ranks.
-  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels @
 }
 
 @test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {

@@ -1,28 +1,40 @@
 #!/usr/bin/python3
 """same_run.py A.hdf B.hdf [C.hdf D.hdf ...] [NAME...]: exit 1 unless A and B, C and D, ... hold the same bytes in every
-dataset but timings, provenance and those whose names begin with NAME."""
+dataset and attribute but timings, provenance and those whose names (GROUP/NAME, GROUP@ATTRIBUTE) begin with NAME; with @
+attributes are left out, as those of runs on other ranks, whose error is of other sums."""
 import sys
 
 import h5py
 
 paths = [argument for argument in sys.argv[1:] if argument.endswith(".hdf")]
-free = ("run/timing", "run/effects/share", "provenance", "run/snapshots/name", "run/scene", *sys.argv[len(paths) + 1:])
+# A resumed run makes its lists of neighbours anew, which counts.
+free = ("run/timing", "run@list_rebuilds", "run/effects/share", "provenance", "run/snapshots/name",
+        "run/scene", *sys.argv[len(paths) + 1:])
 
 
-def plain(dataset):
-    value = dataset[()]
+def plain(value):
     return value.tobytes() if getattr(value, "dtype", None) is not None and value.dtype.kind in "iuf" else str(value)
 
 
-def different(a, b):
-    found = []
+def contents(file):
+    """Every dataset and attribute, by name."""
+    found = {}
 
     def visit(name, item):
-        if isinstance(item, h5py.Dataset) and not name.startswith(free) and plain(item) != plain(b[name]):
-            found.append(name)
+        if isinstance(item, h5py.Dataset) and not name.startswith(free):
+            found[name] = plain(item[()])
+        for attribute, value in item.attrs.items():
+            if "@" not in free and not name.startswith(free) and not f"{name}@{attribute}".startswith(free):
+                found[f"{name}@{attribute}"] = plain(value)
 
-    a.visititems(visit)
+    visit("", file)
+    file.visititems(visit)
     return found
+
+
+def different(a, b):
+    a, b = contents(a), contents(b)
+    return sorted(name for name in a.keys() | b.keys() if a.get(name) != b.get(name))
 
 
 if len(paths) % 2 or not paths:

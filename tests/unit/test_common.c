@@ -1,18 +1,22 @@
 /* Errors, memory, kernels, statistics: the small rooms everything stands on. */
 #include <math.h>
+#include <omp.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include <cmocka.h>
 
 #include "common/error.h"
 #include "common/uncertainty_parts.h"
 #include "common/kernel.h"
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/statistics.h"
+#include "common/threads.h"
 #include "tests/unit/nth_fails.h"
 
 static enum status inner(void) {
@@ -165,12 +169,34 @@ static void test_sides_do_not_cancel(void **state) {
   assert_true(isnan(uncertainty_share_of_sides((const double[]){1.0, 0.9, NAN}, 3)));
 }
 
+static void test_threads_that_cannot_start(void **state) {
+  (void)state;
+  const int before = omp_get_max_threads();
+  log_start("test_common", LOG_QUIET);
+  assert_int_equal(threads_check(), STATUS_OK);
+  omp_set_num_threads(100000);
+  assert_int_equal(threads_check(), STATUS_USAGE);
+  assert_non_null(strstr(error_message(), "OMP_NUM_THREADS asks for 100000 threads; 4096 at most"));
+  error_clear();
+  omp_set_num_threads(before);
+  struct rlimit stack, small;
+  assert_int_equal(getrlimit(RLIMIT_STACK, &stack), 0);
+  small = stack;
+  small.rlim_cur = 128 << 10;
+  assert_int_equal(setrlimit(RLIMIT_STACK, &small), 0);
+  assert_int_equal(threads_check(), STATUS_RUN);
+  assert_non_null(strstr(error_message(), "the stack may hold 128 kB only"));
+  error_clear();
+  assert_int_equal(setrlimit(RLIMIT_STACK, &stack), 0);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_uncertainty_parts_add_up),
                                      cmocka_unit_test(test_sides_do_not_cancel),
                                      cmocka_unit_test(test_error),
                                      cmocka_unit_test(test_memory),
                                      cmocka_unit_test(test_kernels),
-                                     cmocka_unit_test(test_statistics)};
+                                     cmocka_unit_test(test_statistics),
+ cmocka_unit_test(test_threads_that_cannot_start)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -2,7 +2,11 @@
  * is left behind. */
 #include "files_rig.h"
 
+#include <fcntl.h>
 #include <math.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <hdf5.h>
@@ -13,6 +17,7 @@
 #include "common/model_file.h"
 #include "common/provenance.h"
 #include "common/snapshot_file.h"
+#include "sphsolve/geometry/model_facts.h"
 #include "sphsolve/output/checkpoint_file.h"
 
 static void test_round_trip(void **state) {
@@ -196,7 +201,25 @@ static void test_model(void **state) {
   refused(model_read(path, &read), "/model/wall_distance holds nan at x=1 y=1 z=0");
   for (int i = 0; i < 24; i++) distance[i] = solid[i] ? 1e-6f : -1e-6f;
   write_model(&model);
-  refused(model_read(path, &read), "wrong sign in 24 of 24 voxels");
+  refused(model_read(path, &read), "wrong sign in 22 of 22 voxels of the pores");
+  for (int i = 0; i < 24; i++) distance[i] = 1e-6f; /* fewer than half of the voxels are wrong */
+  write_model(&model);
+  refused(model_read(path, &read), "wrong sign in 2 of 2 voxels of the grains");
+  for (int i = 0; i < 24; i++) distance[i] = solid[i] ? -1e-6f : 1e-6f;
+  distance[3] = -4e-6f; /* deep in a grain, says a pore */
+  write_model(&model);
+  refused(model_read(path, &read), "wrong sign in 1 of 22 voxels of the pores");
+  for (int i = 0; i < 24; i++) distance[i] = 0.0f;
+  write_model(&model);
+  refused(model_read(path, &read), "nowhere beyond 0 m in the pores");
+  for (int i = 0; i < 24; i++) distance[i] = solid[i] ? 0.0f : 1e-6f;
+  write_model(&model);
+  refused(model_read(path, &read), "nowhere beyond 0 m in the grains");
+  for (int i = 0; i < 24; i++) distance[i] = solid[i] ? -1e-6f : 1e-6f;
+  model.void_ratio_measured = -1e300;
+  write_model(&model);
+  refused(model_read(path, &read), "void_ratio_measured is -1e+300");
+  model.void_ratio_measured = NAN;
   for (int i = 0; i < 24; i++) distance[i] = solid[i] ? -0.5f : 0.5f; /* in voxels */
   write_model(&model);
   refused(model_read(path, &read), "metres from the middle of a voxel");
@@ -215,6 +238,75 @@ static void test_model(void **state) {
   assert_int_equal(model_read(path, &read), STATUS_OK);
   assert_true(read.periodic[0] && read.periodic[1] && read.periodic[2] && read.void_ratio == 11);
   model_free(&read);
+}
+
+/* Two programs with one output, and a file of which nothing can be written. */
+static void test_outputs_that_cannot_begin(void **state) {
+  (void)state;
+  struct h5_file *file = NULL;
+  char part[80];
+  snprintf(part, sizeof part, "%s.part", path);
+  const int held = open(part, O_RDWR | O_CREAT, 0600); /* as the library of another program does */
+  assert_int_equal(flock(held, LOCK_EX), 0);
+  assert_int_equal(h5_create(path, &file), STATUS_RUN);
+  assert_non_null(strstr(error_message(), "another program is writing it"));
+  error_clear();
+  assert_int_equal(access(part, F_OK), 0);
+  close(held);
+  const struct rlimit none = {0, RLIM_INFINITY};
+  struct rlimit before;
+  assert_int_equal(getrlimit(RLIMIT_FSIZE, &before), 0);
+  signal(SIGXFSZ, SIG_IGN);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &none), 0);
+  if (h5_create(path, &file) == STATUS_OK) h5_close(file);
+  assert_int_equal(setrlimit(RLIMIT_FSIZE, &before), 0);
+  error_clear();
+  assert_int_not_equal(access(part, F_OK), 0);
+}
+
+/* A number that no scan can have is refused, whatever it is the error of. */
+static void test_facts(void **state) {
+  (void)state;
+  static const char *const NAMES[][2] = {{"/model", "voxel_scanned"},
+                                         {"/model", "void_ratio_error"},
+                                         {"/calibration", "smoothing"},
+                                         {"/calibration", "threshold_uncertainty"},
+                                         {"/calibration", "dthreshold_dvoid_ratio"},
+                                         {"/calibration", "contrast_to_noise"},
+                                         {"/scanner", "blur"},
+                                         {"/scanner", "blur_uncertainty"},
+                                         {"/scanner", "noise_correlation"},
+                                         {"/scanner", "resolution"},
+                                         {"/scanner", "smooth_walls"}};
+  const double wrong[] = {-1e300, 1e300}, voxel = 2e-6;
+  uint8_t solid[24] = {1};
+  const struct voxel_model model = {
+      .size = {4, 3, 2}, .spacing = {1e-6, 1e-6, 1e-6}, .solid = solid};
+  for (size_t i = 0; i <= 2 * sizeof NAMES / sizeof *NAMES; i++) {
+    struct h5_file *file;
+    struct model_facts facts;
+    assert_int_equal(h5_create(path, &file), STATUS_OK);
+    assert_int_equal(model_write(file, &model), STATUS_OK);
+    assert_int_equal(h5_make_group(file, "/calibration"), STATUS_OK);
+    assert_int_equal(h5_make_group(file, "/scanner"), STATUS_OK);
+    const char *const *name = NAMES[i / 2];
+    const bool good = i == 2 * sizeof NAMES / sizeof *NAMES;
+    if (!good && strcmp(name[1], "contrast_to_noise") == 0 && i % 2 == 1) { /* no noise */
+      h5_close(file);
+      continue;
+    }
+    if (good || i > 1)
+      assert_int_equal(h5_write_attribute(file, "/model", "voxel_scanned", H5_F64, 1, &voxel),
+                       STATUS_OK);
+    if (!good)
+      assert_int_equal(h5_write_attribute(file, name[0], name[1], H5_F64, 1, &wrong[i % 2]),
+                       STATUS_OK);
+    assert_int_equal(h5_commit(file), STATUS_OK);
+    if (good)
+      assert_int_equal(model_facts_read(path, &facts), STATUS_OK);
+    else
+      refused(model_facts_read(path, &facts), name[1]);
+  }
 }
 
 static void test_snapshot(void **state) {
@@ -345,11 +437,16 @@ static void test_torn_checkpoints(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_hash_of_a_start), cmocka_unit_test(test_round_trip),
-      cmocka_unit_test(test_foreign),         cmocka_unit_test(test_not_hdf5),
-      cmocka_unit_test(test_model),           cmocka_unit_test(test_snapshot),
-      cmocka_unit_test(test_series),          cmocka_unit_test(test_damaged_checkpoints),
-      cmocka_unit_test(test_torn_checkpoints)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_hash_of_a_start),
+                                     cmocka_unit_test(test_round_trip),
+                                     cmocka_unit_test(test_foreign),
+                                     cmocka_unit_test(test_not_hdf5),
+                                     cmocka_unit_test(test_model),
+                                     cmocka_unit_test(test_facts),
+                                     cmocka_unit_test(test_outputs_that_cannot_begin),
+                                     cmocka_unit_test(test_snapshot),
+                                     cmocka_unit_test(test_series),
+                                     cmocka_unit_test(test_damaged_checkpoints),
+                                     cmocka_unit_test(test_torn_checkpoints)};
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

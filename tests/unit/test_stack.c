@@ -17,6 +17,7 @@
 #include <zlib.h>
 
 #include "common/error.h"
+#include "ct2model/readers/slice_names.h"
 #include "ct2model/readers/stack.h"
 
 enum { NX = 37, NY = 21, NZ = 3 };
@@ -464,13 +465,55 @@ static void test_natural_order(void **state) {
   assert_int_equal(natural_compare("x", "x"), 0);
 }
 
+static int by_order(const void *a, const void *b) {
+  return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+/* Sorts `wanted` by bytes, then by its numbers, and expects it again, in even steps or not. */
+static void in_order(const char *const *wanted, size_t n, long long step) {
+  char *names[12];
+  for (size_t i = 0; i < n; i++) names[i] = (char *)(uintptr_t)wanted[i];
+  qsort(names, n, sizeof *names, by_order);
+  const struct name_order order = name_order_find(names, n);
+  for (size_t i = 1; i < n; i++) {
+    if (name_compare(wanted[i - 1], wanted[i], &order) >= 0)
+      fail_msg("%s is not before %s", wanted[i - 1], wanted[i]);
+    long long a, b;
+    assert_true(name_number(wanted[i - 1], &order, &a) && name_number(wanted[i], &order, &b));
+    if (step > 0 && b - a != step)
+      fail_msg("from %s to %s it is %lld, not %lld", wanted[i - 1], wanted[i], b - a, step);
+  }
+}
+
+static void test_signs_and_fractions(void **state) {
+  (void)state;
+#define IN_ORDER(step, ...)                                                                        \
+  do {                                                                                             \
+    const char *const wanted[] = {__VA_ARGS__};                                                    \
+    in_order(wanted, sizeof wanted / sizeof *wanted, step);                                        \
+  } while (0)
+  IN_ORDER(1, "d/z-2.tif", "d/z-1.tif", "d/z0.tif", "d/z1.tif", "d/z2.tif");
+  IN_ORDER(5, "z-10.tif", "z-5.tif", "z0.tif", "z5.tif", "z10.tif");
+  IN_ORDER(1, "-1.png", "0.png", "1.png");
+  /* A '-' before every number is a dash, and so is that of a date. */
+  IN_ORDER(1, "s-1.tif", "s-2.tif", "s-3.tif");
+  IN_ORDER(1, "2026-11-01.tif", "2026-11-02.tif", "2026-11-03.tif");
+  IN_ORDER(5, "z0.5.tif", "z1.0.tif", "z1.5.tif", "z2.0.tif");
+  IN_ORDER(25, "z0.25", "z0.5", "z0.75", "z1", "z1.25");
+  IN_ORDER(25, "z9.75.png", "z10.0.png", "z10.25.png", "z10.5.png");
+  IN_ORDER(5, "z-0.5.tif", "z0.0.tif", "z0.5.tif");
+  /* Chapters, and what scanners number with points. */
+  IN_ORDER(1, "s1.8.tif", "s1.9.tif", "s1.10.tif", "s1.11.tif");
+  IN_ORDER(1, "1.2.840.9.tif", "1.2.840.10.tif", "1.2.840.11.tif");
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_tiff_layouts),     cmocka_unit_test(test_png),
       cmocka_unit_test(test_raw_meta_nrrd),    cmocka_unit_test(test_compressed_meta_and_nrrd),
       cmocka_unit_test(test_raw_layout_words), cmocka_unit_test(test_broken_files),
       cmocka_unit_test(test_folders),          cmocka_unit_test(test_natural_order),
-      cmocka_unit_test(test_orientation),
+      cmocka_unit_test(test_orientation),      cmocka_unit_test(test_signs_and_fractions),
   };
   return cmocka_run_group_tests(tests, group_setup, group_teardown);
 }

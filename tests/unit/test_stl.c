@@ -10,8 +10,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include "common/config.h"
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/scene/stl.h"
@@ -219,8 +221,43 @@ static void wrong_files_are_told(void **state) {
   }
 }
 
+/* Nobody may ever write into a pipe. */
+static void test_pipes(void **state) {
+  (void)state;
+  struct stl stl = {0};
+  struct config *config;
+  unlink(path);
+  assert_int_equal(mkfifo(path, 0600), 0);
+  assert_int_equal(stl_read(path, 1e-3, &stl), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "is a pipe or device, not a file"));
+  error_clear();
+  assert_int_equal(config_open(path, NULL, 0, &config), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "is a pipe or device, not a file"));
+  error_clear();
+  unlink(path);
+  assert_int_equal(config_open(folder, NULL, 0, &config), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "is a folder, not a file"));
+  error_clear();
+}
+
+/* libconfig takes "a : 1" for a setting too. */
+static void test_settings_are_counted(void **state) {
+  (void)state;
+  struct config *config;
+  for (int k = 0; k < 2; k++) {
+    FILE *file = fopen(scene_path, "w");
+    for (int i = 0; i < 20001; i++) fprintf(file, "a%d %c 1;\n", i, "=:"[k]);
+    fclose(file);
+    assert_int_equal(config_open(scene_path, NULL, 0, &config), STATUS_INPUT);
+    assert_non_null(strstr(error_message(), "20001 settings: no scene file"));
+    error_clear();
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_pipes),
+      cmocka_unit_test(test_settings_are_counted),
       cmocka_unit_test(boxes_have_the_volume),
       cmocka_unit_test(wrong_files_are_told),
   };

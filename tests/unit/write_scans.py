@@ -94,7 +94,7 @@ def ifd(entries, order, big, at):
 
 def tiff(name, kind, order="<", big=False, compression=1, rows=8, tile=0, predictor=1, photometric=1, samples=1,
          factor=1, offset=0, description=None, resolution=None, unit=2, voxel=("nan", "nan"), expect=None,
-         palette=257):
+         palette=257, beyond=()):
     size = struct.calcsize(CODES[kind])
     out = bytearray((b"II" if order == "<" else b"MM") + (struct.pack(order + "HHHQ", 43, 8, 0, 16) if big else
                                                           struct.pack(order + "HI", 42, 8)))
@@ -129,6 +129,8 @@ def tiff(name, kind, order="<", big=False, compression=1, rows=8, tile=0, predic
             entries += [(273, where, places), (278, 3, [rows]), (279, long, lengths)]
         if photometric == 3:
             entries.append((320, 3, [i * palette for i in range(256)] * 3))
+        if beyond:
+            entries.append((338, 3, list(beyond)))
         if description and z == 0:
             entries.append((270, 2, description))
         if resolution:
@@ -220,7 +222,7 @@ def main():
     tiff("white_is_zero16.tif", "u16", ">", photometric=0, factor=256, expect=(-256, 65535))
     tiff("rgb.tif", "u8", samples=3, photometric=2)
     tiff("rgb16.tif", "u16", ">", samples=3, photometric=2, compression=5, factor=256)
-    tiff("grey_alpha.tif", "u8", samples=2)
+    tiff("grey_alpha.tif", "u8", samples=2, beyond=[2])
     tiff("palette.tif", "u8", photometric=3)
     tiff("palette_fractions.tif", "u8", photometric=3, palette=256, expect=(256 / 257, 0))
     tiff("palette_tiled.tif", "u8", photometric=3, tile=16, compression=5)
@@ -229,6 +231,8 @@ def main():
     tiff("centimetres.tif", "u8", resolution=(1715266, 1000), unit=3, voxel=("5.83", "nan"))
     tiff("page_dpi.tif", "u8", resolution=(600, 1))
     imagej = "ImageJ=1.53t\nimages=3\nslices=3\nunit=%s\nspacing=%s\n"
+    tiff("imagej_units.tif", "u8", description="ImageJ=1.53t\nimages=3\nslices=3\nunit=micron\nyunit=mm\nzunit=nm\nspacing=7500\n",
+         resolution=(200000, 1000000), unit=1, voxel=("5", "7.5"))
     for unit, text, factor in (("micron", "micron", 1), ("escaped", "\\u00B5m", 1), ("um", "um", 1), ("mm", "mm", 1e-3)):
         tiff("imagej_%s.tif" % unit, "u16", ">", rows=NY, description=imagej % (text, 7.5 * factor),
              resolution=(int(200000 / factor), 1000000), unit=1, voxel=("5", "7.5"))

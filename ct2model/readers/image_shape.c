@@ -1,0 +1,19 @@
+#include "ct2model/readers/image_shape.h"
+
+bool image_choose_axes(const size_t *n, int count, int axis[3]) {
+  int kept[AXES_MOST], left = count;
+  if (count < 2 || count > AXES_MOST) return false;
+  for (int a = 0; a < count; a++) kept[a] = a;
+  /* Leading and trailing axes first: those of channels and times are there, as in T C Z Y X or in
+   * Z Y X C. */
+  while (left > 3) {
+    int drop = left - 1;
+    if (n[kept[drop]] != 1) drop = 0;
+    while (drop < left && n[kept[drop]] != 1) drop++;
+    if (drop == left) return false;
+    left--;
+    for (int a = drop; a < left; a++) kept[a] = kept[a + 1];
+  }
+  for (int a = 0; a < 3; a++) axis[a] = a < left ? kept[a] : -1;
+  return true;
+}

@@ -1,0 +1,244 @@
+/* HDF5 files of other programs as images: which of their arrays is the scan, and which of its axes.
+ */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <hdf5.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "common/error.h"
+#include "common/log.h"
+#include "ct2model/readers/stack.h"
+
+enum { NX = 14, NY = 18, NZ = 22, N = NX * NY * NZ };
+static char folder[] = "/tmp/tosui-h5-XXXXXX";
+static char file[100];
+
+static int make_folder(void **state) {
+  (void)state;
+  log_start("test_hdf5_images", LOG_QUIET);
+  if (mkdtemp(folder) == NULL) return 1;
+  snprintf(file, sizeof file, "%s/scan.h5", folder);
+  return 0;
+}
+static int remove_folder(void **state) {
+  (void)state;
+  char command[100];
+  snprintf(command, sizeof command, "rm -rf %s", folder);
+  return system(command);
+}
+
+static unsigned char grey(size_t i) {
+  return (unsigned char)((i * 2654435761u) >> 13);
+}
+
+/* Adds the greys as a dataset of that shape; with `rows` only so many of them are written, in
+ * chunks of one. */
+static void add(hid_t to, const char *name, int rank, const hsize_t *shape, hsize_t rows) {
+  static unsigned char greys[N];
+  for (size_t i = 0; i < N; i++) greys[i] = grey(i);
+  hid_t groups = H5Pcreate(H5P_LINK_CREATE), layout = H5Pcreate(H5P_DATASET_CREATE);
+  hid_t space = H5Screate_simple(rank, shape, NULL);
+  H5Pset_create_intermediate_group(groups, 1);
+  hsize_t chunk[8], start[8] = {0};
+  for (int i = 0; i < rank; i++) chunk[i] = i == 0 ? 1 : shape[i];
+  if (rows > 0) H5Pset_chunk(layout, rank, chunk);
+  hid_t set = H5Dcreate2(to, name, H5T_NATIVE_UINT8, space, groups, layout, H5P_DEFAULT);
+  hid_t part = H5S_ALL, memory = H5S_ALL;
+  if (rows > 0) {
+    chunk[0] = rows;
+    part = H5Dget_space(set);
+    memory = H5Screate_simple(rank, chunk, NULL);
+    H5Sselect_hyperslab(part, H5S_SELECT_SET, start, NULL, chunk, NULL);
+  }
+  assert_true(H5Dwrite(set, H5T_NATIVE_UINT8, memory, part, H5P_DEFAULT, greys) >= 0);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Pclose(layout);
+  H5Pclose(groups);
+}
+
+static hid_t begin(void) {
+  return H5Fcreate(file, H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+}
+
+static void holds(const char *inside, size_t written, const char *note) {
+  char path[160];
+  const char *paths = path;
+  struct stack stack;
+  float slice[NX * NY];
+  snprintf(path, sizeof path, "%s%s", file, inside);
+  if (stack_open(&paths, 1, NULL, &stack) != STATUS_OK) fail_msg("%s", error_message());
+  if (stack.size[0] != NX || stack.size[1] != NY || stack.size[2] != NZ)
+    fail_msg("%zux%zux%zu", stack.size[0], stack.size[1], stack.size[2]);
+  for (size_t z = NZ; z-- > 0;) {
+    if (stack_read(&stack, z, slice) != STATUS_OK) fail_msg("%s", error_message());
+    for (size_t i = 0; i < NX * NY; i++)
+      assert_true(slice[i] == (float)(z < written ? grey(z * NX * NY + i) : 0));
+  }
+  if (note == NULL ? stack.files[0].note[0] != '\0' : strstr(stack.files[0].note, note) == NULL)
+    fail_msg("told '%s'", stack.files[0].note);
+  stack_close(&stack);
+}
+
+static void refused(const char *inside, const char *word) {
+  char path[160];
+  const char *paths = path;
+  struct stack stack;
+  snprintf(path, sizeof path, "%s%s", file, inside);
+  const enum status status = stack_open(&paths, 1, NULL, &stack);
+  if (status != STATUS_INPUT || strstr(error_message(), word) == NULL)
+    fail_msg("not refused with '%s': %s", word, error_message());
+  error_clear();
+}
+
+static const hsize_t VOLUME[] = {NZ, NY, NX};
+
+static void test_only_array(void **state) {
+  (void)state;
+  const hsize_t angles[] = {N};
+  hid_t h5 = begin();
+  add(h5, "exchange/raw/data", 3, VOLUME, 0);
+  add(h5, "exchange/theta", 1, angles, 0);
+  H5Lcreate_soft("/exchange/raw/data", h5, "/entry", H5P_DEFAULT, H5P_DEFAULT);
+  H5Lcreate_hard(h5, "/exchange/raw/data", h5, "/again", H5P_DEFAULT, H5P_DEFAULT);
+  H5Fclose(h5);
+  holds("", NZ, "its one array, /again, is taken");
+  holds(":/exchange/raw/data", NZ, NULL);
+  holds(":/entry", NZ, NULL);
+  h5 = H5Fopen(file, H5F_ACC_RDWR, H5P_DEFAULT);
+  add(h5, "exchange/data_dark", 3, VOLUME, 0);
+  H5Fclose(h5);
+  refused("", "it has /again /exchange/data_dark)");
+  h5 = begin();
+  add(h5, "exchange/theta", 1, angles, 0);
+  H5Fclose(h5);
+  refused("", "name the dataset");
+}
+
+static void test_axes_of_one(void **state) {
+  (void)state;
+  const hsize_t shapes[][6] = {
+      {1, NZ, NY, NX}, {NZ, NY, NX, 1}, {1, 1, NZ, NY, NX}, {1, NZ, 1, NY, NX}};
+  const int ranks[] = {4, 4, 5, 5};
+  for (size_t i = 0; i < 4; i++) {
+    hid_t h5 = begin();
+    add(h5, "v", ranks[i], shapes[i], 0);
+    H5Fclose(h5);
+    holds(":/v", NZ, NULL);
+  }
+  const hsize_t two[] = {2, NZ / 2, NY, NX};
+  hid_t h5 = begin();
+  add(h5, "v", 4, two, 0);
+  H5Fclose(h5);
+  refused(":/v", "/v has 4 axes");
+}
+
+static void test_part_that_was_never_written(void **state) {
+  (void)state;
+  hid_t h5 = begin();
+  add(h5, "v", 3, VOLUME, 9);
+  H5Fclose(h5);
+  holds(":/v", 9, "/v was not written to its end");
+  h5 = begin();
+  add(h5, "v", 3, VOLUME, NZ);
+  H5Fclose(h5);
+  holds(":/v", NZ, NULL);
+}
+
+/* A chunk of 1 MB that inflates to 100: the library would allocate all of it. */
+static void test_chunk_that_inflates_beyond_itself(void **state) {
+  (void)state;
+  enum { SIDE = 1024, TIMES = 100 };
+  static unsigned char plain[SIDE * SIDE];
+  const hsize_t shape[] = {8, SIDE, SIDE}, chunk[] = {1, SIDE, SIDE}, first[] = {0, 0, 0};
+  for (int times = 1; times <= TIMES; times += TIMES - 1) {
+    z_stream z = {0};
+    unsigned char *packed = malloc(2 * sizeof plain);
+    assert_int_equal(deflateInit(&z, 1), Z_OK);
+    z.next_out = packed;
+    z.avail_out = 2 * sizeof plain;
+    for (int i = 0; i < times; i++) {
+      /* It begins with noise, so that it is stored in more than 260 kB and looked at. */
+      for (size_t k = 0; k < sizeof plain; k++)
+        plain[k] = i == 0 && k < 300000 ? (unsigned char)(rand() >> 8) : 0;
+      z.next_in = plain;
+      z.avail_in = sizeof plain;
+      assert_int_equal(deflate(&z, i + 1 < times ? Z_NO_FLUSH : Z_FINISH),
+                       i + 1 < times ? Z_OK : Z_STREAM_END);
+    }
+    hid_t h5 = begin(), space = H5Screate_simple(3, shape, NULL);
+    hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(layout, 3, chunk);
+    H5Pset_deflate(layout, 1);
+    hid_t set = H5Dcreate2(h5, "v", H5T_NATIVE_UINT8, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+    assert_true(z.total_out > 270000);
+    assert_true(H5Dwrite_chunk(set, H5P_DEFAULT, 0, first, z.total_out, packed) >= 0);
+    deflateEnd(&z);
+    free(packed);
+    H5Pclose(layout);
+    H5Dclose(set);
+    H5Sclose(space);
+    H5Fclose(h5);
+    char path[160];
+    const char *paths = path;
+    struct stack stack;
+    float *slice = malloc(sizeof *slice * SIDE * SIDE);
+    snprintf(path, sizeof path, "%s:/v", file);
+    assert_int_equal(stack_open(&paths, 1, NULL, &stack), STATUS_OK);
+    const enum status status = stack_read(&stack, 0, slice);
+    stack_close(&stack);
+    free(slice);
+    if (times == 1) {
+      assert_int_equal(status, STATUS_OK);
+    } else {
+      assert_int_equal(status, STATUS_INPUT);
+      assert_non_null(strstr(error_message(), "a chunk of 1048576 bytes inflates to more"));
+      error_clear();
+    }
+  }
+}
+
+/* Deflate applied twice makes ten gigabytes of ten kilobytes. */
+static void test_deflated_twice(void **state) {
+  (void)state;
+  hid_t h5 = begin(), space = H5Screate_simple(3, VOLUME, NULL);
+  hid_t layout = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(layout, 3, VOLUME);
+  H5Pset_deflate(layout, 1);
+  H5Pset_deflate(layout, 1);
+  hid_t set = H5Dcreate2(h5, "v", H5T_NATIVE_UINT8, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  const unsigned char zeros[N] = {0};
+  assert_true(H5Dwrite(set, H5T_NATIVE_UINT8, H5S_ALL, H5S_ALL, H5P_DEFAULT, zeros) >= 0);
+  H5Pclose(layout);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(h5);
+  char path[160];
+  const char *paths = path;
+  struct stack stack;
+  float slice[NX * NY];
+  snprintf(path, sizeof path, "%s:/v", file);
+  assert_int_equal(stack_open(&paths, 1, NULL, &stack), STATUS_OK);
+  assert_int_equal(stack_read(&stack, 0, slice), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "filter"));
+  error_clear();
+  stack_close(&stack);
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_only_array),
+      cmocka_unit_test(test_axes_of_one),
+      cmocka_unit_test(test_part_that_was_never_written),
+      cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
+      cmocka_unit_test(test_deflated_twice),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}

@@ -1,0 +1,396 @@
+/* TIFF and PNG as other programs write them: sparse ones, thumbnails first, labels of less than a
+ * byte or by the number of a colour, samples that nobody declared. The voxels are those that the
+ * file means, or it is refused. */
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <setjmp.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <png.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+
+#include "common/error.h"
+#include "common/log.h"
+#include "ct2model/readers/stack.h"
+
+enum { NX = 14, NY = 18 };
+static char folder[] = "/tmp/tosui-odd-XXXXXX";
+static char file[100];
+
+static int make_folder(void **state) {
+  (void)state;
+  log_start("test_odd_images", LOG_QUIET);
+  if (mkdtemp(folder) == NULL) return 1;
+  snprintf(file, sizeof file, "%s/odd", folder);
+  return 0;
+}
+static int remove_folder(void **state) {
+  (void)state;
+  char command[100];
+  snprintf(command, sizeof command, "rm -rf %s", folder);
+  return system(command);
+}
+
+static unsigned grey(size_t x, size_t y, unsigned page) {
+  return (unsigned)(7 * x + 11 * y + 3 * page + x * y);
+}
+
+struct page {
+  uint16_t bits, photometric, samples, extra, compression;
+  unsigned subfile, number; /* `number` of the page in the pattern */
+  bool tiled, sparse;       /* sparse: the second of its blocks is not written */
+  const char *description;
+  uint16_t (*colour)(int channel, unsigned entry);
+  size_t shrunk;  /* a thumbnail: so many pixels less */
+  uint32_t depth; /* slices in a page; 0: no tag */
+};
+
+static const struct page PLAIN = {
+    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0};
+
+/* Packs the samples of a row; a second sample is another pattern. */
+static void put_row(unsigned char *row, const struct page *page, size_t y, size_t nx) {
+  memset(row, 0, 256);
+  for (size_t x = 0; x < nx; x++)
+    for (size_t s = 0; s < page->samples; s++) {
+      const unsigned mask = (1u << page->bits) - 1u,
+                     value = grey(x + 5 * s, y, page->number) & mask;
+      const size_t bit = (x * page->samples + s) * page->bits;
+      row[bit / 8] = (unsigned char)(row[bit / 8] | value << (8 - page->bits - bit % 8));
+    }
+}
+
+static void add_page(TIFF *tiff, const struct page *page) {
+  const size_t nx = NX - page->shrunk, ny = NY - page->shrunk;
+  TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, page->subfile);
+  TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, (uint32_t)nx);
+  TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, (uint32_t)ny);
+  TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, page->bits);
+  TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, page->samples);
+  TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, page->photometric);
+  TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
+  TIFFSetField(tiff, TIFFTAG_COMPRESSION, page->compression);
+  if (page->samples > 1) {
+    uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
+    TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
+  }
+  if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
+  if (page->description != NULL) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
+  if (page->colour != NULL) {
+    uint16_t maps[3][256];
+    for (int c = 0; c < 3; c++)
+      for (unsigned i = 0; i < 1u << page->bits; i++) maps[c][i] = page->colour(c, i);
+    TIFFSetField(tiff, TIFFTAG_COLORMAP, maps[0], maps[1], maps[2]);
+  }
+  unsigned char row[256], block[16 * 16];
+  if (page->tiled) { /* two tiles of 16x16 below each other */
+    TIFFSetField(tiff, TIFFTAG_TILEWIDTH, 16);
+    TIFFSetField(tiff, TIFFTAG_TILELENGTH, 16);
+    for (size_t y0 = 0; y0 < ny; y0 += 16) {
+      if (page->sparse && y0 > 0) continue;
+      for (size_t y = 0; y < 16; y++) {
+        put_row(row, page, y0 + y, 16);
+        memcpy(block + 16 * y, row, 16);
+      }
+      TIFFWriteTile(tiff, block, 0, (uint32_t)y0, 0, 0);
+    }
+  } else {
+    TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 6);
+    for (size_t y0 = 0; y0 < ny; y0 += 6) {
+      unsigned char strip[6 * 256];
+      size_t used = 0;
+      if (page->sparse && y0 == 6) continue;
+      for (size_t y = y0; y < ny && y < y0 + 6; y++, used += (size_t)TIFFScanlineSize(tiff)) {
+        put_row(row, page, y, nx);
+        memcpy(strip + used, row, (size_t)TIFFScanlineSize(tiff));
+      }
+      TIFFWriteEncodedStrip(tiff, (uint32_t)(y0 / 6), strip, (tmsize_t)used);
+    }
+  }
+  TIFFWriteDirectory(tiff);
+}
+
+static void write_pages(const char *mode, const struct page *pages, size_t n) {
+  TIFF *tiff = TIFFOpen(file, mode);
+  assert_non_null(tiff);
+  for (size_t i = 0; i < n; i++) add_page(tiff, &pages[i]);
+  TIFFClose(tiff);
+}
+
+static enum status read_all(struct stack *stack, float *pixels) {
+  const char *path = file;
+  enum status status = stack_open(&path, 1, NULL, stack);
+  for (size_t z = 0; status == STATUS_OK && z < stack->size[2]; z++)
+    status = stack_read(stack, z, pixels + z * NX * NY);
+  return status;
+}
+
+static void refused(const char *word) {
+  struct stack stack;
+  float pixels[8 * NX * NY];
+  const enum status status = read_all(&stack, pixels);
+  if (status != STATUS_INPUT || strstr(error_message(), word) == NULL)
+    fail_msg("not refused with '%s': %s", word, error_message());
+  error_clear();
+  stack_close(&stack);
+}
+
+/* The file holds these pages, each pixel of which is value(its sample), and tells of `word`. */
+static void holds(const unsigned *numbers, size_t n, unsigned bits,
+                  double (*value)(unsigned sample), size_t zero_from, size_t zero_to,
+                  const char *word) {
+  struct stack stack;
+  float pixels[8 * NX * NY];
+  if (read_all(&stack, pixels) != STATUS_OK) fail_msg("%s", error_message());
+  assert_int_equal(stack.size[0], NX);
+  assert_int_equal(stack.size[1], NY);
+  assert_int_equal(stack.size[2], n);
+  for (size_t z = 0; z < n; z++)
+    for (size_t i = 0; i < NX * NY; i++) {
+      const unsigned sample = grey(i % NX, i / NX, numbers[z]) & ((1u << bits) - 1u);
+      const bool zero = i / NX >= zero_from && i / NX < zero_to;
+      const double wanted = zero ? 0.0 : value != NULL ? value(sample) : (double)sample;
+      if ((double)pixels[z * NX * NY + i] != wanted)
+        fail_msg("%zu,%zu,%zu: %g, not %g", i % NX, i / NX, z, (double)pixels[z * NX * NY + i],
+                 wanted);
+    }
+  if (word == NULL ? stack.files[0].note[0] != '\0' : strstr(stack.files[0].note, word) == NULL)
+    fail_msg("told '%s', not '%s'", stack.files[0].note, word != NULL ? word : "");
+  stack_close(&stack);
+}
+
+static void test_sparse(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (int k = 0; k < 4; k++) {
+    struct page page = PLAIN;
+    page.sparse = true;
+    page.tiled = k % 2;
+    page.compression = k / 2 ? COMPRESSION_LZW : COMPRESSION_NONE;
+    write_pages(k == 1 ? "wb" : "wl", &page, 1);
+    holds(&first, 1, 8, NULL, page.tiled ? 16 : 6, page.tiled ? 18 : 12, "(sparse): all 0");
+  }
+}
+
+/* Adds `add` to value `index` of a tag with several values, in a little-endian file. */
+static void patch_tag(unsigned tag, size_t index, int add) {
+  static unsigned char bytes[8000];
+  FILE *whole = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, whole);
+  fclose(whole);
+  size_t at = bytes[4] + 256u * bytes[5];
+  const size_t entries = bytes[at] + 256u * bytes[at + 1];
+  for (at += 2; bytes[at] + 256u * bytes[at + 1] != tag; at += 12) assert_true(entries > 0);
+  const size_t width = bytes[at + 2] == 3 ? 2 : 4, count = bytes[at + 4];
+  unsigned char *value = bytes + at + 8;
+  if (width * count > 4) value = bytes + value[0] + 256u * value[1];
+  value += width * index;
+  const int old = value[0] + 256 * value[1];
+  value[0] = (unsigned char)((old + add) & 255);
+  value[1] = (unsigned char)((old + add) >> 8);
+  whole = fopen(file, "wb");
+  fwrite(bytes, 1, size, whole);
+  fclose(whole);
+}
+
+/* libtiff reads an uncompressed strip from its offset on, however short it is said to be. */
+static void test_strip_of_a_wrong_length(void **state) {
+  (void)state;
+  const int first = 8; /* where libtiff puts the first strip */
+  write_pages("wl", &PLAIN, 1);
+  patch_tag(TIFFTAG_STRIPBYTECOUNTS, 2, -10);
+  refused("block 2 is said to be 74 bytes");
+  write_pages("wl", &PLAIN, 1);
+  patch_tag(TIFFTAG_STRIPOFFSETS, 1, -(first + 6 * NX));
+  refused("block 1 is said to be 84 bytes from byte 0");
+}
+
+static void test_pages_aside(void **state) {
+  (void)state;
+  struct page pages[4] = {PLAIN, PLAIN, PLAIN, PLAIN};
+  for (unsigned i = 0; i < 4; i++) pages[i].number = i;
+  pages[0].subfile = FILETYPE_REDUCEDIMAGE; /* the thumbnail, before the slices */
+  pages[0].shrunk = 5;
+  pages[2].subfile = FILETYPE_MASK;
+  const unsigned slices[] = {1, 3};
+  write_pages("w", pages, 4);
+  holds(slices, 2, 8, NULL, 0, 0, NULL);
+  pages[0].subfile = 0;
+  write_pages("w", pages, 4);
+  refused("page 1: 14x18, but the first page is 9x13");
+  pages[0].shrunk = 0;
+  pages[1].photometric = PHOTOMETRIC_MINISWHITE;
+  write_pages("w", pages, 4);
+  refused("page 1: photometric 0, but the first page has 1");
+}
+
+static void test_lost_slices(void **state) {
+  (void)state;
+  struct page pages[3] = {PLAIN, PLAIN, PLAIN};
+  const unsigned slices[] = {0, 1, 2};
+  for (unsigned i = 0; i < 3; i++) pages[i].number = i;
+  pages[0].description = "ImageJ=1.53t\nimages=5\nslices=5\n";
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, "5 images, but 3 are there");
+  pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\n";
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, NULL);
+}
+
+static void test_undeclared_samples(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  struct page page = PLAIN;
+  page.samples = 2;
+  page.extra = EXTRASAMPLE_UNASSALPHA;
+  write_pages("w", &page, 1);
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  page.extra = EXTRASAMPLE_UNSPECIFIED;
+  write_pages("w", &page, 1);
+  refused("2 samples a pixel, of which number 2 is neither grey nor transparency");
+  page = PLAIN;
+  page.depth = 3;
+  write_pages("w", &page, 1);
+  refused("pages of 3 slices each");
+  page = PLAIN;
+  page.photometric = PHOTOMETRIC_SEPARATED;
+  write_pages("w", &page, 1);
+  refused("colours of the kind 5");
+}
+
+static double inverted2(unsigned sample) {
+  return 3.0 - sample;
+}
+
+static void test_samples_of_less_than_a_byte(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (uint16_t bits = 1; bits <= 4; bits = (uint16_t)(2 * bits)) {
+    struct page page = PLAIN;
+    page.bits = bits;
+    write_pages("w", &page, 1);
+    holds(&first, 1, bits, NULL, 0, 0, NULL);
+  }
+  struct page page = PLAIN;
+  page.bits = 2;
+  page.photometric = PHOTOMETRIC_MINISWHITE;
+  write_pages("w", &page, 1);
+  struct stack stack;
+  float pixels[NX * NY];
+  assert_int_equal(read_all(&stack, pixels), STATUS_OK);
+  for (size_t i = 0; i < NX * NY; i++)
+    assert_true((double)pixels[i] == inverted2(grey(i % NX, i / NX, 0) & 3u));
+  stack_close(&stack);
+}
+
+static uint16_t in_colour(int channel, unsigned entry) {
+  return (uint16_t)(257 * ((entry * 37 + (unsigned)channel * 91) % 256));
+}
+static uint16_t in_other_colour(int channel, unsigned entry) {
+  return in_colour(channel, entry + 1);
+}
+static uint16_t in_grey(int channel, unsigned entry) {
+  (void)channel;
+  return (uint16_t)(257 * ((entry * 50) % 256));
+}
+static double of_grey(unsigned sample) {
+  return (sample * 50) % 256;
+}
+
+static void test_tiff_palettes(void **state) {
+  (void)state;
+  const unsigned first = 0, both[] = {0, 0};
+  for (uint16_t bits = 4; bits <= 8; bits = (uint16_t)(bits + 4)) {
+    struct page page = PLAIN;
+    page.photometric = PHOTOMETRIC_PALETTE;
+    page.bits = bits;
+    page.colour = in_colour;
+    write_pages("w", &page, 1);
+    holds(&first, 1, bits, NULL, 0, 0, "the numbers of the colours are taken");
+    page.colour = in_grey;
+    write_pages("w", &page, 1);
+    holds(&first, 1, bits, of_grey, 0, 0, "stored in colour");
+    struct page pages[2] = {page, page};
+    pages[0].colour = in_colour;
+    pages[1].colour = in_colour;
+    write_pages("w", pages, 2);
+    holds(both, 2, bits, NULL, 0, 0, "the numbers of the colours are taken");
+    pages[1].colour = in_other_colour;
+    write_pages("w", pages, 2);
+    refused("page 1 has another palette than the first");
+  }
+}
+
+static void write_png(const char *path, int bits, int colour, unsigned turn) {
+  FILE *out = fopen(path, "wb");
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+  png_infop info = png_create_info_struct(png);
+  png_color palette[256];
+  const unsigned count = 1u << bits;
+  png_init_io(png, out);
+  png_set_IHDR(png, info, NX, NY, bits, colour, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  for (unsigned i = 0; i < count; i++)
+    palette[i] = (png_color){(png_byte)(in_colour(0, i + turn) / 257),
+                             (png_byte)(in_colour(1, i + turn) / 257),
+                             (png_byte)(in_colour(2, i + turn) / 257)};
+  if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, (int)count);
+  png_write_info(png, info);
+  for (size_t y = 0; y < NY; y++) {
+    unsigned char row[256];
+    struct page page = PLAIN;
+    page.bits = (uint16_t)bits;
+    put_row(row, &page, y, NX);
+    png_write_row(png, row);
+  }
+  png_write_end(png, NULL);
+  png_destroy_write_struct(&png, &info);
+  fclose(out);
+}
+
+static void test_png_labels(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (int bits = 1; bits <= 8; bits *= 2) {
+    write_png(file, bits, PNG_COLOR_TYPE_GRAY, 0);
+    holds(&first, 1, (unsigned)bits, NULL, 0, 0, NULL);
+    write_png(file, bits, PNG_COLOR_TYPE_PALETTE, 0);
+    holds(&first, 1, (unsigned)bits, NULL, 0, 0, "the numbers of the colours are taken");
+  }
+  /* Slices whose palettes are made for each: one number means two colours. */
+  char names[2][120];
+  const char *paths[] = {names[0], names[1]};
+  struct stack stack;
+  for (unsigned i = 0; i < 2; i++) {
+    snprintf(names[i], sizeof names[i], "%s/s%u.png", folder, i);
+    write_png(names[i], 8, PNG_COLOR_TYPE_PALETTE, i);
+  }
+  assert_int_equal(stack_open(paths, 2, NULL, &stack), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "s1.png: its palette is not that of the first slice"));
+  error_clear();
+  write_png(names[0], 2, PNG_COLOR_TYPE_GRAY, 0);
+  write_png(names[1], 4, PNG_COLOR_TYPE_GRAY, 0);
+  assert_int_equal(stack_open(paths, 2, NULL, &stack), STATUS_INPUT);
+  assert_non_null(
+      strstr(error_message(), "s1.png: greys of 0 to 15, but the first slice has 0 to 3"));
+  error_clear();
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_sparse),
+      cmocka_unit_test(test_strip_of_a_wrong_length),
+      cmocka_unit_test(test_pages_aside),
+      cmocka_unit_test(test_lost_slices),
+      cmocka_unit_test(test_undeclared_samples),
+      cmocka_unit_test(test_samples_of_less_than_a_byte),
+      cmocka_unit_test(test_tiff_palettes),
+      cmocka_unit_test(test_png_labels),
+  };
+  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
