@@ -52,7 +52,7 @@ static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
  * from CONTRAST_CLEAR on there is little noise. */
 static const double OCTAVES_FINEST = -2.0, OCTAVES_SMOOTH = 3.0, OCTAVES_NOISY = -1.5,
                     CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
-/* Side of the piece, in voxels: enough walls, and restored six times within a second. */
+/* Side of the piece, in voxels: enough walls, and small enough to be restored some 26 times. */
 enum { SIDE = 64 };
 /* Distance from walls, in voxels, beyond which shares of grain are 0 or 1. */
 static const double WALL_RANGE = 0.5;

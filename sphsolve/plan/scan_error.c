@@ -9,8 +9,8 @@ static const double ERROR_GROWTH = 3.0; /* relative growth of the latter / chang
 /* Error / change of ln k / (noise averaged over the volume of the blur / contrast), if the blur was
  * removed: the noise limits what is recovered (docs/notes/2026-11-28-sharper-scan-bars.md). */
 static const double BLUR_NOISE = 0.6;
-/* The same per (blur / pore width)^2: in pores a few blurs wide the blur closes throats, which
- * nothing reopens (ibid.). */
+/* The same per (blur / pore width)^2: in pores a few blurs wide the blur closes throats, not all of
+ * which the restoration opens again (ibid.). */
 static const double BLUR_UNRESOLVED = 5.0;
 /* Error / (roughness due to noise / pore width), and for smooth walls, where no wedges compensate
  * for it. */
