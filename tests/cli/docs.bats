@@ -176,6 +176,8 @@ P
   grep -q "Against its being lifted the soil has a factor of 2.7[0-9]*, 2.6[0-9]* at least: it stays" excavation/trench.html
   [ "$(sed -n 's/.*data-name="seepage" width="\([0-9]*\)".*/\1/p' excavation/trench.html)" -le 600 ]
   python3 "$BATS_TEST_DIRNAME/excavation_numbers.py"
+  analyze seepage excavation/trench.hdf --json > seepage.json
+  python3 "$BATS_TEST_DIRNAME/documented_keys.py" "$ROOT/docs" seepage.json
 }
 
 # bats test_tags=long
@@ -307,6 +309,24 @@ assert len(json.load(open(sys.argv[1]))["series"]) == 1' "$BATS_TEST_TMPDIR/conv
       grep -qE -- "$option([^a-z-]|$)" "$ROOT/docs/ct2model.md" || { echo "docs/ct2model.md: no $option, of $command"; false; }
     done
   done
+}
+
+@test "the reference of JSON names every key" {
+  cd "$BATS_TEST_TMPDIR"
+  source "$BATS_TEST_DIRNAME/sample.bash"
+  local scene=$ROOT/data-samples/scenes/demo.cfg
+  sample_model 16x16x7 coarse.hdf
+  sample_model 32x32x14 fine.hdf
+  ct2model build "$ROOT/data-samples/berea/berea-96.tif" --segmented 0 --voxel-size 5.345um --size 24x24x24 -o rock.hdf --json > build.json
+  ct2model sweep "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --json > sweep.json
+  ct2model info fine.hdf "$ROOT/data-samples/small" --json > info.json
+  sphsolve explain "$scene" --set model.file="$PWD/fine.hdf" --error 50% --json > explain.json
+  for name in coarse fine; do sphsolve run "$scene" --set model.file="$PWD/$name.hdf" -o $name-run --json > $name.json; done
+  for analysis in darcy pdf history slice; do analyze $analysis fine-run.hdf --json > $analysis.json; done
+  analyze converge coarse-run.hdf fine-run.hdf --json > converge.json
+  sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="20 cm"' -o recharge --json > recharge.json
+  analyze moisture recharge.hdf --json > moisture.json
+  python3 "$BATS_TEST_DIRNAME/documented_keys.py" "$ROOT/docs" *.json
 }
 
 @test "the examples of --help use options that exist" {
