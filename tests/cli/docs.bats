@@ -75,6 +75,8 @@ P
   run_blocks "$ROOT/docs/tutorial.md"
   [ -s tutorial/darcy/darcy.json ]
   [ -s tutorial/rock.html ]
+  # The example of the page on errors is this run.
+  python3 "$ROOT/tests/cli/quoted.py" "$ROOT/docs/errors.md" log
 }
 
 @test "models of two resolutions: converge, and a report that shows the finer one" {
