@@ -71,12 +71,18 @@ for name in "validation.csv", "scan-draws.csv", "scan-quality.csv":
 P
 }
 
+# bats test_tags=long
 @test "tutorial: from a scan to a number, and from labels" {
   run_blocks "$ROOT/docs/tutorial.md"
   [ -s tutorial/darcy/darcy.json ]
   [ -s tutorial/rock.html ]
   # The example of the page on errors is this run.
   python3 "$ROOT/tests/cli/quoted.py" "$ROOT/docs/errors.md" log
+}
+
+# bats test_tags=long
+@test "labels: from a segmented image to k, and to half its resolution" {
+  run_blocks "$ROOT/docs/labels.md"
 }
 
 @test "models of two resolutions: converge, and a report that shows the finer one" {
