@@ -28,6 +28,17 @@ part_of_sample() {
   python3 "$ROOT/tests/cli/readable.py" "$ROOT"
 }
 
+@test "pages that sources cite are there, and theory pages say where their constants come from" {
+  cd "$ROOT"
+  for page in $(grep -rhoE 'docs/[a-z0-9/_-]+\.md' --include='*.[ch]' --include='*.py' --include='*.bats' --include='*.cfg' \
+    common ct2model sphsolve analyze tests data-samples scripts | sort -u); do
+    [ -e "$page" ] || { echo "$page is cited, and not there"; false; }
+  done
+  for page in docs/physics/*.md; do
+    [[ $page == */index.md ]] || grep -q '^## Where the constants come from$' "$page" || { echo "$page: no constants"; false; }
+  done
+}
+
 @test "a page that quotes what no command prints is found" {
   cd "$BATS_TEST_TMPDIR"
   printf '%s\n' '```text' 'k   0.0363 cm/s +- 23 %' 'Darcy 1 m/s ...' '```' > page.md
