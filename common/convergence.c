@@ -116,7 +116,7 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
  * kinds of bodies are equally likely: grains with edges and contacts, whose k converges with an
  * order slightly below two, and smooth bodies, where errors of opposite sign cancel and higher
  * orders are observed. A single normal distribution between the two fits neither. The constants
- * were calibrated on sands, spheres, cylinders and fibres (docs/notes/2026-11-23-estimates.md). */
+ * were calibrated on sands, spheres, cylinders and fibres (docs/physics/error-of-k.md). */
 #define LIMIT_VALUES_MAX 4
 #define LIMIT_ORDERS 48
 #define LIMIT_ORDER_FIRST 1.2
@@ -134,7 +134,7 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
  * uncertainty of the extrapolation itself, as a share of the difference between limit and finest
  * value: LIMIT_STEP_PORES over the length of the body in pores, within the two limits. For 488
  * settings of 56 bodies the interval contains 97 % of the true values
- * (docs/notes/2026-11-25-sharper.md). */
+ * (docs/physics/error-of-k.md). */
 #define LIMIT_COVERAGE 1.85
 #define LIMIT_STEP_MIN 0.05
 #define LIMIT_STEP_MAX 0.3

@@ -37,7 +37,7 @@ double pipeline_contrast(const struct pipeline *pipeline) {
 /* Uncertainty of a void ratio that was not measured, in units of the difference between that of the
  * threshold and that of the scan's own edges after deblurring, in the middle between pore and
  * grain. For fibres and balls under a blur the edges themselves are off by half of this
- * (docs/notes/2026-11-25-smooth-walls.md). */
+ * (docs/physics/restoration.md). */
 static const double EDGE_DIFFERENCES = 2.0;
 static double void_ratio_error(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;

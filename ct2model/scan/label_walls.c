@@ -13,7 +13,7 @@
  *
  * Where grain or pore ends in an edge, as the walls of a foam do at its windows, both surfaces cut
  * the edge off. The local difference in volume between labels and surface is compensated by moving
- * the surface (docs/notes/2026-11-26-twentieth-hour.md). */
+ * the surface (docs/physics/restoration.md). */
 #include "ct2model/scan/label_walls.h"
 
 #include <math.h>
@@ -27,7 +27,7 @@
 /* Criteria for the narrow surface, in voxels: depth of a voxel on the wrong side of the wide
  * surface, and mean displacement of the wall that the local error in volume amounts to. From the
  * first value on the narrow surface contributes, from the second on it is used alone. From turned
- * slits, tubes, ducts and spheres (docs/notes/2026-11-23-walls-labels.md). */
+ * slits, tubes, ducts and spheres (docs/physics/restoration.md). */
 static const float DEPTH_LIMITS[2] = {0.06f, 0.2f}, OFFSET_LIMITS[2] = {0.04f, 0.12f};
 /* SPREAD: distance, in voxels, to which a voxel on the wrong side affects its neighbours.
  * LOCAL_DEVIATION: standard deviation of the local average. BLEND_DEVIATION: that over which one

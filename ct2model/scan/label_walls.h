@@ -13,7 +13,7 @@
 #define LABEL_GREY 250.0
 /* Standard deviation of the narrow filter, in voxels. Of 0, 0.5, 0.7 and 1 it is the one for which
  * k of spheres with radii of 4 to 15 voxels is closest to the exact value
- * (docs/notes/2026-11-22-labels.md). */
+ * (docs/physics/restoration.md). */
 #define LABEL_SMOOTHING 0.7
 /* Standard deviation of the wide filter, in voxels. */
 #define LABEL_SMOOTHING_WIDE 1.6

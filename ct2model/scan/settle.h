@@ -11,7 +11,7 @@
  * takes the phase of the majority, but edges are kept; soil takes the mean level of these voxels.
  * Then edges: a level with more than SETTLE_SHARE of both pore and grain within SETTLE_RIM voxels
  * becomes pore below the level `middle`, else grain. Then noise is removed once more
- * (docs/notes/2026-11-23-micropores.md describes alternatives). *noisy: the fraction of voxels that
+ * (docs/physics/restoration.md says on what they were set). *noisy: the fraction of voxels that
  * were noise in the first round. */
 #define SETTLE_SPECK 0.3 /* 8 of 27 */
 #define SETTLE_RIM 2

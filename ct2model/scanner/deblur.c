@@ -41,10 +41,10 @@
  * removes.
  *
  * SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
- * 30 times the noise, and RELIEF was chosen on some of them (docs/notes/2026-11-23-scanner.md). */
+ * 30 times the noise, and RELIEF was chosen on some of them (docs/physics/restoration.md). */
 static const double SURFACE = 0.13, RELIEF = 1.5;
 /* w at the end, the iterations between which it rises, and the standard deviation of the Gaussian,
- * voxels (docs/notes/2026-11-28-two-phases.md). */
+ * voxels (docs/physics/restoration.md). */
 static const double WELL = 0.03, WELL_SMOOTHED = 0.5;
 enum { WELL_FIRST = 40, WELL_LAST = 180 };
 /* Variance that the average over a voxel adds to the blur, voxels^2. */
@@ -53,7 +53,7 @@ static const double VOXEL_VARIANCE = 1.0 / 12.0;
 enum { ITERATIONS_FIRST = 10 };
 /* Grey above which a voxel is certainly grain after these iterations; pores that the scan hides are
  * darker. With values from 0.65 to 0.9 the grains are restored alike
- * (docs/notes/2026-11-27-grain-greys.md). */
+ * (docs/physics/restoration.md). */
 static const float GREY_SURELY_GRAIN = 0.65F;
 
 struct filters {
@@ -264,7 +264,7 @@ static void smooth_steps(struct deblur *deblur) {
 /* Where grains lie close together, the blur hides the pores between them; the scan then seems to
  * show the inside of a darker grain, which would fill these pores. So no grain is taken to be
  * darker at first, and its grey is estimated again once pores have appeared
- * (docs/notes/2026-11-27-grain-greys.md). A slab that the scan fills is one that is compared with a
+ * (docs/physics/restoration.md). A slab that the scan fills is one that is compared with a
  * simulated scan restored in the same way; it does without this, as the thresholds in
  * smooth_walls.c were determined so. */
 enum status deblur_run(struct deblur *deblur) {

@@ -13,7 +13,7 @@
 
 /* Iterations after the grains are separated. Under blurs of over two voxels and contrasts of over
  * 15 half as many leave throats too wide, and k up to 6 % too high; twice as many change it by 2 %
- * at most (docs/notes/2026-11-27-faces.md). Slabs that are compared with a simulated scan restored
+ * at most (docs/physics/restoration.md). Slabs that are compared with a simulated scan restored
  * in the same way need fewer. */
 enum { DEBLUR_ITERATIONS = 60, DEBLUR_ITERATIONS_COMPARED = 30 };
 /* The same where grain and pore are told to be two phases. */

@@ -28,7 +28,7 @@ static const double SMOOTH_SURFACE_COST = 8.0;
 /* An image with less noise is synthetic, and its blur need not be Gaussian. */
 static const double CONTRAST_TO_NOISE_MAX = 50.0;
 /* Relative standard error of the blur. For two thirds of bodies with known blur the estimate is
- * within 0.1, for the others within 0.1 to 0.45 (docs/notes/2026-11-26-scans.md). */
+ * within 0.1, for the others within 0.1 to 0.45 (docs/physics/restoration.md). */
 static const double BLUR_ERROR = 0.25;
 
 struct estimate {

@@ -5,7 +5,7 @@
 #include "ct2model/scanner/ramp.h"
 
 /* All constants were chosen on generated sands of seeds up to 9521, and 9579
- * (docs/notes/2026-11-28-two-phases.md). */
+ * (docs/physics/restoration.md). */
 
 /* If the greys of pore and grain are right, the measured void ratio is enclosed by the middle level
  * of 127.5, or one a little lower where there are specks. A pore grey that is too bright by the

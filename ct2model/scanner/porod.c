@@ -21,7 +21,7 @@
  *
  * where a is the distance at which the extrapolated probability reaches that of independent points
  * at porosity n. BEND is that of the true grains of sixty generated sands, angular, round,
- * elongated and with fines, whose B is 0.21 to 0.37 (docs/notes/2026-11-26-specific-surface.md).
+ * elongated and with fines, whose B is 0.21 to 0.37 (docs/physics/restoration.md).
  * Restored grains show the correct probability beyond about two blurs: S and B are fitted from that
  * distance to twice that. */
 static const double BEND = 1.0 / 64.0;
@@ -31,12 +31,12 @@ static const double RANGE_BLURS = 2.0, RANGE_VOXELS = 2.0, RANGE_MOST = 0.7, RAN
 /* B tells edges and contacts from walls that are smooth all over, where noise and relief cannot be
  * told apart: it is 0.21 or more for true sands, 0.23 to 0.3 for touching balls and 0.25 or less
  * for balls that stand apart; tubes, fibres and slits do not follow the law equally in all
- * directions (docs/notes/2026-11-26-smooth-sands.md). Up to B_APART the smooth restored surface is
+ * directions (docs/physics/restoration.md). Up to B_APART the smooth restored surface is
  * kept, from B_TOUCHING on S is that of the law; the half width of the latter covers the restored
  * surface, too. */
 static const double B_APART = 0.15, B_TOUCHING = 0.21;
 /* For 102 sands B is 0.254 or more: walls with this B are not smooth
- * (docs/notes/2026-11-28-surface-cost.md). */
+ * (docs/physics/restoration.md). */
 static const double B_GRAINS = 0.25;
 /* Largest plausible ratio of S to the surface of the restored walls; for sands it is 1.17 at most.
  * A larger one, as between plane walls a few voxels apart, means that the law does not apply: there

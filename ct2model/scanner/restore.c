@@ -13,17 +13,17 @@ enum { LEVELS = 255 };
  * most; and above which voxels are averaged as far as the blur allows. */
 static const double VOXELS_WORKED = 24e6, VOXELS_HELD = 1.5e9, VOXELS_UNAVERAGED = 150e6;
 /* Cost of surface on smooth walls, relative to the usual one: they have no relief that a low cost
- * would keep, and show all the relief that noise makes (docs/notes/2026-11-25-smooth-walls.md). */
+ * would keep, and show all the relief that noise makes (docs/physics/restoration.md). */
 static const double COST_SMOOTH = 8.0;
 /* Cost of surface, relative to the usual one, where relief is much finer than in uniform sand: the
- * usual one would remove grains there (docs/notes/2026-11-26-scanner-bias.md). */
+ * usual one would remove grains there (docs/physics/restoration.md). */
 static const double COST_FINE = 0.25;
 /* Overlap of the slabs, in blurs: what is farther away does not matter. */
 static const double MARGIN_BLURS = 7.0;
 /* Distance beyond the faces of the scan, in blurs, over which grains are restored together with the
  * others, as far as the scan shows them. If the scan were reflected at its faces instead, as no
  * grain cut by a face is, walls within two blurs of a face would be twice as far off
- * (docs/notes/2026-11-27-faces.md). */
+ * (docs/physics/restoration.md). */
 static const double BEYOND_BLURS = 2.0;
 
 size_t restore_step(const size_t size[3], const double voxel[3], double blur) {

@@ -13,7 +13,7 @@
  * million voxels; beyond, as many as are needed and possible if `blur` (m) shall still span nine
  * tenths of the average. Averaging loses wedges between grains. For the sample sand with a blur of
  * 1.9 voxels, averages of 2 x 2 x 2 lose a tenth of the surface more, and k comes out 9 % too high
- * (docs/notes/2026-11-23-averaged.md). */
+ * (docs/physics/restoration.md). */
 size_t restore_step(const size_t size[3], const double voxel[3], double blur);
 
 /* Properties of the scanner as deblur_start expects them, for a region averaged over `step` voxels

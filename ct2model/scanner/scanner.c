@@ -36,7 +36,7 @@ static const double NOISE_PAIRS = 5000.0, NOISE_VOXELS = 2000.0;
 /* Noise of the grains over that of the pores below which the grains are taken to have less noise,
  * if the standard error of this ratio is below NOISE_ERROR_SMALL or the difference exceeds
  * NOISE_STANDARD_ERRORS standard errors. Noise correlated over a voxel leaves few independent
- * voxels (docs/notes/2026-11-26-hidden-fines.md). */
+ * voxels (docs/physics/restoration.md). */
 static const double NOISE_RATIO_LESS = 0.97, NOISE_ERROR_SMALL = 0.025, NOISE_STANDARD_ERRORS = 2.3;
 /* Fraction of the lesser phase that must have a grey between those of both phases for the image to
  * count as blurred. Under a blur of MODEL_BLUR_ASSUMED 1.6 voxels across a flat surface lie in the

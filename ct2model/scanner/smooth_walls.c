@@ -22,7 +22,7 @@
  *
  * Smooth walls: the usual cost is compared with that of smooth walls. The ratio of scan to
  * simulation is 1.1 to 1.9 for sands and 0.76 to 1.18 for bodies with smooth walls
- * (docs/notes/2026-11-28-surface-cost.md). */
+ * (docs/physics/restoration.md). */
 static const double RATIO_SMOOTH = 1.11, RATIO_ROUGH = 1.18;
 /* Fine relief: COST_FINE times the usual cost is compared with the usual one. The noise may have
  * been measured 10 to 20 % too low, or 10 % too high where fines add to it, and the removed moment
@@ -33,7 +33,7 @@ static const double COST_FINE = 0.25;
 static const double RATIO_IMPLAUSIBLE = 2.0;
 /* Change of the cost of surface, in octaves, per octave of the cost of least risk (least_risk.h),
  * and for a ratio of fine relief of 2. With these values the error of k of 102 generated sands is
- * smallest (docs/notes/2026-11-28-surface-cost.md). A change of up to OCTAVES_CHANCE may be chance;
+ * smallest (docs/physics/restoration.md). A change of up to OCTAVES_CHANCE may be chance;
  * from OCTAVES_SIGNIFICANT on it is applied in full. */
 static const double OCTAVES_BY_RISK = 0.66, OCTAVES_BY_RELIEF = 2.44, OCTAVES_CHANCE = 0.2,
                     OCTAVES_SIGNIFICANT = 0.4;
@@ -44,7 +44,7 @@ static const double BLUR_SHARP = 2.2, BLUR_WIDE = 2.8, REDUCTION_WIDE = 0.67;
  * LENGTH_LONG times that on the two cannot be distinguished. Simulated noise is not longer than
  * that either (restore_scanner). Under much noise what smooth walls would remove tells the relief
  * then: octaves per octave of the cost of least risk, and for a ratio of 1 above that of plain
- * sands (docs/notes/2026-11-28-sharper-scan-bars.md). */
+ * sands (docs/physics/restoration.md). */
 static const double LENGTH_SHORT = 0.6, LENGTH_LONG = 0.9;
 static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
 /* Range of the octaves: from the finest relief, a quarter of the usual cost, to smooth walls. At
@@ -52,7 +52,7 @@ static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
  * from CONTRAST_CLEAR on there is little noise. */
 static const double OCTAVES_FINEST = -2.0, OCTAVES_SMOOTH = 3.0, OCTAVES_NOISY = -1.5,
                     CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
-/* Side of the piece, in voxels: enough walls, and restored six times within a second. */
+/* Side of the piece, in voxels: enough walls, and small enough to be restored some 26 times. */
 enum { SIDE = 64 };
 /* Distance from walls, in voxels, beyond which shares of grain are 0 or 1. */
 static const double WALL_RANGE = 0.5;

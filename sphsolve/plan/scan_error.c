@@ -2,15 +2,15 @@
 
 #include <math.h>
 
-/* Fitted to generated sands (docs/notes/2026-11-22-scanner.md). */
+/* Fitted to generated sands (docs/physics/error-of-k.md). */
 static const double BLUR_KEPT = 1.5;    /* error / change of ln k if the blur was not removed */
 static const double BLUR_REMOVED = 0.3; /* the same if it was removed from smooth walls */
 static const double ERROR_GROWTH = 3.0; /* relative growth of the latter / change of ln k */
 /* Error / change of ln k / (noise averaged over the volume of the blur / contrast), if the blur was
- * removed: the noise limits what is recovered (docs/notes/2026-11-28-sharper-scan-bars.md). */
+ * removed: the noise limits what is recovered (docs/physics/error-of-k.md). */
 static const double BLUR_NOISE = 0.6;
-/* The same per (blur / pore width)^2: in pores a few blurs wide the blur closes throats, which
- * nothing reopens (ibid.). */
+/* The same per (blur / pore width)^2: in pores a few blurs wide the blur closes throats, not all of
+ * which the restoration opens again (ibid.). */
 static const double BLUR_UNRESOLVED = 5.0;
 /* Error / (roughness due to noise / pore width), and for smooth walls, where no wedges compensate
  * for it. */
@@ -19,7 +19,7 @@ static const double VOXEL_ERROR = 0.035; /* error due to the voxels of even the 
 /* Expected change of ln k / (blur deviation / mean pore width)^2. */
 static const double CHANGE_EXPECTED = 9.5;
 /* For the steps of a segmented image: fitted to spheres, packings, fibres and level sets of noise
- * (docs/notes/2026-11-22-labels.md). */
+ * (docs/physics/error-of-k.md). */
 static const double LABELS_ERROR = 2.0; /* error / change of ln k */
 /* Position error of walls from labels: 1/40 of a voxel, from rotated slits (3 times twice that
  * divided by the width of a slit, which is w / 2); in standard deviations of the smoothing of

@@ -33,7 +33,7 @@ struct stokes_goal stokes_goal_of(const struct scene *scene) {
  * another lattice's solution does so with a flux twice the true one. The square of the residual is
  * therefore a lower bound. For a residual spread over the pores like the force it is the error of
  * the flux; for the residuals that are left in rocks the error is 5 to 100 times as large
- * (docs/notes/2026-11-26-twenty-first-hour.md). */
+ * (docs/physics/stokes.md). */
 double stokes_solver_mean_error(const struct stokes_solver *s) {
   const double ratio = s->residual_now / s->residual_before;
   const double q = s->walls_move ? ratio : ratio * ratio;

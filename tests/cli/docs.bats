@@ -10,8 +10,8 @@ setup_file() {
 
 run_blocks() { # runs all ```sh blocks of a page, in order, beside a copy of the samples
   cd "$BATS_TEST_TMPDIR"
-  ln -s "$ROOT/data-samples" data-samples
-  cp -r "$ROOT/examples" examples
+  ln -sfn "$ROOT/data-samples" data-samples
+  [ -e examples ] || cp -r "$ROOT/examples" examples
   sed -n '/^```sh$/,/^```$/p' "$1" | grep -v '^```' > commands.sh
   [ -s commands.sh ]
   bash -e -x commands.sh > log 2>&1 || { tail -30 log; false; }
@@ -28,6 +28,17 @@ part_of_sample() {
   python3 "$ROOT/tests/cli/readable.py" "$ROOT"
 }
 
+@test "pages that sources cite are there, and theory pages say where their constants come from" {
+  cd "$ROOT"
+  for page in $(grep -rhoE 'docs/[a-z0-9/_-]+\.md' --include='*.[ch]' --include='*.py' --include='*.bats' --include='*.cfg' \
+    common ct2model sphsolve analyze tests data-samples scripts | sort -u); do
+    [ -e "$page" ] || { echo "$page is cited, and not there"; false; }
+  done
+  for page in docs/physics/*.md; do
+    [[ $page == */index.md ]] || grep -q '^## Where the constants come from$' "$page" || { echo "$page: no constants"; false; }
+  done
+}
+
 @test "a page that quotes what no command prints is found" {
   cd "$BATS_TEST_TMPDIR"
   printf '%s\n' '```text' 'k   0.0363 cm/s +- 23 %' 'Darcy 1 m/s ...' '```' > page.md
@@ -38,27 +49,74 @@ part_of_sample() {
   [ "$status" -eq 1 ] && [[ "$output" == *"k 0.0363 cm/s +- 23 %"* || "$output" == *"k   0.0363"* ]]
 }
 
-@test "readme: a scan, a scene of four lines, a report" {
+@test "readme: a scan, labels, soil and water" {
   run_blocks "$ROOT/README.md"
-  [ -s out.html ]
+  [ -s sand.html ] && [ -s trench/seepage.png ]
   # What to change for one's own scan, and for a segmented one, is said beside it; the first number is worth seeing.
   grep -q "for yours change the folder, the void ratio you measured and the voxel size" <(tr '\n' ' ' < "$ROOT/README.md")
-  grep -q "^A segmented image?.*--segmented" <(tr '\n' ' ' < "$ROOT/README.md" | sed 's/A segmented image?/\n&/')
+  grep -q "A segmented image needs no void ratio.*--segmented" <(tr '\n' ' ' < "$ROOT/README.md")
   [ "$(sed -n 's/^k .* +- \([0-9.]*\) % .*/\1/p' "$ROOT/README.md" | head -1 | cut -d. -f1)" -le 15 ]
   # The page's contents lead to what is on it.
-  sections=$(sed -n '/<nav>/,/<\/nav>/p' out.html | grep -o 'href="#[a-z0-9]*"' | tr -d '"' | cut -d'#' -f2)
+  sections=$(sed -n '/<nav>/,/<\/nav>/p' sand.html | grep -o 'href="#[a-z0-9]*"' | tr -d '"' | cut -d'#' -f2)
   [ "$(wc -l <<< "$sections")" -ge 5 ]
-  for section in $sections; do grep -q "id=\"$section\"" out.html || { echo "no section $section"; false; }; done
+  for section in $sections; do grep -q "id=\"$section\"" sand.html || { echo "no section $section"; false; }; done
+}
+
+@test "pages that show the sample scan say that it is synthetic, and the crop of rock has licence and origin" {
+  for page in README.md docs/tutorial.md docs/errors.md docs/dispersion.md data-samples/README.md data-samples/small/README.md; do
+    grep -qi synthetic "$ROOT/$page" || { echo "$page"; false; }
+  done
+  grep -q "CC BY 4.0" "$ROOT/README.md"
+  grep -q "CC BY 4.0" "$ROOT/data-samples/berea/README.md" && grep -q "Imperial College" "$ROOT/data-samples/berea/README.md"
+  [ "$(ct2model info "$ROOT/data-samples/berea/berea-96.tif" --json | grep -c 96)" -ge 1 ]
+}
+
+@test "validation: the page is what its script makes of the tables" {
+  diff "$ROOT/docs/validation.md" <("$ROOT/scripts/studies/validation-page")
+  # No row is both used to set constants and judged, and the figure's sands are of the one kind.
+  python3 - "$ROOT/docs/figures" << 'P'
+import csv, sys
+for name in "validation.csv", "scan-draws.csv", "scan-quality.csv":
+    rows = list(csv.DictReader(open(f"{sys.argv[1]}/{name}")))
+    assert rows and all(r["use"] in ("exact", "judged", "set") for r in rows), name
+P
 }
 
 # bats test_tags=long
-@test "tutorial: from a scan to a number" {
+@test "tutorial: from a scan to a number, and from labels" {
   run_blocks "$ROOT/docs/tutorial.md"
+  [ -s tutorial/darcy/darcy.json ]
+  [ -s tutorial/rock.html ]
+  # The example of the page on errors is this run.
+  python3 "$ROOT/tests/cli/quoted.py" "$ROOT/docs/errors.md" log
+}
+
+# bats test_tags=long
+@test "labels: from a segmented image to k, and to half its resolution" {
+  run_blocks "$ROOT/docs/labels.md"
+}
+
+@test "models of two resolutions: converge, and a report that shows the finer one" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir tutorial
+  source "$BATS_TEST_DIRNAME/sample.bash"
+  sample_model 16x16x7 tutorial/coarse.hdf
+  sample_model 32x32x14 tutorial/fine.hdf
+  for name in coarse fine; do
+    sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=tutorial/$name.hdf -o tutorial/$name-run
+  done
+  analyze converge tutorial/coarse-run.hdf tutorial/fine-run.hdf -o tutorial/converge
+  analyze report tutorial/coarse-run.hdf tutorial/fine-run.hdf -o tutorial/report.html
   [ -s tutorial/converge/converge.json ]
-  [ -s tutorial/report.html ]
   # Of one body's runs the finest is shown.
   grep -q "Grains and streamlines of <em>fine-run</em>" tutorial/report.html
   [[ "$(grep -o 'tutorial/[a-z]*.hdf</td>' tutorial/report.html | head -1)" == tutorial/fine.hdf* ]]
+}
+
+# bats test_tags=long
+@test "dispersion: from a flow to coefficients, a walk and one page" {
+  run_blocks "$ROOT/docs/dispersion.md"
+  [ -s dispersion/walked/breakthrough.svg ] && [ -s dispersion/both.html ]
 }
 
 # bats test_tags=long
@@ -87,16 +145,22 @@ P
 }
 
 # bats test_tags=long
-@test "calibration: from a measured void ratio to its share in the error of k" {
-  # The study's first two thresholds, of part of the scan; as it stands it would make a model of the whole for each.
-  export THRESHOLDS="54 58" SLICES=$BATS_TEST_TMPDIR/part
-  part_of_sample 24 "$SLICES"
-  run_blocks "$ROOT/docs/calibration.md"
+@test "void ratio: what its uncertainty does to k is what three models show, and the study of thresholds" {
+  cd "$BATS_TEST_TMPDIR"
+  mkdir calibration
+  for e in 0.705 0.725 0.745; do
+    ct2model build "$ROOT/data-samples/small" --void-ratio $e --voxel-size 8.745um --size 32x32x14 -o calibration/e$e.hdf
+    sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file="$PWD/calibration/e$e.hdf" -o calibration/run-$e --json \
+      > calibration/run-$e.json
+  done
   k() { sed -n 's/^  "k": \([0-9.e-]*\),/\1/p' "calibration/run-$1.json"; }
   awk -v a="$(k 0.705)" -v b="$(k 0.725)" -v c="$(k 0.745)" 'BEGIN { exit !(0 < a && a < b && b < c && sprintf("%.2f", (c - a) / 2 / b) == 0.04) }'
-  [ "$(bash -c "$(grep '^grep' "$ROOT/docs/calibration.md")" | wc -l)" -eq 3 ] # of the runs, not of their lattices
+  [ "$(grep -l '^  "k"' calibration/run-*.json | wc -l)" -eq 3 ] # of the runs, not of their lattices
+  # The study's first two thresholds, of part of the scan; as it stands it would make a model of the whole for each.
+  cp -r "$ROOT/examples" examples && ln -s "$ROOT/data-samples" data-samples
+  part_of_sample 24 "$PWD/part"
+  make -C examples/calibration "BIN=${PATH%%:*}/" "OUT=$PWD/calibration/study" THRESHOLDS="54 58" SLICES="$PWD/part"
   [ "$(wc -l < calibration/study/calibration.csv)" -eq 4 ]
-  unset THRESHOLDS SLICES
   make -n -C examples/calibration "BIN=${PATH%%:*}/" "OUT=$PWD/all" > all.txt
   for threshold in "" "--threshold 54 " "--threshold 58 " "--threshold 62 " "--threshold 66 " "--threshold 70 "; do
     grep -q "ct2model build .*data-samples/small --void-ratio 0.725+-0.005 --voxel-size 8.745um --size 32x32x14 $threshold--json" all.txt
@@ -118,7 +182,7 @@ P
 # bats test_tags=long
 @test "seepage: a column, two heads, a dam on soil" {
   export OMP_NUM_THREADS=1
-  run_blocks "$ROOT/docs/seepage.md"
+  for page in seepage regions unsaturated; do run_blocks "$ROOT/docs/$page.md"; done
   python3 "$BATS_TEST_DIRNAME/seepage_numbers.py"
 }
 
@@ -133,6 +197,8 @@ P
   grep -q "Against its being lifted the soil has a factor of 2.7[0-9]*, 2.6[0-9]* at least: it stays" excavation/trench.html
   [ "$(sed -n 's/.*data-name="seepage" width="\([0-9]*\)".*/\1/p' excavation/trench.html)" -le 600 ]
   python3 "$BATS_TEST_DIRNAME/excavation_numbers.py"
+  analyze seepage excavation/trench.hdf --json > seepage.json
+  python3 "$BATS_TEST_DIRNAME/documented_keys.py" "$ROOT/docs" seepage.json
 }
 
 # bats test_tags=long
@@ -269,6 +335,32 @@ assert json.load(open(sys.argv[1]))["k"] > 0' "$BATS_TEST_TMPDIR/e0.7-i0.5.json"
   python3 -c '
 import json, sys
 assert len(json.load(open(sys.argv[1]))["series"]) == 1' "$BATS_TEST_TMPDIR/converge/converge.json"
+}
+
+@test "the reference of ct2model names every option" {
+  for command in build sweep info export; do
+    for option in $(ct2model $command --help | sed -n '/^Options:/,/^Example:/p' | grep -oE -- '--[a-z][a-z-]*' | sort -u); do
+      grep -qE -- "$option([^a-z-]|$)" "$ROOT/docs/ct2model.md" || { echo "docs/ct2model.md: no $option, of $command"; false; }
+    done
+  done
+}
+
+@test "the reference of JSON names every key" {
+  cd "$BATS_TEST_TMPDIR"
+  source "$BATS_TEST_DIRNAME/sample.bash"
+  local scene=$ROOT/data-samples/scenes/demo.cfg
+  sample_model 16x16x7 coarse.hdf
+  sample_model 32x32x14 fine.hdf
+  ct2model build "$ROOT/data-samples/berea/berea-96.tif" --segmented 0 --voxel-size 5.345um --size 24x24x24 -o rock.hdf --json > build.json
+  ct2model sweep "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 16x16x7 --json > sweep.json
+  ct2model info fine.hdf "$ROOT/data-samples/small" --json > info.json
+  sphsolve explain "$scene" --set model.file="$PWD/fine.hdf" --error 50% --json > explain.json
+  for name in coarse fine; do sphsolve run "$scene" --set model.file="$PWD/$name.hdf" -o $name-run --json > $name.json; done
+  for analysis in darcy pdf history slice; do analyze $analysis fine-run.hdf --json > $analysis.json; done
+  analyze converge coarse-run.hdf fine-run.hdf --json > converge.json
+  sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="20 cm"' -o recharge --json > recharge.json
+  analyze moisture recharge.hdf --json > moisture.json
+  python3 "$BATS_TEST_DIRNAME/documented_keys.py" "$ROOT/docs" *.json
 }
 
 @test "the examples of --help use options that exist" {

@@ -14,7 +14,7 @@
 #define FIRST_SITES_PER_PORE 1.6
 #define FIRST_SITES_PER_BODY 8.0
 /* Below so many pores across, k of a sand scatters too much for four lattices
- * (docs/notes/2026-11-25-sharper.md). */
+ * (docs/physics/error-of-k.md). */
 #define PORES_ACROSS_FEW 8.0
 /* Fewest lattices of an open cascade, unless it is ended early. */
 #define LATTICES_MIN 3
@@ -38,7 +38,7 @@ static double independent_fraction(const struct lattice *base) {
 /* Width of a mean pore, m. In bodies whose pores are wider than the thickness 2 V / S of their
  * grains, as in felts, the grains determine the resistance: between void ratios of 1 and 2 the
  * criterion changes from the number of sites across a pore to that across a grain, with as many
- * sites as in sands (docs/notes/2026-11-25-felts.md). */
+ * sites as in sands (docs/physics/error-of-k.md). */
 static double pore_width(const struct plan *plan) {
   const double width = plan->shape.width, grain = plan->shape.grain;
   return plan->context.spacing * fmin(width, fmax(grain, 4.0 * grain * grain / width));

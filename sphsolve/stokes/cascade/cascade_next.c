@@ -11,7 +11,7 @@
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 
 /* Factors on the error of the limit by the number of lattices. From 14 bodies of overlapping
- * spheres (docs/notes/2026-11-23-fourth-hour.md). */
+ * spheres (docs/physics/error-of-k.md). */
 const double cascade_few_lattices[CASCADE_LATTICES_FEW_PORES] = {1.0, 1.0, 3.8, 2.38, 1.8};
 /* The factors also apply to a fixed cascade if a mean pore of the scene has fewer sites across than
  * this. */
@@ -31,7 +31,7 @@ static size_t list_values(const struct uncertainty *u, double *h, double *k) {
  * lattice alternate in sign, or decrease by less than first order would make them, and at first
  * order more than the wanted error remains. The coarsest lattices then miss throats that the finer
  * ones have, and four lattices do not show how k continues: in sandstones the limit estimated from
- * them is off by up to twice its error (docs/notes/2026-11-26-twenty-first-hour.md). */
+ * them is off by up to twice its error (docs/physics/error-of-k.md). */
 static bool is_not_converging(const struct cascade *c, const double *h, const double *k, size_t n) {
   for (size_t i = 0; i + 2 < n; i++) {
     const double now = log(k[i] / k[i + 1]), before = log(k[i + 1] / k[i + 2]);

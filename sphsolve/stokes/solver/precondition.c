@@ -260,7 +260,7 @@ static void subtract_mean(const struct stokes_preconditioner *pc, float *p) {
  * M, the mobility relative to that of a pore (effects/soil_drag.h), since for wavelengths of a few
  * sites the wide gradient and the stabilisation leave a twentieth of Darcy's law there. The local
  * part is therefore r without soil, and LOCAL_SOIL r / M with soil
- * (docs/notes/2026-11-23-micropores.md). */
+ * (docs/physics/stokes.md). */
 #define LOCAL_SOIL 2.0f
 
 /* p = S~^-1 r: a two-grid cycle for Darcy's law, with a Jacobi sweep before and after the coarse
