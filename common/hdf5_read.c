@@ -4,7 +4,8 @@
 #include <math.h>
 #include <string.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_store.h"
+#include "common/hdf5_unpack.h"
 #include "common/memory.h"
 
 /* True if every link on the way to `name` exists and none leaves the file. */
@@ -40,23 +41,6 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
   *set = path_inside(file, name) ? H5Dopen2(file->id, name, H5P_DEFAULT) : -1;
   if (*set < 0) return FAIL(STATUS_INPUT, "%s: has no dataset %s", file->path, name);
   return STATUS_OK;
-}
-
-/* Only filters of HDF5 itself are allowed: a file must not make the library load a plug-in. */
-bool h5_filters_known(hid_t set) {
-  hid_t layout = H5Dget_create_plist(set);
-  bool known = true;
-  int n = H5Pget_nfilters(layout);
-  for (int i = 0; i < n; i++) {
-    unsigned flags;
-    size_t values = 0;
-    H5Z_filter_t filter = H5Pget_filter2(layout, (unsigned)i, &flags, &values, NULL, 0, NULL, NULL);
-    known = known && (filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
-                      filter == H5Z_FILTER_FLETCHER32);
-  }
-  known = known && H5Pget_external_count(layout) == 0 && H5Pget_layout(layout) != H5D_VIRTUAL;
-  H5Pclose(layout);
-  return known;
 }
 
 enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank,

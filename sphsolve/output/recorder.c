@@ -294,7 +294,7 @@ cleanup:
 enum status recorder_image(struct recorder *recorder, const struct lattice *lattice, double time,
                            int64_t step, size_t count, const uint64_t *site, const float *velocity,
                            const float *pressure) {
-  if (ranks_count() > 1 || recorder->scene->no_image) return STATUS_OK;
+  if (ranks_count() > 1 || !recorder->scene->image) return STATUS_OK;
   return image_write(recorder->prefix, lattice, recorder->scene->fluid.viscosity, time, step,
                      flow_hash(velocity, count), count, site, velocity, pressure);
 }

@@ -7,7 +7,10 @@
 #include "common/log.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/output/step_log.h"
+#include "sphsolve/richards/edges.h"
 #include "sphsolve/richards/output.h"
+#include "sphsolve/richards/sites.h"
+#include "sphsolve/richards/step.h"
 
 /* Share of the rate at which gravity-driven flux in saturated soil changes a water content; slower
  * changes are rounding. */

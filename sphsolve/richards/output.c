@@ -6,6 +6,8 @@
 
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/edges.h"
 
 /* Sites of soil around a point, two along each used axis, with interpolation weights that add up to
  * 1. Returns their number. */

@@ -1,18 +1,13 @@
-/* Builds the sites of soil of a scene, the faces between them and the boundary faces. */
+#include "sphsolve/richards/sites.h"
+
 #include <math.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "common/units.h"
-#include "sphsolve/richards/state.h"
-#include "sphsolve/scene/scene_internal.h"
-
-void richards_place(const struct richards *s, size_t i, double x[3]) {
-  const struct lattice *l = s->lattice;
-  const size_t at = s->site[i], row = at / l->size[0];
-  const size_t site[3] = {at % l->size[0], row % l->size[1], row / l->size[1]};
-  for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)site[a] * l->spacing[a];
-}
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/edges.h"
+#include "sphsolve/scene/scene.h"
 
 static const struct region *region_of(const struct richards *s, size_t site) {
   return &s->scene->regions[s->lattice->region[site] - 1];

@@ -1,10 +1,12 @@
-/* One step in time by the two-stage method SDIRK2 (Alexander 1977), which is of order 2 and
- * L-stable. Both stages have the same matrix coefficients; each is solved by Newton's method. */
+/* Both stages have the same matrix coefficients; each is solved by Newton's method. */
+#include "sphsolve/richards/step.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "sphsolve/richards/state.h"
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/edges.h"
 
 #define GAMMA 0.2928932188134524 /* 1 - 1/sqrt(2) */
 #define NEWTON_MAX 20
@@ -41,24 +43,6 @@
  * times. */
 #define HALVING_FROM 5
 #define HALVINGS_MAX 5
-
-void richards_evaluate(struct richards *s, double time) {
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
-  for (size_t i = 0; i < s->count; i++) retention_at(&s->soils[s->soil[i]], s->h[i], &s->now[i]);
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
-  for (size_t f = 0; f < s->face_count; f++) {
-    const struct richards_face *face = &s->faces[f];
-    const struct retention *soil = &s->soils[s->soil[face->i]];
-    const struct retention_state *i = &s->now[face->i], *j = &s->now[face->j];
-    if (face->soils_differ)
-      flux_between_soils(soil, &s->soils[s->soil[face->j]], face->axis, s->spacing,
-                         s->pull[face->axis], i, j, &s->face_flux[f]);
-    else
-      flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
-                   &s->face_flux[f]);
-  }
-  richards_edge_fluxes(s, time);
-}
 
 /* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
 static void sum_fluxes(const struct richards *s, double *rate, double *size) {
@@ -284,17 +268,4 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   s->step++;
   *taken = dt;
   return STATUS_OK;
-}
-
-double richards_water(const struct richards *s) {
-  double sum = 0;
-  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta;
-  return sum * s->spacing * s->spacing * s->spacing;
-}
-
-double richards_net_inflow(const struct richards *s) {
-  double sum = -s->seeped;
-  for (size_t r = 0; r < s->scene->region_count; r++)
-    sum += s->entered[r] + s->rained[r] - s->ran_off[r];
-  return sum;
 }

@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow_cells.h"
 #include "sphsolve/solute/multigrid.h"
 
 /* Residual of the projection, relative to the initial divergence or, if that is larger, to the

@@ -2,10 +2,12 @@
  * distance, at the mean distance over the cell or face: d + h^2/24 times its second derivatives,
  * which corrects for curved walls (without this term, spheres with a radius of 5 spacings are 1 %
  * too large). */
+#include "sphsolve/solute/flow_cells.h"
+
 #include <math.h>
 
 #include "sphsolve/geometry/plane_cut.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
 
 /* Smallest component of a normal that is resolved, relative to the largest length. */
 #define NORMAL_MIN 1e-3

@@ -2,9 +2,12 @@
  * velocity of a face is their mean. Near the wall the velocity decreases to 0 with the wall
  * distance d: there u / d varies slowly, and the flux is u / d times the integral of the distance
  * over the open part of the face. */
+#include "sphsolve/solute/flow_faces.h"
+
 #include <math.h>
 
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/flow_cells.h"
 
 /* Sites nearer to the wall than this fraction of a spacing are not used for u / d. */
 #define WALL_DISTANCE_MIN 0.1

@@ -28,7 +28,7 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
 
 #define WAVES 16 /* wave numbers across the flow, along each axis: shorter waves are negligible */
 #define BLOCKS 4 /* along each axis */

@@ -176,16 +176,6 @@ cleanup:
   return status;
 }
 
-double walk_displacement(const struct walk *walk, const double direction[3],
-                         const struct walk_spot *spot, size_t w) {
-  const struct walk_spot *start = &walk->moments.start[w];
-  double sum = 0;
-  for (int a = 0; a < 3; a++)
-    sum += direction[a] * walk->moments.stretch[a] *
-           ((double)(spot->cell[a] - start->cell[a]) + ((double)spot->x[a] - (double)start->x[a]));
-  return sum;
-}
-
 /* Sets first passages since the last sample, assuming uniform motion in between. */
 static void record_passages(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;

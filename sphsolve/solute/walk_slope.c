@@ -3,7 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/flow_cells.h"
 
 /* Largest distance of a wall from the middle of a face, cells, to lie between it and the next
  * face. */

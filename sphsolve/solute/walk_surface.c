@@ -4,7 +4,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
 
 #define ROUNDS 8 /* of shifting corners; each reduces the rest by a third to a half */
 #define SUB 4    /* samples along each side of a cell */
