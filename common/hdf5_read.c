@@ -1,4 +1,5 @@
 /* The reading half of the HDF5 layer: every size, type and link is checked before it is used. */
+#include "common/constants.h"
 #include "common/hdf5_file.h"
 
 #include <math.h>
@@ -96,9 +97,6 @@ cleanup:
   return status;
 }
 
-/* Deflate compresses at most by a factor 1032. A higher ratio means that the data were never
- * written, and the library would fill in as many numbers as the file claims. */
-#define DEFLATE_RATIO_MAX 1100.0
 #define UNCHECKED_BYTES (1 << 24) /* bytes up to which this is allowed */
 
 static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, const char *name) {

@@ -9,6 +9,7 @@
 #include <omp.h>
 #endif
 
+#include "common/constants.h"
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
@@ -16,6 +17,7 @@
 #include "common/units.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/tensor.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
 static enum status write_history(struct recorder *recorder, struct h5_file *file) {
@@ -268,6 +270,9 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_effects(recorder, result, file));
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
+  const struct constant *tables[] = {common_constants, plan_constants,
+                                     recorder->plan->context.method->constants};
+  TRY(constants_write(file, sizeof tables / sizeof *tables, tables));
   TRY(write_regions(scene, file));
   TRY(write_places(scene, false, file));
   TRY(write_places(scene, true, file));

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
 
@@ -35,7 +36,7 @@ static enum status refuse_displacement(const struct scene *scene) {
     const struct region *region = &scene->regions[r];
     for (int a = 0; a < 3; a++)
       if (region->type == REGION_WALL && region->velocity[a] != 0 &&
-          region->box[a + 3] - region->box[a] < 0.999999 * scene->domain_size[a])
+          region->box[a + 3] - region->box[a] < WHOLE_WIDTH * scene->domain_size[a])
         return FAIL(STATUS_INPUT,
                     "%s:%d: regions: this wall ends in %c, and moves along it; walls of this "
                     "method stay where they are: let it reach through the domain, or write method "
@@ -153,13 +154,12 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
                          "method %s needs a viscosity greater than 0, like \"1e-3 Pa s\"",
                          method->name);
   } else if (*scene->model_path) {
-    return scene_error(scene, AT_METHOD,
-                       "method %s takes a domain with regions, not a voxel model; use "
-                       "method = %s\"stokes\"%s",
-                       method->name, lattice->micro_porosity != NULL ? "" : "\"wcsph\" or ",
-                       lattice->micro_porosity != NULL
-                           ? ", which solves the model's soil with the pores"
-                           : "");
+    return scene_error(
+        scene, AT_METHOD,
+        "method %s takes a domain with regions, not a voxel model; use "
+        "method = %s\"stokes\"%s",
+        method->name, lattice->micro_porosity != NULL ? "" : "\"wcsph\" or ",
+        lattice->micro_porosity != NULL ? ", which solves the model's soil with the pores" : "");
   }
   return refuse_contradictions(scene, &context, method);
 }

@@ -17,8 +17,8 @@ struct lattice_modes {
   double moment;    /* sum V r . grad W / dimensions: 1 if the gradient is exact */
   /* 1/m^2: largest eigenvalue of the derivative of sum V grad W with respect to displacement. */
   double shifting_stiffness;
-  double weights;            /* 1/m^2: sum of 2 V (-dW/dr)/r */
-  int neighbours;            /* within the support of a site */
+  double weights; /* 1/m^2: sum of 2 V (-dW/dr)/r */
+  int neighbours; /* within the support of a site */
   int count;
   double wave[MODE_WAVES * MODE_WAVES * MODE_WAVES][3]; /* gradient, absolute, laplacian of each */
 };

@@ -33,7 +33,7 @@ struct particles {
   float *shift[3]; /* m/s: velocity of a particle relative to the fluid; NULL without shifting */
   /* With sub-voxel walls, from the force pass to the next: see struct pair_table. */
   float *rate;
-  uint32_t *id;    /* site the particle started from */
+  uint32_t *id; /* site the particle started from */
   /* Eulerian (pairs_eulerian.h): the packed effect of the surrounding sites; and, from the force
    * pass to the next and also packed, the difference between the flux that the continuity equation
    * balances and the velocity. */
