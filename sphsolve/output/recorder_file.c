@@ -1,4 +1,4 @@
-#include "sphsolve/output/recorder_internal.h"
+#include "sphsolve/output/recorder_state.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -297,15 +297,17 @@ cleanup:
   return status;
 }
 
-/* Uses the order of columns of recorder_row. */
 static enum status integrate_history(const struct recorder *recorder,
                                      struct conservation *conservation) {
   enum status status = STATUS_OK;
   struct conservation_row *rows = NULL;
+  const int mass = recorder_first_of(recorder, "mass"), p = recorder_first_of(recorder, "momentum"),
+            energy = recorder_first_of(recorder, "kinetic_energy");
   TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the conservation budget"));
   for (size_t i = 0; i < recorder->row_count; i++) {
     const double *row = recorder->rows + i * (size_t)recorder->width;
-    rows[i] = (struct conservation_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
+    rows[i] =
+        (struct conservation_row){row[0], row[mass], {row[p], row[p + 1], row[p + 2]}, row[energy]};
   }
   conservation_integrate(conservation, recorder->row_count, rows, recorder->scene->driving);
 cleanup:

@@ -1,7 +1,9 @@
 /* State of the recorder, shared by recorder.c (during the run) and recorder_file.c (the file at its
  * end). */
-#ifndef TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
-#define TOSUI_SPHSOLVE_OUTPUT_RECORDER_INTERNAL_H
+#ifndef TOSUI_SPHSOLVE_OUTPUT_RECORDER_STATE_H
+#define TOSUI_SPHSOLVE_OUTPUT_RECORDER_STATE_H
+
+#include <string.h>
 
 #include "common/log.h"
 #include "sphsolve/output/history_file.h"
@@ -50,5 +52,12 @@ struct recorder {
   struct progress progress;
   double last_checkpoint; /* time on the monotonic clock, s */
 };
+
+/* Position of a column's first value in a row; -1: there is no such column. */
+static inline int recorder_first_of(const struct recorder *recorder, const char *name) {
+  for (size_t c = 0; c < recorder->column_count; c++)
+    if (!strcmp(recorder->columns[c].name, name)) return recorder->columns[c].first;
+  return -1;
+}
 
 #endif
