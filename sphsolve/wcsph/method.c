@@ -5,7 +5,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/wcsph/plan.h"
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/run.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/wcsph/constants.h"
 

@@ -2,7 +2,7 @@
  * velocity. The update of the particles is in engine/engine_step.c. */
 #include "common/units.h"
 #include "sphsolve/wcsph/constants.h"
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/run.h"
 
 #include <math.h>
 #include <stdio.h>

@@ -4,7 +4,7 @@
 setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 
 @test "every effect of the registry stands in docs/physics" {
-  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def; ls sphsolve/*/effects/registry.def)
   for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
     grep -q "^\*\*$effect\.\*\*" docs/physics/*.md || { echo "$effect is not in docs/physics"; failed=1; }
   done
@@ -20,7 +20,7 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 }
 
 @test "no name of an effect is compared as a string" {
-  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def; ls sphsolve/*/effects/registry.def)
   for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
     ! grep -rnE "str(n)?cmp\([^;]*\"$effect\"" sphsolve || { echo "$effect is compared"; failed=1; }
   done

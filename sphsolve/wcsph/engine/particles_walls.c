@@ -6,7 +6,7 @@
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/order.h"
-#include "sphsolve/wcsph/engine/particles_internal.h"
+#include "sphsolve/wcsph/engine/particle_arrays.h"
 
 static size_t wall_arrays(struct particles *p, const struct particle_fields *fields,
                           struct slot_array list[24]) {

@@ -1,7 +1,7 @@
 /* State of a wcsph run, shared by the time loop (method.c), its steps (step.c), the watchdog
  * (watch.c) and the output (output.c). */
-#ifndef TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
-#define TOSUI_SPHSOLVE_WCSPH_INTERNAL_H
+#ifndef TOSUI_SPHSOLVE_WCSPH_RUN_H
+#define TOSUI_SPHSOLVE_WCSPH_RUN_H
 
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/wcsph/state.h"

@@ -1,6 +1,6 @@
 /* Shared by the fluid (particles.c) and the walls (particles_walls.c) of the engine. */
-#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLES_INTERNAL_H
-#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLES_INTERNAL_H
+#ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLE_ARRAYS_H
+#define TOSUI_SPHSOLVE_WCSPH_ENGINE_PARTICLE_ARRAYS_H
 
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/particles.h"
