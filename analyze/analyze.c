@@ -9,12 +9,9 @@
 #include "analyze/analysis.h"
 #include "analyze/compatible_runs.h"
 #include "analyze/dispersion.h"
-#include "analyze/report/page.h"
-#include "analyze/report/page_model.h"
-#include "analyze/report/page_verdict.h"
 #include "analyze/product.h"
+#include "analyze/report_command.h"
 #include "analyze/run_file.h"
-#include "analyze/solute_flow.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -35,13 +32,6 @@ struct analyze_table {
 };
 
 static void build_table(struct analyze_table *table) {
-  static const struct option_command report = {
-      "report",
-      "RUN... -o report.html",
-      "one self-contained page of all that the runs support",
-      "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html",
-      1,
-      -1};
   struct option_entry mix = {"mix", 0, NULL, 0,
                              "take runs of different models together (refused without)"};
   size_t commands = 0, entries = 2;
@@ -58,7 +48,7 @@ static void build_table(struct analyze_table *table) {
     table->commands[commands++] = analysis->command;
   }
   mix.commands |= 1u << commands;
-  table->commands[commands] = report;
+  table->commands[commands] = report_command.command;
   table->entries[0] =
       (struct option_entry){"output", 'o', "DIR", OPTION_ALL,
                             "folder for NAME.json, .csv, .svg, .png and the plot's script NAME.gp; "
@@ -115,29 +105,6 @@ cleanup:
   return status;
 }
 
-/* Prints the assessment of k and the advice as at the head of the page; with several results that
- * of the first, with its name. */
-static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
-  struct page_model model;
-  json_t *results = verdict_results(runs, n, darcy, NULL);
-  const json_t *first = json_array_get(results, 0);
-  page_model_read(&runs[0], &model);
-  verdict_judge(results, &runs[0], &model);
-  if (first != NULL) {
-    const bool one = json_array_size(results) == 1;
-    const char *name = one ? "" : json_string_value(json_object_get(first, "name"));
-    printf("Verdict%s%s: %s. %s\n", one ? "" : " of ", name,
-           json_string_value(json_object_get(first, "good_for")),
-           json_string_value(json_object_get(first, "advice")));
-  }
-  json_decref(results);
-}
-
-static void print_json(const json_t *json) {
-  json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
-  putchar('\n');
-}
-
 /* Outputs a product: on stdout as text, or as JSON unless it is part of another product's JSON
  * (`held`); with -o also as files. */
 static enum status output_product(const struct options *options, struct product *product,
@@ -147,7 +114,7 @@ static enum status output_product(const struct options *options, struct product 
   TRY(product_finish(product));
   if (folder != NULL) TRY(product_save(product, folder));
   if (options_json(options)) {
-    if (!in_other_json) print_json(product->json);
+    if (!in_other_json) product_print_json(product->json);
   } else if (log_level() > LOG_QUIET) {
     fputs(product->summary.data, stdout);
     if (folder != NULL)
@@ -155,64 +122,6 @@ static enum status output_product(const struct options *options, struct product 
              product->width > 0 ? ",gp,svg,png" : "");
   }
 cleanup:
-  return status;
-}
-
-/* The operands that are files of a solute; free with memory_free. */
-static enum status find_solutes(const struct options *options, const char ***paths, size_t *n) {
-  enum status status = STATUS_OK;
-  const size_t count = options_operand_count(options);
-  TRY(memory_allocate(paths, count, sizeof **paths, "names of files"));
-  for (size_t i = 0; i < count; i++)
-    if (dispersion_is(options_operand(options, i))) (*paths)[(*n)++] = options_operand(options, i);
-cleanup:
-  return status;
-}
-
-/* Moves the run with the finest lattice of the first run's body to the front, because its pictures
- * are shown. The copies in *ordered own nothing. */
-static enum status put_finest_first(const struct run *runs, size_t n, struct run **ordered) {
-  enum status status = STATUS_OK;
-  size_t finest = 0;
-  TRY(memory_allocate(ordered, n, sizeof **ordered, "the runs of a report"));
-  for (size_t i = 1; i < n; i++)
-    if (runs[i].spacing[0] < 0.999 * runs[finest].spacing[0] &&
-        verdict_one_body(&runs[0], &runs[i]))
-      finest = i;
-  (*ordered)[0] = runs[finest];
-  for (size_t i = 0, at = 1; i < n; i++)
-    if (i != finest) (*ordered)[at++] = runs[i];
-cleanup:
-  return status;
-}
-
-static enum status report_command(const struct options *options, const struct run *runs, size_t n) {
-  enum status status = STATUS_OK;
-  json_t *json = NULL;
-  struct run *ordered = NULL;
-  const char **solutes = NULL;
-  size_t solute_count = 0;
-  static const char *const ENDINGS[] = {".html", ".htm", NULL};
-  const char *given = options_text(options, "output");
-  char path[PATH_MAX];
-  if (given == NULL || given[0] == '\0')
-    TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
-  TRY(output_name(given, ENDINGS, "a page is HTML (a browser prints it to PDF)", path,
-                  sizeof path));
-  TRY(output_allow(path));
-  TRY(find_solutes(options, &solutes, &solute_count));
-  TRY(solute_flow_check(solutes, solute_count, runs, n, options_given(options, "mix")));
-  TRY(put_finest_first(runs, n, &ordered));
-  TRY(page_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
-  if (options_json(options)) {
-    print_json(json);
-  } else if (log_level() > LOG_QUIET) {
-    printf("written: %s\n", path);
-  }
-cleanup:
-  memory_free(&ordered);
-  memory_free(&solutes);
-  json_decref(json);
   return status;
 }
 
@@ -239,7 +148,7 @@ static enum status output_analysis(const struct options *options, const struct a
   for (size_t i = 0; i < ANALYSES; i++)
     if (second[i].name != NULL) TRY(output_product(options, &second[i], true));
   if (analysis == &darcy_analysis && !options_json(options) && log_level() > LOG_QUIET)
-    print_verdict(subject->runs, subject->n, product.json);
+    report_command.print_verdict(subject->runs, subject->n, product.json);
 cleanup:
   for (size_t i = 0; i < ANALYSES; i++) product_free(&second[i]);
   product_free(&product);
@@ -266,7 +175,7 @@ static enum status run_command(const struct options *options) {
   TRY(compatible_runs_check(runs, n, analysis == NULL || analysis->several_models,
                             options_given(options, "mix")));
   if (analysis == NULL)
-    TRY(report_command(options, runs, n));
+    TRY(report_command.write(options, runs, n));
   else
     TRY(output_analysis(options, analysis, &(struct subject){.runs = runs, .n = n}));
 cleanup:

@@ -1,4 +1,5 @@
 #include "analyze/history.h"
+#include "analyze/history_plot.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,16 +9,6 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 #include "common/units.h"
-
-/* Columns of every run; all others were added by the scene (gauges, planes, volumes). */
-bool history_is_standard(const char *column) {
-  static const char *const names[] = {
-      "time",         "step",     "dt",   "darcy_velocity", "density_max",
-      "density_mean", "momentum", "mass", "kinetic_energy", "reynolds"};
-  for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-    if (strcmp(column, names[i]) == 0) return true;
-  return false;
-}
 
 static enum status measure(const struct run *run, struct run_history *h) {
   enum status status = STATUS_OK;

@@ -23,9 +23,4 @@ struct run_history {
   struct pdf density;
 };
 
-/* Whether the column is recorded by every run, independent of scene and method. */
-bool history_is_standard(const char *column);
-/* Writes the plot of n runs and sets its size. */
-void history_plot(const struct run_history *table, size_t n, struct product *product);
-
 #endif

@@ -1,9 +1,19 @@
-/* Plot of histories: Darcy velocity, density and further columns of scenes and methods. */
+#include "analyze/history_plot.h"
+
 #include <math.h>
 #include <string.h>
 
-#include "analyze/history.h"
 #include "analyze/plot.h"
+
+/* Columns of every run; all others were added by the scene (gauges, planes, volumes). */
+bool history_is_standard(const char *column) {
+  static const char *const names[] = {
+      "time",         "step",     "dt",   "darcy_velocity", "density_max",
+      "density_mean", "momentum", "mass", "kinetic_energy", "reynolds"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+    if (strcmp(column, names[i]) == 0) return true;
+  return false;
+}
 
 static void start_panel(FILE *stream, const char *xlabel, const char *ylabel) {
   fputs("set xlabel ", stream);

@@ -208,3 +208,8 @@ void write_value_with_error(FILE *stream, double value, double error, const char
   write_percent(stream, error / fabs(value));
   fputc(')', stream);
 }
+
+void product_print_json(const json_t *json) {
+  json_dumpf(json, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+  putchar('\n');
+}

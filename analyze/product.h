@@ -54,4 +54,7 @@ void write_value_with_error(FILE *stream, double value, double error, const char
 /* 0.0012 as "0.12 %", 6.8 as "680 %": never with an exponent. */
 void write_percent(FILE *stream, double share);
 
+/* Prints a JSON value on stdout. */
+void product_print_json(const json_t *json);
+
 #endif

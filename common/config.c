@@ -13,18 +13,9 @@
 #include "common/memory.h"
 #include "common/options.h"
 
-/* A key that was asked for in the group `parent`. */
-struct known_key {
-  const config_setting_t *parent;
-  const char *name;
-};
-
 struct config {
   config_t tree;
   char *path, *folder, *text;
-  struct known_key *known;
-  size_t known_count, known_capacity;
-  bool known_incomplete; /* memory ran out: no key can be called unknown */
 };
 
 static int line_at(const char *text, const char *place) {
@@ -240,7 +231,6 @@ void config_close(struct config *config) {
   memory_free(&config->path);
   memory_free(&config->folder);
   memory_free(&config->text);
-  memory_free(&config->known);
   memory_free(&config);
 }
 
@@ -254,19 +244,12 @@ const char *config_folder(const struct config *config) {
   return config->folder;
 }
 
-config_node *config_child(struct config *config, config_node *parent, const char *name) {
-  if (parent == NULL) return NULL;
-  if (config->known_count == config->known_capacity) {
-    size_t capacity = config->known_capacity > 0 ? 2 * config->known_capacity : 256;
-    if (memory_resize(&config->known, capacity, sizeof *config->known, "known keys") == STATUS_OK)
-      config->known_capacity = capacity;
-    else
-      config->known_incomplete = true;
-  }
-  if (config->known_count < config->known_capacity)
-    config->known[config->known_count++] = (struct known_key){parent, name};
-  if (config_setting_is_group(parent) != CONFIG_TRUE) return NULL;
+config_node *config_child(config_node *parent, const char *name) {
+  if (parent == NULL || config_setting_is_group(parent) != CONFIG_TRUE) return NULL;
   return config_setting_get_member(parent, name);
+}
+const char *config_name(const config_node *node) {
+  return config_setting_name(node);
 }
 
 config_node *config_item(config_node *list, size_t i) {
@@ -358,7 +341,7 @@ static enum status parse_quantity(const struct config *config, config_node *node
 
 enum status config_quantity(struct config *config, config_node *group, const char *name,
                             struct dimension dimension, double *value, bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   return node == NULL ? STATUS_OK : parse_quantity(config, node, dimension, value);
 }
@@ -370,7 +353,7 @@ enum status config_number(struct config *config, config_node *group, const char 
 
 enum status config_bool(struct config *config, config_node *group, const char *name, bool *value,
                         bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   if (node == NULL) return STATUS_OK;
   if (config_setting_type(node) != CONFIG_TYPE_BOOL)
@@ -381,7 +364,7 @@ enum status config_bool(struct config *config, config_node *group, const char *n
 
 enum status config_string(struct config *config, config_node *group, const char *name,
                           const char **value, bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   if (node == NULL) return STATUS_OK;
   if (!config_is_text(node)) return config_error(config, node, "a text in quotes is wanted");
@@ -391,7 +374,7 @@ enum status config_string(struct config *config, config_node *group, const char 
 
 enum status config_choice(struct config *config, config_node *group, const char *name,
                           const char *const *choices, int *value, bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   if (node == NULL) return STATUS_OK;
   const char *text = config_is_text(node) ? config_setting_get_string(node) : NULL;
@@ -414,7 +397,7 @@ enum status config_choice(struct config *config, config_node *group, const char 
 enum status config_quantities(struct config *config, config_node *group, const char *name,
                               struct dimension dimension, int min, int max, double *values,
                               int *count, bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   if (node == NULL) return STATUS_OK;
   int n = config_is_list(node) ? config_setting_length(node) : 0;
@@ -442,60 +425,10 @@ enum status config_quantities(struct config *config, config_node *group, const c
 enum status config_auto_quantity(struct config *config, config_node *group, const char *name,
                                  struct dimension dimension, double *value, bool *automatic,
                                  bool *given) {
-  config_node *node = config_child(config, group, name);
+  config_node *node = config_child(group, name);
   if (given != NULL) *given = node != NULL;
   *automatic = node == NULL;
   if (node == NULL) return STATUS_OK;
   *automatic = config_is_text(node) && !strcmp(config_setting_get_string(node), "auto");
   return *automatic ? STATUS_OK : parse_quantity(config, node, dimension, value);
-}
-
-/* Reports keys that no read asked for; with `misspelt_only` just those that resemble a known
- * key. */
-static enum status refuse_unknown_in(struct config *config, config_node *node, bool misspelt_only) {
-  bool group = config_is_group(node);
-  for (int i = 0; i < config_setting_length(node) && (group || config_is_list(node)); i++) {
-    config_node *child = config_setting_get_elem(node, (unsigned)i);
-    if (group) {
-      const char *name = config_setting_name(child), *names[256];
-      size_t n = 0;
-      bool known = false;
-      for (size_t k = 0; k < config->known_count; k++)
-        if (config->known[k].parent == node) {
-          known = known || !strcmp(config->known[k].name, name);
-          if (n < 255) names[n++] = config->known[k].name;
-        }
-      names[n] = NULL;
-      const char *near = known ? NULL : nearest_name(name, names);
-      if (!known && !(misspelt_only && near == NULL)) {
-        char list[400] = "";
-        for (size_t k = 0; near == NULL && k < n; k++) {
-          size_t used = strlen(list), earlier = 0;
-          /* A name that occurs twice. */
-          while (earlier < k && strcmp(names[earlier], names[k]) != 0) earlier++;
-          if (earlier == k)
-            snprintf(list + used, sizeof list - used, "%s%s", used ? ", " : "", names[k]);
-        }
-        return config_error(config, child, "unknown key%s%s%s%s%s", near ? "; did you mean '" : "",
-                            near ? near : "", near ? "'?" : "", *list ? "; known here: " : "",
-                            list);
-      }
-    }
-    enum status status = refuse_unknown_in(config, child, misspelt_only);
-    if (status != STATUS_OK) return status;
-  }
-  return STATUS_OK;
-}
-
-enum status config_refuse_unknown(struct config *config) {
-  if (config->known_incomplete) return STATUS_RUN; /* the message is already recorded */
-  return refuse_unknown_in(config, config_root(config), false);
-}
-
-enum status config_explain_failure(struct config *config, enum status status) {
-  char message[1024];
-  snprintf(message, sizeof message, "%s", error_message());
-  error_clear();
-  if (refuse_unknown_in(config, config_root(config), true) != STATUS_OK) return STATUS_INPUT;
-  return FAIL(status, "%s", message);
 }

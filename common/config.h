@@ -1,5 +1,5 @@
-/* Scene files: libconfig behind a layer that records which keys were asked for, so that an unknown
- * key is an error with file, line and the nearest known key. */
+/* Scene files: libconfig behind a layer of typed reads, whose errors name file, line and key. Which
+ * keys there are, sphsolve/scene/keys.def says. */
 #ifndef TOSUI_COMMON_CONFIG_H
 #define TOSUI_COMMON_CONFIG_H
 
@@ -23,8 +23,10 @@ const char *config_text(const struct config *config);
 /* Folder of the file ("" for the current), for paths inside it. */
 const char *config_folder(const struct config *config);
 
-/* The child with that name, or NULL. Records the name as known in `parent`. */
-config_node *config_child(struct config *config, config_node *parent, const char *name);
+/* The child with that name, or NULL, as for a `parent` that is NULL or no group. */
+config_node *config_child(config_node *parent, const char *name);
+/* Name of a node in its group; NULL for an item of a list. */
+const char *config_name(const config_node *node);
 /* The i-th item of a list, and the number of items of a list or group. */
 config_node *config_item(config_node *list, size_t i);
 size_t config_count(const config_node *node);
@@ -64,13 +66,5 @@ enum status config_quantities(struct config *config, config_node *group, const c
 enum status config_auto_quantity(struct config *config, config_node *group, const char *name,
                                  struct dimension dimension, double *value, bool *automatic,
                                  bool *given);
-
-/* To be called with the status of a failed read. If a key nearby is misspelt that is reported
- * instead, since it is often the reason why something is missing. Returns the status to continue
- * with. */
-enum status config_explain_failure(struct config *config, enum status status);
-
-/* To be called after all reads: a key of the file that no read asked for is an error. */
-enum status config_refuse_unknown(struct config *config);
 
 #endif

@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "common/constants.h"
+
 /* Least squares fit of f = value + slope h^p for a given p; returns the sum of the squared
  * residuals. */
 static double fit_power(const double *h, const double *f, size_t n, double p, double *value,
@@ -29,7 +31,7 @@ static double fit_power(const double *h, const double *f, size_t n, double p, do
 /* The order in [0.05, 10] with the least residual, by a coarse scan followed by a golden section
  * search. */
 static double best_order(const double *h, const double *f, size_t n) {
-  const double step = 0.05, golden = 0.6180339887498949;
+  const double step = ORDER_STEP, golden = GOLDEN_SECTION;
   double value, slope, best = step, least = INFINITY;
   for (int i = 1; i <= 200; i++) {
     double p = i * step, residual = fit_power(h, f, n, p, &value, &slope);
@@ -38,7 +40,7 @@ static double best_order(const double *h, const double *f, size_t n) {
       best = p;
     }
   }
-  double low = fmax(best - step, 0.01), high = best + step;
+  double low = fmax(best - step, ORDER_LEAST), high = best + step;
   while (high - low > 1e-7) {
     double a = high - golden * (high - low), b = low + golden * (high - low);
     if (fit_power(h, f, n, a, &value, &slope) < fit_power(h, f, n, b, &value, &slope))
@@ -49,12 +51,11 @@ static double best_order(const double *h, const double *f, size_t n) {
   return 0.5 * (low + high);
 }
 
-#define SPACING_RATIO_MIN 1.3
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result) {
   double low = f[0], high = f[0];
   bool rising = true, falling = true;
-  *result = (struct convergence){.order = NAN, .order_used = formal_order, .safety = 3.0};
+  *result = (struct convergence){.order = NAN, .order_used = formal_order, .safety = SAFETY_FAR};
   for (size_t i = 1; i < n; i++) {
     low = fmin(low, f[i]);
     high = fmax(high, f[i]);
@@ -70,14 +71,14 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
   }
   if (n > 2 && !result->monotone) {
     result->value = f[0];
-    result->index = 3.0 * (high - low) / fabs(f[0]);
+    result->index = SAFETY_FAR * (high - low) / fabs(f[0]);
     return;
   }
   if (n > 2) {
     result->order = best_order(h, f, n);
-    bool close = fabs(result->order - formal_order) <= 0.1 * formal_order;
+    bool close = fabs(result->order - formal_order) <= ORDER_CLOSE * formal_order;
     result->credible = fabs(result->order - formal_order) <= 0.5 * formal_order;
-    result->safety = close ? 1.25 : 3.0;
+    result->safety = close ? SAFETY_CLOSE : SAFETY_FAR;
     /* An observed order above the formal one is used as it is: the finest value is then close to
      * the limit. */
     result->order_used = fmax(result->order, 0.5);
@@ -118,27 +119,6 @@ void converge_extrapolate(const double *h, const double *f, size_t n, double for
  * orders are observed. A single normal distribution between the two fits neither. The constants
  * were calibrated on sands, spheres, cylinders and fibres (docs/physics/error-of-k.md). */
 #define LIMIT_VALUES_MAX 4
-#define LIMIT_ORDERS 48
-#define LIMIT_ORDER_FIRST 1.2
-#define LIMIT_ORDER_STEP 0.1
-#define LIMIT_GRAINS_ORDER 1.9
-#define LIMIT_GRAINS_SPREAD 0.25
-#define LIMIT_SMOOTH_ORDER 3.5
-#define LIMIT_SMOOTH_SPREAD 0.8
-/* Standard deviation of a value f[i], in two parts: relative to the largest difference of it and of
- * the finer values from the finest; and relative to the finest value, at the spacing `scale` and
- * proportional to h. */
-#define LIMIT_NOISE_CHANGE 0.15
-#define LIMIT_NOISE_VALUE 0.02
-/* LIMIT_COVERAGE converts one standard deviation to 95 %. The remaining constants are the
- * uncertainty of the extrapolation itself, as a share of the difference between limit and finest
- * value: LIMIT_STEP_PORES over the length of the body in pores, within the two limits. For 488
- * settings of 56 bodies the interval contains 97 % of the true values
- * (docs/physics/error-of-k.md). */
-#define LIMIT_COVERAGE 1.85
-#define LIMIT_STEP_MIN 0.05
-#define LIMIT_STEP_MAX 0.3
-#define LIMIT_STEP_PORES 1.2
 
 struct limit_fit {
   double value, variance, residual, evidence; /* evidence: logarithm of the weight */

@@ -6,6 +6,8 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/constants.h"
+
 struct convergence {
   double order;      /* observed; NAN with two spacings or without monotone convergence */
   double order_used; /* order of the extrapolation */
@@ -32,11 +34,6 @@ struct convergence {
  * the difference of the two finest. */
 void converge_extrapolate(const double *h, const double *f, size_t n, double formal_order,
                           struct convergence *result);
-
-/* Error of k due to the model's voxel size, over the change of k when the voxels are made twice as
- * long. An error C h^p changes by C (2^p - 1) h^p, so that the ratio is 1 / (2^p - 1): 1 at first
- * order, 1/3 at second order, and 0.7 at p = 1.3. */
-#define CONVERGE_MODEL_SHARE 0.7
 
 struct limit_estimate {
   double value;     /* extrapolated to spacing 0 */

@@ -1,8 +1,9 @@
+#include "common/hdf5_chunks.h"
+
 #include <omp.h>
 #include <string.h>
 #include <zlib.h>
 
-#include "common/hdf5_internal.h"
 #include "common/interrupt.h"
 #include "common/memory.h"
 

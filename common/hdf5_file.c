@@ -8,55 +8,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_chunks.h"
+#include "common/hdf5_probe.h"
+#include "common/hdf5_store.h"
 #include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/output_file.h"
 #include "common/ranks.h"
 
-hid_t h5_memory_type(enum h5_type type) {
-  switch (type) {
-  case H5_U8:
-    return H5T_NATIVE_UINT8;
-  case H5_I32:
-    return H5T_NATIVE_INT32;
-  case H5_U32:
-    return H5T_NATIVE_UINT32;
-  case H5_I64:
-    return H5T_NATIVE_INT64;
-  case H5_U64:
-    return H5T_NATIVE_UINT64;
-  case H5_F32:
-    return H5T_NATIVE_FLOAT;
-  case H5_F64:
-    return H5T_NATIVE_DOUBLE;
-  }
-  return -1;
-}
-
-hid_t h5_disk_type(enum h5_type type) {
-  switch (type) {
-  case H5_U8:
-    return H5T_STD_U8LE;
-  case H5_I32:
-    return H5T_STD_I32LE;
-  case H5_U32:
-    return H5T_STD_U32LE;
-  case H5_I64:
-    return H5T_STD_I64LE;
-  case H5_U64:
-    return H5T_STD_U64LE;
-  case H5_F32:
-    return H5T_IEEE_F32LE;
-  case H5_F64:
-    return H5T_IEEE_F64LE;
-  }
-  return -1;
-}
-
-size_t h5_type_size(enum h5_type type) {
-  return H5Tget_size(h5_memory_type(type));
-}
 const char *h5_path(const struct h5_file *file) {
   return file->path;
 }
@@ -211,73 +170,12 @@ cleanup:
   return ranks_agree(status);
 }
 
-enum status h5_make_groups(struct h5_file *file, const char *name, bool last) {
-  enum status status = STATUS_OK;
-  char path[512];
-  size_t length = strlen(name);
-  hid_t creation = H5Pcreate(H5P_GROUP_CREATE);
-  H5Pset_obj_track_times(creation, 0);
-  if (length >= sizeof path) TRY_FAIL(STATUS_RUN, "%s: the name %s is too long", file->path, name);
-  memcpy(path, name, length + 1);
-  for (size_t i = 1; i <= length; i++) {
-    if (path[i] != '/' && !(path[i] == '\0' && last)) continue;
-    char kept = path[i];
-    path[i] = '\0';
-    if (H5Lexists(file->id, path, H5P_DEFAULT) <= 0) {
-      hid_t group =
-          output_fails() ? -1 : H5Gcreate2(file->id, path, H5P_DEFAULT, creation, H5P_DEFAULT);
-      if (group < 0)
-        TRY_FAIL(STATUS_RUN, "%s: group %s cannot be made; is the disk full?", file->path, path);
-      H5Gclose(group);
-    }
-    path[i] = kept;
-  }
-cleanup:
-  H5Pclose(creation);
-  return status;
-}
-
-#define CHUNK_BYTES ((size_t)1 << 20)
-
-int h5_chunk_axes(int rank, const size_t *dims, const hsize_t *chunk) {
-  return rank > 1 && chunk[rank - 1] == 1 && dims[rank - 1] > 1 ? rank - 1 : rank;
-}
-
-hid_t h5_dataset_layout(enum h5_type type, int rank, const size_t *dims, bool compress) {
-  hid_t list = H5Pcreate(H5P_DATASET_CREATE);
-  H5Pset_obj_track_times(list, 0);
-  size_t total = h5_type_size(type);
-  for (int i = 0; i < rank; i++) total *= dims[i];
-  if (!compress || rank == 0 || total < 4096) return list;
-  hsize_t chunk[H5S_MAX_RANK];
-  size_t below = h5_type_size(type);
-  const bool parted = type == H5_F64 && rank > 1 && dims[rank - 1] == 3 && total > CHUNK_BYTES;
-  if (parted) chunk[rank - 1] = 1;
-  for (int i = parted ? rank - 1 : rank; i-- > 0;) {
-    size_t room = CHUNK_BYTES / below;
-    chunk[i] = dims[i] < room ? dims[i] : room > 0 ? room : 1;
-    below *= chunk[i];
-  }
-  H5Pset_chunk(list, rank, chunk);
-  H5Pset_shuffle(list);
-  H5Pset_deflate(list, H5_DEFLATE);
-  return list;
-}
-
 /* Byte order of this machine; files are written little-endian. */
 static bool is_little_endian(void) {
   const uint16_t one = 1;
   uint8_t first;
   memcpy(&first, &one, 1);
   return first == 1;
-}
-
-static bool leaves;
-void h5_leave_on_signal(bool leave) {
-  leaves = leave;
-}
-bool h5_leaves_on_signal(void) {
-  return leaves;
 }
 
 enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, int rank,
@@ -290,7 +188,7 @@ enum status h5_write(struct h5_file *file, const char *name, enum h5_type type, 
     empty = empty || dims[i] == 0;
   }
   if (idle()) return STATUS_OK;
-  if (leaves) status = interrupt_look();
+  if (h5_leaves_on_signal()) status = interrupt_look();
   if (status == STATUS_OK) status = h5_make_groups(file, name, false);
   if (status != STATUS_OK) return status;
   hid_t space = rank == 0 ? H5Screate(H5S_SCALAR) : H5Screate_simple(rank, extent, NULL);

@@ -2,7 +2,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_store.h"
 #include "common/memory.h"
 
 struct found {

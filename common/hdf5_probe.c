@@ -1,6 +1,8 @@
 /* Probes a file in a child process. HDF5 1.10 can crash or hang on damaged metadata (fuzzing found
  * both within seconds). The child reads everything that a reader may read; if it dies the file is
  * refused, and the program goes on. */
+#include "common/hdf5_probe.h"
+
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -10,7 +12,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_store.h"
 
 #ifndef PROBE_SECONDS
 #define PROBE_SECONDS 20

@@ -1,10 +1,12 @@
 /* The reading half of the HDF5 layer: every size, type and link is checked before it is used. */
+#include "common/constants.h"
 #include "common/hdf5_file.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_store.h"
+#include "common/hdf5_unpack.h"
 #include "common/memory.h"
 
 /* True if every link on the way to `name` exists and none leaves the file. */
@@ -40,26 +42,6 @@ static enum status open_dataset(struct h5_file *file, const char *name, hid_t *s
   *set = path_inside(file, name) ? H5Dopen2(file->id, name, H5P_DEFAULT) : -1;
   if (*set < 0) return FAIL(STATUS_INPUT, "%s: has no dataset %s", file->path, name);
   return STATUS_OK;
-}
-
-/* Only filters of HDF5 itself are allowed, each once: a file must not make the library load a
- * plug-in, nor inflate what it has inflated. */
-bool h5_filters_known(hid_t set) {
-  hid_t layout = H5Dget_create_plist(set);
-  bool known = true;
-  int n = H5Pget_nfilters(layout), deflated = 0;
-  for (int i = 0; i < n; i++) {
-    unsigned flags;
-    size_t values = 0;
-    H5Z_filter_t filter = H5Pget_filter2(layout, (unsigned)i, &flags, &values, NULL, 0, NULL, NULL);
-    known = known && (filter == H5Z_FILTER_DEFLATE || filter == H5Z_FILTER_SHUFFLE ||
-                      filter == H5Z_FILTER_FLETCHER32);
-    deflated += filter == H5Z_FILTER_DEFLATE;
-  }
-  known = known && deflated <= 1 && H5Pget_external_count(layout) == 0 &&
-          H5Pget_layout(layout) != H5D_VIRTUAL;
-  H5Pclose(layout);
-  return known;
 }
 
 enum status h5_shape(struct h5_file *file, const char *name, int max_rank, int *rank,
@@ -115,9 +97,6 @@ cleanup:
   return status;
 }
 
-/* Deflate compresses at most by a factor 1032. A higher ratio means that the data were never
- * written, and the library would fill in as many numbers as the file claims. */
-#define DEFLATE_RATIO_MAX 1100.0
 #define UNCHECKED_BYTES (1 << 24) /* bytes up to which this is allowed */
 
 static enum status check_storage(struct h5_file *file, hid_t set, hid_t stored, const char *name) {

@@ -5,7 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_store.h"
 #include "common/memory.h"
 #include "common/node_memory.h"
 #include "common/output_file.h"

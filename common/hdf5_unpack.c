@@ -1,11 +1,12 @@
 /* Reads datasets with the layout of h5_dataset_layout by several threads, as HDF5 itself
  * decompresses one chunk after the other. */
+#include "common/hdf5_unpack.h"
+
 #include <limits.h>
 #include <omp.h>
 #include <string.h>
 #include <zlib.h>
 
-#include "common/hdf5_internal.h"
 #include "common/memory.h"
 
 /* At most 1 / BATCH_DIVISOR of the chunks is decompressed at a time, each with two buffers. */

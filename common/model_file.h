@@ -6,12 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/constants.h"
 #include "common/error.h"
 #include "common/hdf5_file.h"
-
-/* Standard deviation of the blur to assume, in voxels, if it cannot be estimated from the scan: an
- * edge width of three voxels from 10 % to 90 %, a common setting of scanners. */
-#define MODEL_BLUR_ASSUMED 1.2
 
 /* Sizes and vectors have the order x, y, z in memory; arrays are [z][y][x], x fastest. The file
  * stores vector attributes in the order z, y, x. */

@@ -2,16 +2,14 @@
 
 #include <math.h>
 
+#include "common/constants.h"
+
 /* Distance from a voxel centre to the nearer of the two outermost layers of centres; for a voxel in
  * one of them, to the other one. */
 static double distance_to_side(size_t i, size_t n, double spacing) {
   if (i == 0 || i + 1 == n) return spacing * (double)(n - 1);
   return spacing * (double)(i < n - 1 - i ? i : n - 1 - i);
 }
-
-/* Largest direction cosine of the outward direction; beyond it the surface lies almost straight
- * outwards and tells nothing about the inside. */
-#define OUTWARD_COSINE_MAX 0.95
 
 /* For a voxel in an outermost layer: the distance within the layer to where its surface, taken as a
  * plane, meets the layer. The direction cosines of the surface normal along the outward axes follow
@@ -47,7 +45,7 @@ static float distance_from_neighbours(const size_t n[3], const double spacing[3]
       const float other = distance[side < 0 ? i - step[a] : i + step[a]];
       if ((other < 0.0f) == (own < 0.0f) || !isfinite(other)) continue;
       const double left = spacing[a] - fabs((double)other);
-      least = fminf(least, (float)fmax(left, 0.05 * spacing[a]));
+      least = fminf(least, (float)fmax(left, SIDE_DISTANCE_MIN * spacing[a]));
     }
   return copysignf(least, own);
 }

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/constants.h"
 #include "common/memory.h"
 
 void add_compensated(double *sum, double *lost, double value) {
@@ -70,13 +71,14 @@ double student_t95(double dof) {
   if (!(dof >= 1)) return NAN;
   /* Exact to three digits for small `dof`, where the expansion (Abramowitz, Stegun 26.7.5) is
    * inaccurate. */
-  static const double small[] = {12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060};
+  const double small[] = {STUDENT_95_1, STUDENT_95_2, STUDENT_95_3, STUDENT_95_4, STUDENT_95_5,
+                          STUDENT_95_6, STUDENT_95_7, STUDENT_95_8, STUDENT_95_9};
   if (dof < 9) {
     int i = (int)dof;
-    double rest = dof - i, high = i < 8 ? small[i] : 2.2622;
+    double rest = dof - i, high = small[i];
     return small[i - 1] + rest * (high - small[i - 1]);
   }
-  double z = 1.959963985, z3 = z * z * z, z5 = z3 * z * z;
+  double z = NORMAL_95, z3 = z * z * z, z5 = z3 * z * z;
   return z + (z3 + z) / (4 * dof) + (5 * z5 + 16 * z3 + 3 * z) / (96 * dof * dof);
 }
 

@@ -28,10 +28,11 @@
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/output/run_print.h"
 #include "sphsolve/output/tensor.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/keys_print.h"
+#include "sphsolve/scene/scene_read.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 
-enum { RUN = 1u << 0, EXPLAIN = 1u << 1 };
+enum { RUN = 1u << 0, EXPLAIN = 1u << 1, KEYS = 1u << 2 };
 
 static const struct option_entry entries[] = {
     {"output", 'o', "OUT", RUN, "OUT.hdf, OUT-NNNN.hdf (snapshots), OUT.ckpt.hdf"},
@@ -42,6 +43,7 @@ static const struct option_entry entries[] = {
     {"time", 0, "T", RUN, "the best k that this time allows, like 60s"},
     {"tensor", 0, NULL, RUN,
      "k along x, y and z: the tensor, with its principal axes (OUT-x.hdf, ... beside OUT.hdf)"},
+    {"markdown", 0, NULL, KEYS, "as the page docs/reference/scene.md"},
     {"ranks", 0, "N", EXPLAIN, "predicts memory and time on N ranks of --threads each"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
@@ -52,6 +54,8 @@ static const struct option_command commands[] = {
     {"explain", "SCENE.cfg [--error E] [--ranks N] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
      "sphsolve explain dense.cfg", 1, 1},
+    {"keys", "[--markdown]", "lists the keys of a scene file: unit, range, default, meaning",
+     "sphsolve keys", 0, 0},
     {0}};
 
 static const struct option_table table = {
@@ -436,6 +440,15 @@ cleanup:
   return status;
 }
 
+static enum status keys(const struct options *options) {
+  if (options_json(options)) return keys_print_json();
+  if (options_given(options, "markdown"))
+    keys_print_markdown(stdout);
+  else
+    keys_print(stdout);
+  return STATUS_OK;
+}
+
 int main(int argc, char **argv) {
   threads_wait_asleep(argv);
   ranks_start(&argc, &argv);
@@ -444,8 +457,12 @@ int main(int argc, char **argv) {
   bool done;
   enum status status = options_parse(&table, argc, argv, &options, &done);
   if (ranks_own() > 0) log_start(log_program(), LOG_QUIET);
-  if (status == STATUS_OK && !done)
-    status = !strcmp(options_command(options), "run") ? run(options, &job) : explain(options, &job);
+  if (status == STATUS_OK && !done) {
+    const char *command = options_command(options);
+    status = !strcmp(command, "run")       ? run(options, &job)
+             : !strcmp(command, "explain") ? explain(options, &job)
+                                           : keys(options);
+  }
   if (status == STATUS_OK) status = output_flush();
   lattice_free(&job.lattice);
   scene_free(&job.scene);

@@ -15,8 +15,30 @@
 #include "common/statistics.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
-#include "sphsolve/output/recorder_internal.h"
+#include "sphsolve/output/recorder_state.h"
 #include "sphsolve/scene/scene_compare.h"
+
+/* The columns of every method, from the members of a row. */
+static const struct {
+  const char *name, *unit;
+  int components;
+  size_t offset;
+} base[] = {
+#define COLUMN(member, unit, components)                                                           \
+  { #member, unit, components, offsetof(struct history_row, member) }
+    COLUMN(time, "s", 1),
+    COLUMN(step, "1", 1),
+    COLUMN(dt, "s", 1),
+    COLUMN(darcy_velocity, "m/s", 3),
+    COLUMN(density_max, "kg/m^3", 1),
+    COLUMN(density_mean, "kg/m^3", 1),
+    COLUMN(kinetic_energy, "J", 1),
+    COLUMN(momentum, "kg m/s", 3),
+    COLUMN(mass, "kg", 1),
+    COLUMN(reynolds, "1", 1),
+#undef COLUMN
+};
+enum { BASE_COLUMNS = sizeof base / sizeof *base };
 
 static enum status add_column(struct recorder *recorder, const char *name, const char *unit,
                               int components) {
@@ -65,19 +87,6 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
                           struct recorder **result) {
   enum status status = STATUS_OK;
   struct recorder *recorder = NULL;
-  static const struct {
-    const char *name, *unit;
-    int components;
-  } base[] = {{"time", "s", 1},
-              {"step", "1", 1},
-              {"dt", "s", 1},
-              {"darcy_velocity", "m/s", 3},
-              {"density_max", "kg/m^3", 1},
-              {"density_mean", "kg/m^3", 1},
-              {"kinetic_energy", "J", 1},
-              {"momentum", "kg m/s", 3},
-              {"mass", "kg", 1},
-              {"reynolds", "1", 1}};
   TRY(memory_allocate(&recorder, 1, sizeof *recorder, "the run record"));
   if (strlen(prefix) >= sizeof recorder->prefix || !*prefix)
     TRY_FAIL(STATUS_USAGE, "-o '%s': a name for the output files is wanted", prefix);
@@ -88,7 +97,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   recorder->resume = resume;
   TRY(memory_allocate(&recorder->command_line, strlen(command_line) + 1, 1, "the command line"));
   strcpy(recorder->command_line, command_line);
-  for (size_t i = 0; i < sizeof base / sizeof *base; i++)
+  for (size_t i = 0; i < BASE_COLUMNS; i++)
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
   recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
   recorder->last_checkpoint = clock_seconds();
@@ -140,14 +149,13 @@ static double mean_of(const struct recorder *recorder, int column, double from, 
 
 void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
                             double velocity[3]) {
-  for (int a = 0; a < 3; a++) velocity[a] = mean_of(recorder, 3 + a, from, to);
+  const int first = recorder_first_of(recorder, "darcy_velocity");
+  for (int a = 0; a < 3; a++) velocity[a] = mean_of(recorder, first + a, from, to);
 }
 
 double recorder_mean(const struct recorder *recorder, const char *name, double from, double to) {
-  for (size_t c = 0; c < recorder->column_count; c++)
-    if (!strcmp(recorder->columns[c].name, name))
-      return mean_of(recorder, recorder->columns[c].first, from, to);
-  return NAN;
+  const int first = recorder_first_of(recorder, name);
+  return first < 0 ? NAN : mean_of(recorder, first, from, to);
 }
 
 enum status recorder_sampling(const struct recorder *recorder, const char *name,
@@ -195,30 +203,27 @@ cleanup:
   return status;
 }
 
+size_t recorder_extra_width(const struct recorder *recorder) {
+  int n = 0;
+  for (size_t i = 0; i < BASE_COLUMNS; i++) n += base[i].components;
+  return (size_t)(recorder->width - n);
+}
+
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,
                          const double *extra) {
   enum status status = STATUS_OK;
   if (recorder->history.file == 0 && ranks_own() == 0) TRY(open_history(recorder));
   TRY(reserve_row(recorder, recorder->row_count + 1));
   double *to = recorder->rows + recorder->row_count++ * (size_t)recorder->width;
-  double base[] = {row->time,
-                   (double)row->step,
-                   row->dt,
-                   row->darcy_velocity[0],
-                   row->darcy_velocity[1],
-                   row->darcy_velocity[2],
-                   row->density_max,
-                   row->density_mean,
-                   row->kinetic_energy,
-                   row->momentum[0],
-                   row->momentum[1],
-                   row->momentum[2],
-                   row->mass,
-                   row->reynolds};
-  size_t n = sizeof base / sizeof *base;
-  memcpy(to, base, sizeof base);
-  if ((size_t)recorder->width > n)
-    memcpy(to + n, extra, ((size_t)recorder->width - n) * sizeof *to);
+  int n = 0;
+  for (size_t i = 0; i < BASE_COLUMNS; n += base[i++].components) {
+    const char *member = (const char *)row + base[i].offset;
+    if (base[i].offset == offsetof(struct history_row, step))
+      to[n] = (double)row->step;
+    else
+      memcpy(to + n, member, (size_t)base[i].components * sizeof *to);
+  }
+  if (recorder->width > n) memcpy(to + n, extra, (size_t)(recorder->width - n) * sizeof *to);
   if (ranks_own() == 0) TRY(history_file_row(&recorder->history, recorder->row_count - 1, to));
 cleanup:
   return status;
@@ -294,7 +299,7 @@ cleanup:
 enum status recorder_image(struct recorder *recorder, const struct lattice *lattice, double time,
                            int64_t step, size_t count, const uint64_t *site, const float *velocity,
                            const float *pressure) {
-  if (ranks_count() > 1 || recorder->scene->no_image) return STATUS_OK;
+  if (ranks_count() > 1 || !recorder->scene->image) return STATUS_OK;
   return image_write(recorder->prefix, lattice, recorder->scene->fluid.viscosity, time, step,
                      flow_hash(velocity, count), count, site, velocity, pressure);
 }

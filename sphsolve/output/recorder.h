@@ -69,6 +69,8 @@ void recorder_close(struct recorder *recorder);
 /* Adds a column to the history, before the first row. */
 enum status recorder_add_column(struct recorder *recorder, const char *name, const char *unit,
                                 int components);
+/* Values per row of the added columns. */
+size_t recorder_extra_width(const struct recorder *recorder);
 /* Appends a row, in memory and in PREFIX.history.csv; `extra` contains the values of the added
  * columns in the order of registration. */
 enum status recorder_row(struct recorder *recorder, const struct history_row *row,

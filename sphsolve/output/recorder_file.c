@@ -1,4 +1,4 @@
-#include "sphsolve/output/recorder_internal.h"
+#include "sphsolve/output/recorder_state.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -9,6 +9,7 @@
 #include <omp.h>
 #endif
 
+#include "common/constants.h"
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
@@ -16,6 +17,7 @@
 #include "common/units.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/tensor.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
 static enum status write_history(struct recorder *recorder, struct h5_file *file) {
@@ -268,6 +270,9 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_effects(recorder, result, file));
   TRY(step_log_write(&recorder->step_log, file, "/run"));
   TRY(h5_write_text(file, "/run/scene", scene->text));
+  const struct constant *tables[] = {common_constants, plan_constants,
+                                     recorder->plan->context.method->constants};
+  TRY(constants_write(file, sizeof tables / sizeof *tables, tables));
   TRY(write_regions(scene, file));
   TRY(write_places(scene, false, file));
   TRY(write_places(scene, true, file));
@@ -292,15 +297,17 @@ cleanup:
   return status;
 }
 
-/* Uses the order of columns of recorder_row. */
 static enum status integrate_history(const struct recorder *recorder,
                                      struct conservation *conservation) {
   enum status status = STATUS_OK;
   struct conservation_row *rows = NULL;
+  const int mass = recorder_first_of(recorder, "mass"), p = recorder_first_of(recorder, "momentum"),
+            energy = recorder_first_of(recorder, "kinetic_energy");
   TRY(memory_allocate(&rows, recorder->row_count, sizeof *rows, "the conservation budget"));
   for (size_t i = 0; i < recorder->row_count; i++) {
     const double *row = recorder->rows + i * (size_t)recorder->width;
-    rows[i] = (struct conservation_row){row[0], row[12], {row[9], row[10], row[11]}, row[8]};
+    rows[i] =
+        (struct conservation_row){row[0], row[mass], {row[p], row[p + 1], row[p + 2]}, row[energy]};
   }
   conservation_integrate(conservation, recorder->row_count, rows, recorder->scene->driving);
 cleanup:

@@ -7,6 +7,7 @@
 
 #include "common/json_number.h"
 #include "common/units.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
 static enum ranks_term worst_of(const struct ranks_forecast *f) {
@@ -137,7 +138,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
     printf("sound      %.4g m/s: %s\n", context->sound_speed, context->sound_why);
   if (context->reynolds > 0)
     printf("Reynolds   about %.2g (%s)\n", context->reynolds,
-           context->inertia > 0.01 ? "Ergun" : "Kozeny-Carman");
+           context->inertia > INERTIA_TOLD ? "Ergun" : "Kozeny-Carman");
   printf("\neffects\n");
   for (size_t i = 0; i < plan->effect_count; i++) {
     const struct planned_effect *planned = &plan->effects[i];

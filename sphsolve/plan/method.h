@@ -7,6 +7,7 @@
 #include "common/error.h"
 #include "sphsolve/plan/effect.h"
 
+struct constant;
 struct lattice;
 struct plan;
 struct ranks_cost;
@@ -18,6 +19,7 @@ struct predicted_level;
 struct method {
   const char *name;
   const struct effect *const *effects; /* in the order of `explain`, ended by NULL */
+  const struct constant *constants;    /* its constants.def, for the run file; NULL: none */
 
   /* Capabilities; the plan rejects scenes that a method cannot solve. A method that resolves pores
    * takes voxel models, and domains whose sites are all water or wall; one that does not takes

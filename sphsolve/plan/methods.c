@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
 
@@ -35,7 +36,7 @@ static enum status refuse_displacement(const struct scene *scene) {
     const struct region *region = &scene->regions[r];
     for (int a = 0; a < 3; a++)
       if (region->type == REGION_WALL && region->velocity[a] != 0 &&
-          region->box[a + 3] - region->box[a] < 0.999999 * scene->domain_size[a])
+          region->box[a + 3] - region->box[a] < WHOLE_WIDTH * scene->domain_size[a])
         return FAIL(STATUS_INPUT,
                     "%s:%d: regions: this wall ends in %c, and moves along it; walls of this "
                     "method stay where they are: let it reach through the domain, or write method "

@@ -7,6 +7,7 @@
 #include "common/units.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/throat_width.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
 #include "sphsolve/plan/reynolds.h"
@@ -55,7 +56,8 @@ void plan_estimate_seepage(struct effect_context *context) {
   double nu = scene->fluid.viscosity / scene->fluid.density, cube = porosity * porosity * porosity;
   const double driving = context->driving;
   if (!(s > 0 && nu > 0)) return;
-  const double viscous = 5 * s * s * nu / cube, inertial = across ? 1.75 / 6 * s / cube : 0;
+  const double viscous = 5 * s * s * nu / cube,
+               inertial = across ? ERGUN_INERTIAL / 6 * s / cube : 0;
   context->velocity_scale =
       2 * driving / (viscous + sqrt(viscous * viscous + 4 * inertial * driving));
   context->inertia = 1 - context->velocity_scale * viscous / fmax(driving, 1e-300);

@@ -8,22 +8,13 @@
 #include <stddef.h>
 
 #include "common/error.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/effect.h"
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/scene/scene.h"
 
 #define EFFECT_MAX 40
-
-/* Peak memory and run time of the program with its libraries for a scene of a few sites. */
-#define PROGRAM_BYTES 9e6
-/* Additional memory of file buffers and of the allocator, relative: of runs of 64 to 240 MB the
- * operating system reported 3 to 6 % more. */
-#define MEMORY_OVERHEAD 0.065
-/* Bytes per voxel for reading a model: solid, wall distance and grain fraction; then the first two
- * twice, in the file's form and the lattice's; then the lattice and its pore labels. */
-#define MODEL_BYTES 10.0
-#define PROGRAM_SECONDS 0.02
 
 /* Input for the decisions of effects. The numbers are those of the chosen method. */
 struct effect_context {

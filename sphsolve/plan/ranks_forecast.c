@@ -2,15 +2,8 @@
 
 #include <math.h>
 
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
-
-/* Communication between ranks: bytes per second, and seconds per message; assumed, not measured. */
-#define BANDWIDTH 10e9
-#define LATENCY 2e-6
-
-/* Kind and wall distance of a site, stored once per machine; assumed cores of a machine. */
-#define SITE_BYTES 5.0
-#define MACHINE_CORES 64.0
 
 const char *ranks_term_name(enum ranks_term term) {
   static const char *const names[] = {"compute", "what every rank does in full",

@@ -6,6 +6,7 @@
 
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
 /* Factor within which expected errors are known (docs/errors.md): settings are recommended if their

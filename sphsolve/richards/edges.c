@@ -1,7 +1,6 @@
-/* Fluxes through the boundary faces of the soil. */
-#include <math.h>
+#include "sphsolve/richards/edges.h"
 
-#include "sphsolve/richards/state.h"
+#include <math.h>
 
 static double given_at(const struct region *region, double steady, double time) {
   return region->table.count > 0 ? time_table_at(&region->table, time, 0) : steady;

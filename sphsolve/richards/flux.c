@@ -2,9 +2,11 @@
 
 #include <math.h>
 
+#include "sphsolve/richards/constants.h"
+
 /* w(P) and its derivative. */
 static void gravity_weight(double p, double *w, double *slope) {
-  if (fabs(p) < 0.05) {
+  if (fabs(p) < SERIES_PECLET) {
     const double square = p * p;
     *w = 0.5 + p * (1.0 / 12 - square / 720);
     *slope = 1.0 / 12 - square / 240;
@@ -17,7 +19,7 @@ static void gravity_weight(double p, double *w, double *slope) {
 
 /* B(P) (Bernoulli function) for P >= 0, and its derivative. B(-P) is B(P) + P. */
 static void bernoulli(double p, double *b, double *slope) {
-  if (p < 0.05) {
+  if (p < SERIES_PECLET) {
     const double square = p * p;
     *b = 1 - 0.5 * p + square * (1.0 / 12 - square / 720);
     *slope = -0.5 + p * (1.0 / 6 - square / 180);
@@ -27,13 +29,6 @@ static void bernoulli(double p, double *b, double *slope) {
   *b = p / more;
   *slope = (1 - *b - p) / more;
 }
-
-/* Relative differences of heads, over |h|: below the first they leave no digits for the mean of k
- * by differences, from the second on all digits. */
-#define HEADS_NEAR 1e-4
-#define HEADS_FAR 1e-2
-/* Relative differences of k below this are rounding, as between heads next to 0. */
-#define K_ROUNDING 1e-13
 
 /* k_m from the difference of F; or for nearly equal heads by the Euler-Maclaurin formula. The two
  * go over smoothly, since Newton's method is sensitive to any jump. */
@@ -75,8 +70,6 @@ void flux_in_soil(double conductivity, double distance, double pull,
                              pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
 }
 
-#define ITERATIONS_MAX 100
-
 void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
                         double distance, double pull, const struct retention_state *i,
                         const struct retention_state *j, struct flux *flux) {
@@ -86,7 +79,7 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
   /* The interface gains water for heads below `low`, and loses water above `high`. */
   double low = fmin(i->h, j->h) - distance * fabs(pull),
          high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
-  for (int round = 0; round < ITERATIONS_MAX; round++) {
+  for (int round = 0; round < FACE_ITERATIONS_MAX; round++) {
     retention_at(soil_i, h, &at_i);
     retention_at(soil_j, h, &at_j);
     flux_in_soil(soil_i->conductivity[axis], half, pull, i, &at_i, &one);

@@ -7,11 +7,11 @@
 #include "common/log.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/output/step_log.h"
+#include "sphsolve/richards/constants.h"
+#include "sphsolve/richards/edges.h"
 #include "sphsolve/richards/output.h"
-
-/* Share of the rate at which gravity-driven flux in saturated soil changes a water content; slower
- * changes are rounding. */
-#define RATE_ROUNDING 1e-10
+#include "sphsolve/richards/sites.h"
+#include "sphsolve/richards/step.h"
 
 /* The next time at which a step has to end: where a table has a point, a snapshot is due, or the
  * run ends. */
@@ -46,9 +46,6 @@ static bool is_steady(const struct richards *s) {
 static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
-
-/* Share of its rate below which a well is warned of. */
-#define WELL_RATE_SHARE 0.99
 
 /* Warns, once, of a well whose rate the soil does not yield. */
 static void warn_of_wells(const struct richards *s, bool *warned) {
@@ -153,6 +150,7 @@ static const char *const fields[] = {"head", "saturation", "water_content", NULL
 
 const struct method method_richards = {.name = "richards",
                                        .effects = richards_effects,
+                                       .constants = richards_constants,
                                        .marches = true,
                                        .fields = fields,
                                        .takes = takes,

@@ -6,6 +6,9 @@
 
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/output/history_columns.h"
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/edges.h"
 
 /* Sites of soil around a point, two along each used axis, with interpolation weights that add up to
  * 1. Returns their number. */
@@ -120,54 +123,6 @@ static bool is_source(const struct richards *s, size_t r) {
          (region->type == REGION_INFLOW || region->type == REGION_RAIN || is_sink(region));
 }
 
-enum status richards_add_columns(const struct richards *s, struct recorder *recorder) {
-  static const struct {
-    const char *name, *unit;
-  } gauge[] = {{"pressure", "Pa"}, {"head", "m"}, {"water_content", "1"}, {"level", "m"}};
-  enum status status = STATUS_OK;
-  const struct scene *scene = s->scene;
-  char name[64];
-  TRY(recorder_add_column(recorder, "water", "m^3", 1));
-  TRY(recorder_add_column(recorder, "water_open", "m^3", 1));
-  TRY(recorder_add_column(recorder, "seeped_to_air", "m^3", 1));
-  TRY(recorder_add_column(recorder, "pressure_head_least", "m", 1));
-  TRY(recorder_add_column(recorder, "pressure_head_most", "m", 1));
-  TRY(recorder_add_column(recorder, "iterations", "1", 1));
-  for (size_t r = 0; r < scene->region_count; r++) {
-    if (!is_source(s, r)) continue;
-    const struct region *region = &scene->regions[r];
-    if (region->type == REGION_INFLOW) {
-      snprintf(name, sizeof name, "inflow_%zu", region->number + 1);
-      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-      snprintf(name, sizeof name, "entered_%zu", region->number + 1);
-      TRY(recorder_add_column(recorder, name, "m^3", 1));
-    } else if (is_sink(region)) {
-      snprintf(name, sizeof name, "outflow_%s", region->name);
-      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-      snprintf(name, sizeof name, "taken_%s", region->name);
-      TRY(recorder_add_column(recorder, name, "kg", 1));
-    } else {
-      snprintf(name, sizeof name, "infiltration_%s", region->name);
-      TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-      snprintf(name, sizeof name, "fallen_%s", region->name);
-      TRY(recorder_add_column(recorder, name, "kg", 1));
-      snprintf(name, sizeof name, "ran_off_%s", region->name);
-      TRY(recorder_add_column(recorder, name, "kg", 1));
-    }
-  }
-  for (size_t k = 0; k < scene->gauge_count; k++)
-    for (size_t i = 0; i < sizeof gauge / sizeof *gauge; i++) {
-      snprintf(name, sizeof name, "%s_%s", gauge[i].name, scene->gauges[k].name);
-      TRY(recorder_add_column(recorder, name, gauge[i].unit, 1));
-    }
-  for (size_t k = 0; k < scene->plane_count; k++) {
-    snprintf(name, sizeof name, "flux_%s", scene->planes[k].name);
-    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-  }
-cleanup:
-  return status;
-}
-
 /* Inward flux through the faces of a region, m^3/s. */
 static double flow_of(const struct richards *s, size_t r) {
   double sum = 0;
@@ -197,59 +152,73 @@ static double total_head(const struct richards *s, double h, double z) {
   return pull > 0 ? z + h / pull : h + pull * z;
 }
 
+static void walk_region(struct history_columns *columns, const struct richards *s, size_t r) {
+  const struct region *region = &s->scene->regions[r];
+  const double density = s->scene->fluid.density;
+  const size_t number = region->number + 1;
+  if (region->type == REGION_INFLOW) {
+    history_number(columns, "m^3/s", flow_of(s, r), "inflow_%zu", number);
+    history_number(columns, "m^3", s->entered[r], "entered_%zu", number);
+  } else if (is_sink(region)) {
+    history_number(columns, "m^3/s", 0 - flow_of(s, r), "outflow_%s", region->name);
+    history_number(columns, "kg", 0 - density * s->entered[r], "taken_%s", region->name);
+  } else {
+    history_number(columns, "m^3/s", flow_of(s, r), "infiltration_%s", region->name);
+    history_number(columns, "kg", density * s->rained[r], "fallen_%s", region->name);
+    history_number(columns, "kg", density * s->ran_off[r], "ran_off_%s", region->name);
+  }
+}
+
+/* The columns beyond those of every method. */
+static void walk_columns(struct history_columns *columns, const void *state) {
+  const struct richards *s = state;
+  const struct scene *scene = s->scene;
+  const double water = richards_water(s), weight = scene->fluid.density * GRAVITY_STANDARD;
+  double least = INFINITY, most = -INFINITY;
+  for (size_t i = 0; i < s->count; i++) least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
+  history_number(columns, "m^3", water, "water");
+  history_number(columns, "m^3", water - s->start - richards_net_inflow(s), "water_open");
+  history_number(columns, "m^3", s->seeped, "seeped_to_air");
+  history_number(columns, "m", least, "pressure_head_least");
+  history_number(columns, "m", most, "pressure_head_most");
+  history_number(columns, "1", s->iterations, "iterations");
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (is_source(s, r)) walk_region(columns, s, r);
+  for (size_t k = 0; k < scene->gauge_count; k++) {
+    const char *name = scene->gauges[k].name;
+    const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
+    history_number(columns, "Pa", weight * h, "pressure_%s", name);
+    history_number(columns, "m", total_head(s, h, at[2]), "head_%s", name);
+    history_number(columns, "1", water_content_at(s, at, h), "water_content_%s", name);
+    history_number(columns, "m", richards_level_at(s, at), "level_%s", name);
+  }
+  for (size_t k = 0; k < scene->plane_count; k++)
+    history_number(columns, "m^3/s", plane_flux(s, &scene->planes[k]), "flux_%s",
+                   scene->planes[k].name);
+}
+
+enum status richards_add_columns(const struct richards *s, struct recorder *recorder) {
+  return history_columns_declare(recorder, walk_columns, s);
+}
+
 enum status richards_write_row(struct richards *s, struct recorder *recorder, double dt) {
   enum status status = STATUS_OK;
-  const struct scene *scene = s->scene;
-  const double density = scene->fluid.density, weight = density * GRAVITY_STANDARD;
+  const double density = s->scene->fluid.density;
   struct history_row row = {.time = s->time,
                             .step = s->step,
                             .dt = dt,
                             .reynolds = NAN,
                             .density_max = density,
                             .density_mean = density};
-  double *extra = NULL, (*velocity)[3] = NULL, least = INFINITY, most = -INFINITY;
-  size_t c = 0;
-  TRY(memory_allocate(&extra,
-                      6 + 3 * scene->region_count + 4 * scene->gauge_count + scene->plane_count,
-                      sizeof *extra, "a row of the history"));
+  double(*velocity)[3] = NULL;
   TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a row of the history"));
   richards_evaluate(s, s->time);
   velocities(s, velocity);
-  const double water = richards_water(s);
-  row.mass = density * water;
-  for (size_t i = 0; i < s->count; i++) {
+  row.mass = density * richards_water(s);
+  for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++) row.darcy_velocity[a] += velocity[i][a] / s->lattice->bulk_count;
-    least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
-  }
-  extra[c++] = water;
-  extra[c++] = water - s->start - richards_net_inflow(s);
-  extra[c++] = s->seeped;
-  extra[c++] = least;
-  extra[c++] = most;
-  extra[c++] = s->iterations;
-  for (size_t r = 0; r < scene->region_count; r++) {
-    if (!is_source(s, r)) continue;
-    extra[c++] = is_sink(&scene->regions[r]) ? 0 - flow_of(s, r) : flow_of(s, r);
-    if (is_sink(&scene->regions[r])) {
-      extra[c++] = 0 - density * s->entered[r];
-    } else if (scene->regions[r].type == REGION_INFLOW) {
-      extra[c++] = s->entered[r];
-    } else {
-      extra[c++] = density * s->rained[r];
-      extra[c++] = density * s->ran_off[r];
-    }
-  }
-  for (size_t k = 0; k < scene->gauge_count; k++) {
-    const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
-    extra[c++] = weight * h;
-    extra[c++] = total_head(s, h, at[2]);
-    extra[c++] = water_content_at(s, at, h);
-    extra[c++] = richards_level_at(s, at);
-  }
-  for (size_t k = 0; k < scene->plane_count; k++) extra[c++] = plane_flux(s, &scene->planes[k]);
-  status = recorder_row(recorder, &row, extra);
+  status = history_columns_row(recorder, &row, walk_columns, s);
 cleanup:
-  memory_free(&extra);
   memory_free(&velocity);
   return status;
 }

@@ -2,6 +2,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/richards/constants.h"
 #include "sphsolve/richards/method.h"
 #include "sphsolve/richards/state.h"
 
@@ -9,17 +10,6 @@ enum status richards_scales(struct plan *plan) {
   (void)plan; /* neighbours are the six next to a site: no kernel */
   return STATUS_OK;
 }
-
-/* Seconds on one core per site and step, by the number of dimensions: a step takes about six Newton
- * iterations, each of which needs iterations of the linear solver if there is more than one
- * dimension. */
-static const double SECONDS_PER_STEP[] = {2e-6, 4e-6, 6e-6};
-/* Bytes per site that a snapshot collects before it is written. */
-#define SNAPSHOT_BYTES 80
-/* Steps in which a front passes a site, and additional steps at the start, from a very short first
- * one. */
-#define STEPS_PER_SITE 3.0
-#define STEPS_AT_FIRST 40.0
 
 enum status richards_cost(struct plan *plan, int threads) {
   const struct lattice *lattice = plan->context.lattice;
@@ -39,7 +29,10 @@ enum status richards_cost(struct plan *plan, int threads) {
                       (1 + 2 * faces) * 20 + 9 * sizeof(double);
   plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
   plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
-  plan->seconds = plan->steps * n * SECONDS_PER_STEP[used > 1 ? (int)used - 1 : 0];
+  plan->seconds = plan->steps * n *
+                  (used > 2   ? SECONDS_PER_STEP_3D
+                   : used > 1 ? SECONDS_PER_STEP_2D
+                              : SECONDS_PER_STEP_1D);
   (void)threads; /* the linear solver runs on one */
   snprintf(plan->expected.why, sizeof plan->expected.why,
            "no k is asked for; halve the spacing to see what is left in a front");

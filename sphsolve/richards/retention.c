@@ -3,13 +3,7 @@
 #include <math.h>
 
 #include "common/memory.h"
-
-/* Number of steps of the table of F in ln(alpha |h|) per width 1/n, the range over which k goes
- * over from its wet to its dry asymptote. Cubic Hermite interpolation of F is then accurate to
- * 1e-9. */
-#define STEPS_PER_TURN 32
-#define DRIEST_SATURATION 1e-60
-#define DRIEST_SUCTION 1e60 /* alpha |h| */
+#include "sphsolve/richards/constants.h"
 
 /* ln(1 + e^t), exact for large t of either sign. */
 static double softplus(double t) {
@@ -43,10 +37,9 @@ static double k_times_suction(const struct retention *soil, double x) {
  * end k falls as |h|^-p with p = n l m + 2 n, so that the rest of the integral is |h| k / (p - 1).
  */
 enum status retention_make(const struct region *region, struct retention *soil) {
-  static const double point[4] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                  0.8611363115940526};
-  static const double weight[4] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
-                                   0.3478548451374538};
+  const double point[4] = {-GAUSS_OUTER, -GAUSS_INNER, GAUSS_INNER, GAUSS_OUTER};
+  const double weight[4] = {GAUSS_OUTER_WEIGHT, GAUSS_INNER_WEIGHT, GAUSS_INNER_WEIGHT,
+                            GAUSS_OUTER_WEIGHT};
   enum status status = STATUS_OK;
   const struct retention_curve *given = &region->retention;
   *soil = (struct retention){.alpha = given->alpha,

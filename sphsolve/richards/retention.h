@@ -14,10 +14,6 @@
 #include "common/error.h"
 #include "sphsolve/scene/scene.h"
 
-/* alpha |h| up to which k falls linearly: for n < 2 its slope would be infinite at h = 0, where
- * Newton's method would not converge. Heads are exact to that share of 1/alpha. */
-#define RETENTION_STRAIGHT 1e-3
-
 struct retention {
   double alpha, n, m, l;   /* 1/m, -, -, - */
   double k_alpha, k_n;     /* 1/m, -; 0: k is Mualem's */

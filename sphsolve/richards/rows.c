@@ -4,9 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
-
-#define ITERATIONS_MAX 2000
-#define FILL_IN_SHARE 0.98 /* share of dropped fill-in that is added to the diagonal */
+#include "sphsolve/richards/constants.h"
 
 enum status rows_allocate(size_t count, size_t entries, struct rows *r) {
   enum status status = STATUS_OK;
@@ -103,7 +101,7 @@ bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, in
   memset(v, 0, n * sizeof *v);
   memcpy(residual, b, n * sizeof *residual);
   memcpy(shadow, b, n * sizeof *shadow);
-  for (int round = 0; round < ITERATIONS_MAX; round++) {
+  for (int round = 0; round < LINEAR_ITERATIONS_MAX; round++) {
     if (sqrt(dot(n, residual, residual)) <= wanted) return true;
     const double next = dot(n, shadow, residual), beta = next / rho * alpha / omega;
     rho = next;

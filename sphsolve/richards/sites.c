@@ -1,18 +1,14 @@
-/* Builds the sites of soil of a scene, the faces between them and the boundary faces. */
+#include "sphsolve/richards/sites.h"
+
 #include <math.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "common/units.h"
-#include "sphsolve/richards/state.h"
-#include "sphsolve/scene/scene_internal.h"
-
-void richards_place(const struct richards *s, size_t i, double x[3]) {
-  const struct lattice *l = s->lattice;
-  const size_t at = s->site[i], row = at / l->size[0];
-  const size_t site[3] = {at % l->size[0], row % l->size[1], row / l->size[1]};
-  for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)site[a] * l->spacing[a];
-}
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/constants.h"
+#include "sphsolve/richards/edges.h"
+#include "sphsolve/scene/scene.h"
 
 static const struct region *region_of(const struct richards *s, size_t site) {
   return &s->scene->regions[s->lattice->region[site] - 1];
@@ -76,7 +72,7 @@ static const struct region *inflow_at(const struct richards *s, const double x[3
         at_low != low)
       continue;
     const double covered = share_of(s, x, axis, region->box);
-    if (region->boundary == BOUNDARY_FLUX ? !(covered > *share) : covered < 0.499) continue;
+    if (region->boundary == BOUNDARY_FLUX ? !(covered > *share) : covered < COVERED_HALF) continue;
     found = region;
     *share = region->boundary == BOUNDARY_FLUX ? covered : 1;
   }
@@ -225,18 +221,14 @@ static double head_at_start(const struct richards *s, size_t i) {
   return fmax(h, soil->driest);
 }
 
-/* Tolerance of a step's error in water content, over the range between residual and saturated. */
-#define TOLERANCE 5e-3
-/* Share of that range by which the first step changes a water content at most, at the
- * gravity-driven flux of saturated soil. */
-#define FIRST_STEP 1e-4
-
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s) {
   enum status status = STATUS_OK;
   uint16_t *of_region = NULL;
-  *s = (struct richards){
-      .scene = scene, .lattice = lattice, .spacing = lattice->spacing[0], .tolerance = TOLERANCE};
+  *s = (struct richards){.scene = scene,
+                         .lattice = lattice,
+                         .spacing = lattice->spacing[0],
+                         .tolerance = STEP_TOLERANCE};
   for (int a = 0; a < 3; a++) s->pull[a] = scene->driving[a] / GRAVITY_STANDARD;
   TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
   TRY(find_soils(s, of_region));

@@ -93,34 +93,4 @@ struct richards {
   double in, out;           /* total inward and total outward flow through boundary faces */
 };
 
-/* Sets up sites, faces and the initial heads of a scene. Free with richards_free, also after a
- * failure. */
-enum status richards_create(const struct scene *scene, const struct lattice *lattice,
-                            struct richards *s);
-void richards_free(struct richards *s);
-/* Centre of a site, m. */
-void richards_place(const struct richards *s, size_t i, double x[3]);
-/* edges.c: fluxes through the boundary faces at a time, from the states of the sites. */
-void richards_edge_fluxes(struct richards *s, double time);
-/* Distributes the rates of wells for a step, evenly over their sites under pressure. */
-void richards_share_wells(struct richards *s);
-/* Whether it is a boundary face, through which water flows along its axis. */
-static inline bool richards_is_face(const struct richards_edge *edge) {
-  return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
-}
-/* Flux of rain on a boundary face, m/s; 0 if there is none. */
-double richards_rain_at(const struct richards_edge *edge, double time);
-
-/* Largest flux that a well takes there, m/s. */
-double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
-
-/* step.c: evaluates states and all fluxes at a time, for the present heads. */
-void richards_evaluate(struct richards *s, double time);
-/* Takes one step, not beyond `until`, and sets `dt` to its length. STATUS_NUMERIC if no step can be
- * solved. */
-enum status richards_advance(struct richards *s, double until, double *dt);
-/* Volume of water in the soil from its heads, m^3; and net inflow since the start, m^3. */
-double richards_water(const struct richards *s);
-double richards_net_inflow(const struct richards *s);
-
 #endif

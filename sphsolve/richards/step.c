@@ -1,64 +1,13 @@
-/* One step in time by the two-stage method SDIRK2 (Alexander 1977), which is of order 2 and
- * L-stable. Both stages have the same matrix coefficients; each is solved by Newton's method. */
+/* Both stages have the same matrix coefficients; each is solved by Newton's method. */
+#include "sphsolve/richards/step.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
-#include "sphsolve/richards/state.h"
-
-#define GAMMA 0.2928932188134524 /* 1 - 1/sqrt(2) */
-#define NEWTON_MAX 20
-#define NEWTON_SLOW 10           /* after more iterations the next step may not be longer */
-#define RESIDUAL_TOLERANCE 1e-11 /* tolerance of the residual, a water content */
-#define RESIDUAL_ROUNDING 4e-15  /* rounding of the residual, over the sum of its terms */
-/* Tolerances of the linear solver: a tenth of the residual's tolerance, but no stricter than
- * Newton's method needs while it is far from the solution, and not below rounding. */
-#define LINEAR_TOLERANCE_SHARE 0.1
-#define LINEAR_TOLERANCE_MAX 1e-3
-#define LINEAR_TOLERANCE_MIN 1e-7
-#define STEP_GROWTH_MAX 2.0
-#define STEP_SHRINK_MIN 0.25
-/* The run is given up after so many consecutive steps shorter than the share SHORT_STEP of the time
- * since the start, or of that in which saturated soil fills a site. */
-#define SHORT_STEPS_MAX 500
-#define SHORT_STEP 1e-8
-#define STEP_MIN 1e-13 /* share of the same time below which no step is tried */
-
-/* Newton's method changes the water content of soil that is dry or whose balance is dominated by
- * storage, and the head of other soil (primary variable switching, after Forsyth, Wu, Pruess 1995).
- * These limits keep a step from going far into the range of the other variable. */
-#define SATURATION_SWITCH 0.95
-#define SATURATION_WETTED_MAX 0.99
-#define SATURATION_DRIED_MIN 0.9
-#define DRIED_SHARE 0.1
-#define SATURATION_ROUNDING 1e-15
-#define SLOPE_MIN 0.1
-/* Saturated soil with only prescribed fluxes has no unique head, and its matrix is singular. With
- * this share of the diagonal as additional storage its head rises until faces under rain take no
- * more. */
-#define STORAGE_MIN 1e-9
-/* From this iteration on, a Newton step that increases the residual is halved, at most so many
- * times. */
-#define HALVING_FROM 5
-#define HALVINGS_MAX 5
-
-void richards_evaluate(struct richards *s, double time) {
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
-  for (size_t i = 0; i < s->count; i++) retention_at(&s->soils[s->soil[i]], s->h[i], &s->now[i]);
-#pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
-  for (size_t f = 0; f < s->face_count; f++) {
-    const struct richards_face *face = &s->faces[f];
-    const struct retention *soil = &s->soils[s->soil[face->i]];
-    const struct retention_state *i = &s->now[face->i], *j = &s->now[face->j];
-    if (face->soils_differ)
-      flux_between_soils(soil, &s->soils[s->soil[face->j]], face->axis, s->spacing,
-                         s->pull[face->axis], i, j, &s->face_flux[f]);
-    else
-      flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
-                   &s->face_flux[f]);
-  }
-  richards_edge_fluxes(s, time);
-}
+#include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/constants.h"
+#include "sphsolve/richards/edges.h"
 
 /* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
 static void sum_fluxes(const struct richards *s, double *rate, double *size) {
@@ -195,7 +144,7 @@ static double error_of(const struct richards *s, double dt) {
     const struct retention *soil = &s->soils[s->soil[i]];
     most = fmax(most, fabs(s->second[i] - s->first[i]) / (soil->theta_s - soil->theta_r));
   }
-  return (1 - GAMMA) * dt * most / s->tolerance;
+  return (1 - SDIRK_GAMMA) * dt * most / s->tolerance;
 }
 
 /* Adds the flow through the boundary faces to the balance, with the weights of the stages; for
@@ -204,7 +153,8 @@ static void update_balance(struct richards *s, double from, double dt) {
   const double area = s->spacing * s->spacing;
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
-    const double came = area * dt * ((1 - GAMMA) * s->edge_first[e] + GAMMA * s->edge_flux[e].q);
+    const double came =
+        area * dt * ((1 - SDIRK_GAMMA) * s->edge_first[e] + SDIRK_GAMMA * s->edge_flux[e].q);
     const size_t r = edge->region != NULL ? edge->region->first : 0;
     *(came > 0 ? &s->in : &s->out) += fabs(came);
     if (edge->region == NULL) {
@@ -213,8 +163,8 @@ static void update_balance(struct richards *s, double from, double dt) {
       s->entered[r] += came;
     } else {
       const double fell = area * dt *
-                          ((1 - GAMMA) * richards_rain_at(edge, from + GAMMA * dt) +
-                           GAMMA * richards_rain_at(edge, from + dt));
+                          ((1 - SDIRK_GAMMA) * richards_rain_at(edge, from + SDIRK_GAMMA * dt) +
+                           SDIRK_GAMMA * richards_rain_at(edge, from + dt));
       s->rained[r] += fell;
       s->ran_off[r] += fell - came;
     }
@@ -224,10 +174,10 @@ static void update_balance(struct richards *s, double from, double dt) {
 static bool try_step(struct richards *s, double dt) {
   memcpy(s->target, s->water, s->count * sizeof *s->target);
   s->iterations = 0;
-  if (!solve(s, GAMMA * dt, s->time + GAMMA * dt, s->first)) return false;
+  if (!solve(s, SDIRK_GAMMA * dt, s->time + SDIRK_GAMMA * dt, s->first)) return false;
   for (size_t e = 0; e < s->edge_count; e++) s->edge_first[e] = s->edge_flux[e].q;
-  for (size_t i = 0; i < s->count; i++) s->target[i] += (1 - GAMMA) * dt * s->first[i];
-  return solve(s, GAMMA * dt, s->time + dt, s->second);
+  for (size_t i = 0; i < s->count; i++) s->target[i] += (1 - SDIRK_GAMMA) * dt * s->first[i];
+  return solve(s, SDIRK_GAMMA * dt, s->time + dt, s->second);
 }
 
 static enum status no_step_found(const struct richards *s, double dt) {
@@ -255,7 +205,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     const double error = found ? error_of(s, dt) : INFINITY;
     s->iterations_total += s->iterations;
     if (error <= 1) {
-      double growth = error > 0 ? 0.9 / sqrt(error) : STEP_GROWTH_MAX;
+      double growth = error > 0 ? STEP_SAFETY / sqrt(error) : STEP_GROWTH_MAX;
       if (s->iterations > NEWTON_SLOW) growth = fmin(growth, 1);
       /* A step cut short by the time at which it has to end is no reason against longer ones. */
       const double next = dt * fmin(growth, STEP_GROWTH_MAX);
@@ -264,7 +214,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     }
     s->refused++;
     memcpy(s->h, s->before, s->count * sizeof *s->h);
-    dt *= isfinite(error) ? fmax(0.9 / sqrt(error), STEP_SHRINK_MIN) : STEP_SHRINK_MIN;
+    dt *= isfinite(error) ? fmax(STEP_SAFETY / sqrt(error), STEP_SHRINK_MIN) : STEP_SHRINK_MIN;
     s->next_dt = dt;
     if (!(dt > STEP_MIN * fmax(s->time, 1 / s->fastest))) return no_step_found(s, dt);
   }
@@ -276,7 +226,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   for (size_t i = 0; i < s->count; i++) {
     const struct retention *soil = &s->soils[s->soil[i]];
     /* The residual of Newton's method is carried over into the next step. */
-    s->water[i] = s->target[i] + GAMMA * dt * s->second[i];
+    s->water[i] = s->target[i] + SDIRK_GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
   s->rate_most = fmax(s->rate_most, s->rate);
@@ -284,17 +234,4 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   s->step++;
   *taken = dt;
   return STATUS_OK;
-}
-
-double richards_water(const struct richards *s) {
-  double sum = 0;
-  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta;
-  return sum * s->spacing * s->spacing * s->spacing;
-}
-
-double richards_net_inflow(const struct richards *s) {
-  double sum = -s->seeped;
-  for (size_t r = 0; r < s->scene->region_count; r++)
-    sum += s->entered[r] + s->rained[r] - s->ran_off[r];
-  return sum;
 }

@@ -16,6 +16,9 @@ struct method;
 #include "sphsolve/scene/methods.def"
 #undef METHOD
 
+extern const char *const scene_method_names[]; /* "auto" and those, ended by NULL */
+extern const char *const scene_axis_names[];   /* x, y, z, ended by NULL */
+
 enum wall_scheme { WALL_FROZEN, WALL_ADAMI, WALL_SUBVOXEL };
 extern const char *const wall_scheme_names[]; /* as a scene writes them, ended by NULL */
 enum equation_of_state { EOS_GAUGE, EOS_ABSOLUTE };
@@ -71,6 +74,10 @@ enum scene_place {
 #undef X
       SCENE_PLACE_COUNT
 };
+struct scene_place_name {
+  const char *group, *key;
+};
+extern const struct scene_place_name scene_places[];
 
 struct fluid {
   char name[64];
@@ -229,7 +236,7 @@ struct scene {
 
   double output_interval;    /* s; NAN: only the last snapshot */
   double history_interval;   /* s; NAN: auto */
-  bool no_image;             /* output.image = false */
+  bool image;                /* the last state is written as an image */
   size_t output_field_count; /* output.fields; 0: all */
   char (*output_fields)[32];
   double checkpoint_interval; /* s of wall time; NAN: on a signal only */
@@ -242,9 +249,6 @@ struct scene {
   int line_of[SCENE_PLACE_COUNT]; /* 0: not in the file */
 };
 
-/* Reads and validates a scene. Errors name file, line and a remedy. Free with scene_free. */
-enum status scene_read(const char *path, const char *const *overrides, size_t override_count,
-                       struct scene *scene);
 void scene_free(struct scene *scene);
 
 /* Returns an input error at a setting: "dense.cfg:7: wcsph.dt: MESSAGE". If the file omits the

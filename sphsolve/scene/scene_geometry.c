@@ -1,7 +1,6 @@
-/* Consistency of regions with each other, with the spacing and with the gauges in them. */
-#include <math.h>
+#include "sphsolve/scene/scene_geometry.h"
 
-#include "sphsolve/scene/scene_internal.h"
+#include <math.h>
 
 static bool axis_is_used(const struct scene *scene, int axis) {
   return scene->dimensions == 3 || axis != 1;
@@ -15,22 +14,6 @@ static double thickness(const struct scene *scene, const struct region *region) 
   return least;
 }
 
-int scene_inflow_axis(const struct scene *scene, const struct region *region, bool *at_low) {
-  const double near = 1e-6 * scene->spacing;
-  double thinnest = INFINITY;
-  int axis = -1;
-  for (int a = 0; a < 3; a++) {
-    const double width = region->box[a + 3] - region->box[a];
-    const bool low = region->box[a] <= near;
-    const bool high = region->box[a + 3] >= scene->domain_size[a] - near;
-    if (!axis_is_used(scene, a) || scene->periodic[a] || low == high || width >= thinnest) continue;
-    thinnest = width;
-    axis = a;
-    *at_low = low;
-  }
-  return axis;
-}
-
 /* Whether a site of the lattice lies between two positions along an axis. */
 static bool holds_site(double low, double high, double spacing) {
   return floor(high / spacing - 0.5 - 1e-9) >= ceil(low / spacing - 0.5 + 1e-9);
@@ -38,7 +21,7 @@ static bool holds_site(double low, double high, double spacing) {
 
 static enum status check_extent(struct config *config, config_node *group,
                                 const struct scene *scene, const struct region *region) {
-  config_node *box = config_child(config, group, "box");
+  config_node *box = config_child(group, "box");
   bool at_low;
   for (int a = 0; a < 3; a++)
     if ((region->type == REGION_WATER || region->type == REGION_POROUS) && axis_is_used(scene, a) &&

@@ -1,8 +1,10 @@
 /* Soil with a given permeability: one number, or one along each principal axis. */
+#include "sphsolve/scene/scene_permeability.h"
+
 #include <math.h>
 
 #include "common/units.h"
-#include "sphsolve/scene/scene_internal.h"
+#include "sphsolve/scene/keys.h"
 
 /* Largest ratio of the principal permeabilities; beyond it the weights of isph/anisotropy.c do not
  * represent the tensor. */
@@ -19,18 +21,18 @@ static enum status set_drag(struct config *config, config_node *group, const str
                             double k, struct region *region) {
   const double e = region->porosity, nu = scene->fluid.viscosity / scene->fluid.density;
   const double scale = nu * (1 - e) * (1 - e) / (e * e * e), a = GRAVITY_STANDARD / k;
-  config_node *node = config_child(config, group, "permeability");
+  config_node *node = config_child(group, "permeability");
   region->permeability = k;
-  if (config_child(config, group, "alpha") != NULL)
-    return config_error(config, config_child(config, group, "alpha"),
+  if (config_child(group, "alpha") != NULL)
+    return config_error(config, config_child(group, "alpha"),
                         "permeability says already how large the drag is; leave one out");
   if (!(e < 1 && nu > 0))
     return config_error(config, node, "needs a porosity below 1 and a fluid with viscosity");
   if (region->grain_size > 0) {
     region->alpha = a / scale * region->grain_size * region->grain_size;
   } else {
-    if (config_child(config, group, "beta") != NULL)
-      return config_error(config, config_child(config, group, "beta"),
+    if (config_child(group, "beta") != NULL)
+      return config_error(config, config_child(group, "beta"),
                           "needs a grain_size beside the permeability");
     region->grain_size = sqrt(region->alpha * scale / a);
     region->beta = 0;
@@ -42,9 +44,9 @@ static enum status set_drag(struct config *config, config_node *group, const str
 static enum status read_bedding(struct config *config, config_node *group,
                                 const struct scene *scene, double first[3]) {
   first[0] = 1, first[1] = first[2] = 0;
-  config_node *node = config_child(config, group, "bedding");
+  config_node *node = config_child(group, "bedding");
   if (node == NULL) return STATUS_OK;
-  enum status status = scene_vector(config, group, "bedding", scene, DIM_NONE, first);
+  enum status status = keys_read_vector(config, group, "bedding", scene, DIM_NONE, first);
   if (status != STATUS_OK) return status;
   if (first[1] != 0)
     return config_error(config, node, "beds are turned about y only: [x, 0.0, z] is wanted");
@@ -62,13 +64,13 @@ static enum status read_bedding(struct config *config, config_node *group,
 static enum status read_tensor(struct config *config, config_node *group, const struct scene *scene,
                                double *k, struct region *region) {
   const int axes = scene->dimensions;
-  config_node *node = config_child(config, group, "permeability");
+  config_node *node = config_child(group, "permeability");
   double along[3] = {1, 1, 1}, first[3], least = INFINITY, most = 0;
   int count = 3;
   enum status status = config_quantities(config, group, "permeability", DIM_VELOCITY, axes, axes,
                                          along, &count, NULL);
   if (status != STATUS_OK) return status;
-  scene_spread(scene, count, along);
+  keys_spread(scene, count, along);
   if (axes == 2) along[1] = along[0];
   for (int a = 0; a < 3; a++) least = fmin(least, along[a]), most = fmax(most, along[a]);
   if (!(least > 0 && isfinite(most)))
@@ -79,7 +81,7 @@ static enum status read_tensor(struct config *config, config_node *group, const 
                         "isph can do %g",
                         most / least, RATIO_MAX);
   if (region->grain_size > 0)
-    return config_error(config, config_child(config, group, "grain_size"),
+    return config_error(config, config_child(group, "grain_size"),
                         "Forchheimer's term is not known for soil with a permeability for each "
                         "axis; leave it out");
   status = read_bedding(config, group, scene, first);
@@ -97,13 +99,13 @@ static enum status read_tensor(struct config *config, config_node *group, const 
 enum status scene_read_permeability(struct config *config, config_node *group,
                                     const struct scene *scene, struct region *region) {
   double k = 0;
-  config_node *node = config_child(config, group, "permeability");
+  config_node *node = config_child(group, "permeability");
   const bool list = node != NULL && config_is_list(node);
   enum status status = list ? read_tensor(config, group, scene, &k, region)
-                            : scene_positive(config, group, "permeability", DIM_VELOCITY, &k);
+                            : keys_read_number(config, group, "regions[]", "permeability", &k);
   if (status != STATUS_OK) return status;
-  if (!list && config_child(config, group, "bedding") != NULL)
-    return config_error(config, config_child(config, group, "bedding"),
+  if (!list && config_child(group, "bedding") != NULL)
+    return config_error(config, config_child(group, "bedding"),
                         "needs a permeability for each axis, like [\"1e-5 m/s\", %s\"1e-6 m/s\"]",
                         scene->dimensions == 3 ? "\"1e-5 m/s\", " : "");
   return k > 0 ? set_drag(config, group, scene, k, region) : STATUS_OK;

@@ -1,16 +1,18 @@
-#include "sphsolve/scene/scene_internal.h"
+#include "sphsolve/scene/scene_regions.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
 #include "common/memory.h"
-#include "common/text.h"
 #include "common/units.h"
-
-const char *const region_type_names[] = {"water", "porous", "wall", "inflow",    "empty",
-                                         "well",  "drain",  "rain", "absorbing", NULL};
+#include "sphsolve/scene/keys.h"
+#include "sphsolve/scene/scene_geometry.h"
+#include "sphsolve/scene/scene_names.h"
+#include "sphsolve/scene/scene_permeability.h"
+#include "sphsolve/scene/scene_retention.h"
+#include "sphsolve/scene/scene_shapes.h"
+#include "sphsolve/scene/scene_stl.h"
 
 static enum status read_box(struct config *config, config_node *group, const struct scene *scene,
                             double box[6]) {
@@ -23,7 +25,7 @@ static enum status read_box(struct config *config, config_node *group, const str
     return config_error(config, group,
                         "box is missing: [x0, y0, z0, x1, y1, z1]; or the corners of a polygon, or "
                         "the centre and radius of a circle, or an stl file");
-  config_node *node = config_child(config, group, "box");
+  config_node *node = config_child(group, "box");
   if (count == 5) return config_error(config, node, "4 or 6 lengths are wanted");
   if (count == 4) {
     double x0 = box[0], z0 = box[1], x1 = box[2], z1 = box[3];
@@ -48,11 +50,7 @@ static enum status read_box(struct config *config, config_node *group, const str
 static enum status read_porous(struct config *config, config_node *group, struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
-  bool porosity_given, saturation_given;
-  region->alpha = 1000;
-  region->beta = 1.1;
-  TRY(config_number(config, group, "porosity", &region->porosity, &porosity_given));
-  TRY(scene_positive(config, group, "grain_size", DIM_LENGTH, &region->grain_size));
+  TRY(keys_read(config, group, "regions[]", 1u << REGION_POROUS, scene, region));
   double largest = 0.0;
   bool cell = true; /* periodic in all directions: a representative cell */
   for (int a = 0; a < 3; a++) {
@@ -61,18 +59,11 @@ static enum status read_porous(struct config *config, config_node *group, struct
     cell = cell && scene->periodic[a];
   }
   if (region->grain_size >= largest && !cell)
-    TRY(config_error(config, config_child(config, group, "grain_size"),
+    TRY(config_error(config, config_child(group, "grain_size"),
                      "grains of %g m are as large as the domain, %g m; is %g mm meant?",
                      region->grain_size, largest, region->grain_size));
-  TRY(config_number(config, group, "alpha", &region->alpha, NULL));
-  TRY(config_number(config, group, "beta", &region->beta, NULL));
-  TRY(config_bool(config, group, "saturated", &region->saturated, &saturation_given));
-  region->dry = saturation_given && !region->saturated;
-  TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
-  if (!porosity_given) TRY(config_error(config, group, "porosity is missing, like porosity = 0.4"));
-  if (!(region->porosity > 0 && region->porosity <= 1))
-    TRY(config_error(config, config_child(config, group, "porosity"),
-                     "must be above 0 and at most 1"));
+  region->dry = config_child(group, "saturated") != NULL && !region->saturated;
+  TRY(keys_read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->soil_velocity));
   TRY(scene_read_permeability(config, group, scene, region));
   TRY(scene_read_retention(config, group, region));
   if (!(region->grain_size > 0))
@@ -80,8 +71,6 @@ static enum status read_porous(struct config *config, config_node *group, struct
         config, group,
         "grain_size is missing: soil needs its D50, like grain_size = \"3 mm\", or its "
         "permeability = \"1e-4 m/s\""));
-  if (!(region->alpha >= 0 && region->beta >= 0))
-    TRY(config_error(config, group, "alpha and beta must not be negative"));
 cleanup:
   return status;
 }
@@ -91,8 +80,7 @@ static enum status read_table(struct config *config, config_node *group, const c
                               struct dimension dimension, const struct scene *scene, int width,
                               struct time_table *table) {
   enum status status = STATUS_OK;
-  config_node *times = config_child(config, group, "times"),
-              *node = config_child(config, group, name);
+  config_node *times = config_child(group, "times"), *node = config_child(group, name);
   double *values = NULL;
   const size_t n = config_count(times);
   if (n < 2 || n > 1000000)
@@ -115,47 +103,24 @@ static enum status read_table(struct config *config, config_node *group, const c
       TRY(config_error(config, times, "%g s does not come after %g s", table->time[k],
                        table->time[k - 1]));
     memcpy(table->value[k], values + k * (size_t)width, (size_t)width * sizeof *values);
-    if (width > 1) scene_spread(scene, width, table->value[k]);
+    if (width > 1) keys_spread(scene, width, table->value[k]);
   }
 cleanup:
   memory_free(&values);
   return status;
 }
 
-/* Reads the name of a gauge, plane or wall, which is used as a column title; without a name it is
- * `title` and its number. */
-static enum status read_name(struct config *config, config_node *group, const char *title,
-                             size_t number, char *name, size_t size) {
-  const char *given = NULL;
-  enum status status = config_string(config, group, "name", &given, NULL);
-  if (status != STATUS_OK) return status;
-  if (given == NULL) {
-    snprintf(name, size, "%s_%zu", title, number);
-    return STATUS_OK;
-  }
-  bool plain = *given != '\0' && strlen(given) < size && text_is_plain(given);
-  for (const char *c = given; *c; c++)
-    plain =
-        plain && ((unsigned char)*c >= 0x80 || isalnum((unsigned char)*c) || strchr("-_+ ", *c));
-  if (!plain)
-    return config_error(config, config_child(config, group, "name"),
-                        "names a column: 1 to %zu letters, digits, -, _, + or spaces are wanted",
-                        size - 1);
-  snprintf(name, size, "%s", given);
-  return STATUS_OK;
-}
-
 static enum status read_wall(struct config *config, config_node *group, const struct scene *scene,
                              struct region *region) {
   enum status status = STATUS_OK;
-  TRY(config_bool(config, group, "slip", &region->slip, NULL));
-  if (config_child(config, group, "name") != NULL)
-    TRY(read_name(config, group, "wall", 0, region->name, sizeof region->name));
+  TRY(keys_read(config, group, "regions[]", 1u << REGION_WALL, scene, region));
+  if (config_child(group, "name") != NULL)
+    TRY(scene_read_name(config, group, "wall", 0, region->name, sizeof region->name));
   for (const struct region *r = scene->regions; r < region && *region->name; r++)
     if (!strcmp(r->name, region->name))
       TRY(config_error(config, group, "a wall before is called '%s' too; rename one", r->name));
-  if (config_child(config, group, "times") == NULL)
-    return scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity);
+  if (config_child(group, "times") == NULL)
+    return keys_read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity);
   TRY(read_table(config, group, "velocity", DIM_VELOCITY, scene, scene->dimensions,
                  &region->table));
   for (int a = 0; a < 3; a++) region->velocity[a] = time_table_extreme(&region->table, a);
@@ -166,9 +131,9 @@ cleanup:
 static enum status read_inflow(struct config *config, config_node *group, const struct scene *scene,
                                struct region *region) {
   enum status status = STATUS_OK;
-  const bool flux_given = config_child(config, group, "flux") != NULL;
-  const bool pressure_given = config_child(config, group, "pressure_head") != NULL;
-  const bool head_given = config_child(config, group, "head") != NULL;
+  const bool flux_given = config_child(group, "flux") != NULL;
+  const bool pressure_given = config_child(group, "pressure_head") != NULL;
+  const bool head_given = config_child(group, "head") != NULL;
   const char *key = flux_given ? "flux" : pressure_given ? "pressure_head" : "head";
   const struct dimension of = flux_given ? DIM_VELOCITY : DIM_LENGTH;
   double *value = flux_given ? &region->flux : &region->head;
@@ -176,7 +141,7 @@ static enum status read_inflow(struct config *config, config_node *group, const 
     TRY(config_error(config, group,
                      "either head (a length) or flux (a velocity) is wanted; before soil that "
                      "is not full also pressure_head (a length)"));
-  if (config_child(config, group, "times") != NULL) {
+  if (config_child(group, "times") != NULL) {
     TRY(read_table(config, group, key, of, scene, 1, &region->table));
     *value = time_table_extreme(&region->table, 0);
   } else {
@@ -198,8 +163,8 @@ static enum status read_well(struct config *config, config_node *group, const st
   const struct dimension rate = {rain ? 1 : scene->dimensions, 0, -1},
                          of = given_rate ? rate : DIM_LENGTH;
   double *value = given_rate ? &region->rate : &region->head;
-  bool given = config_child(config, group, key) != NULL;
-  TRY(read_name(config, group, title, region->number + 1, region->name, sizeof region->name));
+  bool given = config_child(group, key) != NULL;
+  TRY(scene_read_name(config, group, title, region->number + 1, region->name, sizeof region->name));
   for (const struct region *r = scene->regions; r < region; r++)
     if (!strcmp(r->name, region->name))
       TRY(config_error(config, group, "a region before is called '%s' too; rename one", r->name));
@@ -209,7 +174,7 @@ static enum status read_well(struct config *config, config_node *group, const st
                      rain                     ? "10 mm/h"
                      : scene->dimensions == 2 ? "1e-5 m^2/s"
                                               : "1e-5 m^3/s"));
-  if (config_child(config, group, "times") != NULL) {
+  if (config_child(group, "times") != NULL) {
     TRY(read_table(config, group, key, of, scene, 1, &region->table));
     *value = time_table_extreme(&region->table, 0);
   } else {
@@ -220,7 +185,7 @@ static enum status read_well(struct config *config, config_node *group, const st
     negative = negative || region->table.value[k][0] < 0;
   if (negative)
     TRY(config_error(
-        config, config_child(config, group, key),
+        config, config_child(group, key),
         rain ? "rain brings water, at a rate of 0 or more; for water that goes out, use "
                "an inflow region of flux < 0 on a side, or a drain in the soil"
              : "a well takes water out of the soil, at a rate of 0 or more; for water "
@@ -235,7 +200,7 @@ enum { REGIONS_MAX = 65000 };
 
 enum status scene_read_regions(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
-  config_node *list = config_child(config, config_root(config), "regions");
+  config_node *list = config_child(config_root(config), "regions");
   if (list == NULL) return STATUS_OK;
   if (*scene->model_path)
     TRY(config_error(config, list, "regions need a domain; a voxel model brings its own grains"));
@@ -259,9 +224,9 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
           "type is missing: \"water\", \"porous\", \"wall\", \"inflow\", \"empty\", \"well\", "
           "\"drain\", \"rain\" or \"absorbing\""));
     region->type = (enum region_type)type;
-    TRY(scene_has_stl(config, group)     ? scene_read_stl(config, group, scene, region)
-        : scene_has_shape(config, group) ? scene_read_shape(config, group, scene, region)
-                                         : read_box(config, group, scene, region->box));
+    TRY(scene_has_stl(group)     ? scene_read_stl(config, group, scene, region)
+        : scene_has_shape(group) ? scene_read_shape(config, group, scene, region)
+                                 : read_box(config, group, scene, region->box));
     switch (region->type) {
     case REGION_POROUS:
       TRY(read_porous(config, group, scene, region));
@@ -273,7 +238,7 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
       TRY(read_wall(config, group, scene, region));
       break;
     case REGION_WATER:
-      TRY(scene_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
+      TRY(keys_read_vector(config, group, "velocity", scene, DIM_VELOCITY, region->velocity));
       break;
     case REGION_WELL:
     case REGION_DRAIN:
@@ -289,76 +254,4 @@ enum status scene_read_regions(struct config *config, struct scene *scene) {
   TRY(scene_cut_shapes(config, list, scene, REGIONS_MAX));
 cleanup:
   return status;
-}
-
-static enum status read_gauges(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  config_node *list = config_child(config, config_root(config), "gauges");
-  scene->gauge_count = config_count(list);
-  TRY(memory_allocate(&scene->gauges, scene->gauge_count, sizeof *scene->gauges, "gauges"));
-  for (size_t i = 0; i < scene->gauge_count; i++) {
-    struct gauge *gauge = &scene->gauges[i];
-    config_node *group = config_item(list, i);
-    if (!config_is_group(group))
-      TRY(config_error(config, group, "a group { at = [x, y, z]; } is wanted"));
-    TRY(read_name(config, group, "gauge", i + 1, gauge->name, sizeof gauge->name));
-    if (config_child(config, group, "at") == NULL)
-      TRY(config_error(config, group, "at is missing: where the pressure is gauged"));
-    TRY(scene_vector(config, group, "at", scene, DIM_LENGTH, gauge->at));
-    for (int a = 0; a < 3; a++)
-      if (gauge->at[a] < 0 || gauge->at[a] > scene->domain_size[a])
-        TRY(config_error(config, config_child(config, group, "at"),
-                         "%g m in %c lies outside the domain (0 to %g m)", gauge->at[a], 'x' + a,
-                         scene->domain_size[a]));
-    if (scene_in_wall(scene, gauge->at))
-      TRY(config_error(config, config_child(config, group, "at"),
-                       "lies inside a wall, where there is no pressure; move it into the water"));
-    for (size_t k = 0; k < i; k++)
-      if (!strcmp(scene->gauges[k].name, gauge->name))
-        TRY(config_error(config, group, "a gauge before is called '%s' too; rename one",
-                         gauge->name));
-  }
-cleanup:
-  return status;
-}
-
-static enum status read_planes(struct config *config, struct scene *scene) {
-  enum status status = STATUS_OK;
-  static const char *const axes[] = {"x", "y", "z"};
-  config_node *list = config_child(config, config_root(config), "planes");
-  scene->plane_count = config_count(list);
-  TRY(memory_allocate(&scene->planes, scene->plane_count, sizeof *scene->planes, "planes"));
-  for (size_t i = 0; i < scene->plane_count; i++) {
-    struct flux_plane *plane = &scene->planes[i];
-    config_node *group = config_item(list, i);
-    int axes_given = 0;
-    if (!config_is_group(group))
-      TRY(config_error(config, group, "a group { z = \"0.2 m\"; } is wanted"));
-    TRY(read_name(config, group, "plane", i + 1, plane->name, sizeof plane->name));
-    for (int a = 0; a < 3; a++) {
-      bool given;
-      TRY(config_quantity(config, group, axes[a], DIM_LENGTH, &plane->position, &given));
-      if (given) plane->axis = a, axes_given++;
-    }
-    if (axes_given != 1)
-      TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
-    if (scene->dimensions == 2 && plane->axis == 1)
-      TRY(config_error(config, config_child(config, group, "y"),
-                       "a 2-D scene lives in x and z: give x or z"));
-    if (plane->position < 0 || plane->position > scene->domain_size[plane->axis])
-      TRY(config_error(config, config_child(config, group, axes[plane->axis]),
-                       "%g m lies outside the domain (0 to %g m)", plane->position,
-                       scene->domain_size[plane->axis]));
-    for (size_t k = 0; k < i; k++)
-      if (!strcmp(scene->planes[k].name, plane->name))
-        TRY(config_error(config, group, "a plane before is called '%s' too; rename one",
-                         plane->name));
-  }
-cleanup:
-  return status;
-}
-
-enum status scene_read_probes(struct config *config, struct scene *scene) {
-  enum status status = read_gauges(config, scene);
-  return status == STATUS_OK ? read_planes(config, scene) : status;
 }

@@ -6,12 +6,16 @@
  *
  * Soil keeps its area: in each row a box ends at the mean position of the edge over the row. Walls,
  * water and empty regions consist of the sites whose centres they cover, as boxes do. */
+#include "sphsolve/scene/scene_shapes.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/scene/scene_internal.h"
+#include "sphsolve/scene/keys.h"
+#include "sphsolve/scene/scene_parts.h"
+#include "sphsolve/scene/scene_stl.h"
 
 /* Largest number of corners of a polygon, and corners of the polygon that represents a circle of
  * the same area. */
@@ -19,8 +23,6 @@ enum { CORNERS_MAX = 256, CORNERS_OF_CIRCLE = 64 };
 /* Scan lines per row, and the largest number of bisections of a row in which the polygon
  * branches. */
 enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };
-
-static const char *const axis_names[] = {"x", "y", "z", NULL};
 
 static double cross(const double a[2], const double b[2], const double c[2]) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -42,7 +44,7 @@ static enum status check_polygon(struct config *config, config_node *node,
     for (int c = 0; c < 2; c++)
       if (!(a[c] >= -slack && a[c] <= scene->domain_size[p->plane[c]] + slack))
         return config_error(config, node, "%g m in %s lies outside the domain (0 to %g m)", a[c],
-                            axis_names[p->plane[c]], scene->domain_size[p->plane[c]]);
+                            scene_axis_names[p->plane[c]], scene->domain_size[p->plane[c]]);
     for (size_t j = i + 2; j < p->count; j++)
       if (!(i == 0 && j == p->count - 1) && edges_cross(p, i, j))
         return config_error(config, node,
@@ -62,9 +64,9 @@ static enum status read_corners(struct config *config, config_node *group, struc
                                          values, &count, NULL);
   if (status != STATUS_OK) return status;
   if (count % 2 != 0)
-    return config_error(config, config_child(config, group, "corners"),
+    return config_error(config, config_child(group, "corners"),
                         "%d lengths are no pairs: %s and %s of each corner are wanted", count,
-                        axis_names[p->plane[0]], axis_names[p->plane[1]]);
+                        scene_axis_names[p->plane[0]], scene_axis_names[p->plane[1]]);
   p->count = (size_t)count / 2;
   status = memory_allocate(&p->corner, p->count, sizeof *p->corner, "corners");
   if (status == STATUS_OK) memcpy(p->corner, values, p->count * sizeof *p->corner);
@@ -75,7 +77,7 @@ static enum status read_circle(struct config *config, config_node *group, struct
   double centre[2] = {0}, radius = NAN;
   enum status status = STATUS_OK;
   TRY(config_quantities(config, group, "centre", DIM_LENGTH, 2, 2, centre, NULL, NULL));
-  TRY(scene_positive(config, group, "radius", DIM_LENGTH, &radius));
+  TRY(keys_read_number(config, group, "regions[]", "radius", &radius));
   if (!(radius > 0)) TRY(config_error(config, group, "a circle needs its radius"));
   p->count = CORNERS_OF_CIRCLE;
   TRY(memory_allocate(&p->corner, p->count, sizeof *p->corner, "corners"));
@@ -92,48 +94,40 @@ cleanup:
   return status;
 }
 
-enum status scene_refuse_box_only(struct config *config, config_node *node,
-                                  const struct region *region) {
-  if (region->type == REGION_INFLOW)
-    return config_error(config, node, "an inflow region is a thin box on a side; give its box");
-  if (region->type == REGION_RAIN)
-    return config_error(config, node, "rain falls from a box; give its box");
-  if (region->type == REGION_ABSORBING)
-    return config_error(config, node, "waves fade in a box along a side; give its box");
-  return STATUS_OK;
-}
-
-bool scene_has_shape(struct config *config, config_node *group) {
-  return config_child(config, group, "corners") != NULL ||
-         config_child(config, group, "centre") != NULL;
+bool scene_has_shape(config_node *group) {
+  return config_child(group, "corners") != NULL || config_child(group, "centre") != NULL;
 }
 
 enum status scene_read_shape(struct config *config, config_node *group, const struct scene *scene,
                              struct region *region) {
   enum status status = STATUS_OK;
-  const bool circle = config_child(config, group, "corners") == NULL;
-  config_node *node = config_child(config, group, circle ? "centre" : "corners");
+  const bool circle = config_child(group, "corners") == NULL;
+  config_node *node = config_child(group, circle ? "centre" : "corners");
   int axis = 1, count = 0;
   struct polygon *p;
-  TRY(scene_refuse_box_only(config, node, region));
-  if (config_child(config, group, "box") != NULL ||
-      (!circle && config_child(config, group, "centre") != NULL))
+  TRY(scene_parts_refuse_box_only(config, node, region));
+  if (config_child(group, "box") != NULL || (!circle && config_child(group, "centre") != NULL))
     return config_error(config, group, "one of box, corners and centre is wanted");
   TRY(memory_allocate(&region->polygon, 1, sizeof *region->polygon, "corners"));
   p = region->polygon;
   region->box[1] = 0, region->box[4] = scene->domain_size[1];
-  if (scene->dimensions == 3) {
+  if (scene->dimensions == 2) {
+    config_node *across = config_child(group, "axis");
+    if (across == NULL) across = config_child(group, "along");
+    if (across != NULL)
+      TRY(config_error(config, across, "is of a scene in three dimensions; leave it out"));
+  } else {
     double along[2];
     bool given = false;
-    TRY(config_choice(config, group, "axis", axis_names, &axis, NULL));
+    TRY(config_choice(config, group, "axis", scene_axis_names, &axis, NULL));
     region->box[axis] = 0, region->box[axis + 3] = scene->domain_size[axis];
     TRY(config_quantities(config, group, "along", DIM_LENGTH, 2, 2, along, &count, &given));
     if (given) region->box[axis] = along[0], region->box[axis + 3] = along[1];
     if (!(region->box[axis] >= 0 && region->box[axis] < region->box[axis + 3] &&
           region->box[axis + 3] <= scene->domain_size[axis] + 1e-6 * scene->spacing))
-      TRY(config_error(config, config_child(config, group, "along"),
+      TRY(config_error(config, config_child(group, "along"),
                        "from %g to %g m in %s is no length in the domain (0 to %g m)",
-                       region->box[axis], region->box[axis + 3], axis_names[axis],
+                       region->box[axis], region->box[axis + 3], scene_axis_names[axis],
                        scene->domain_size[axis]));
   }
   p->axis = axis;
@@ -150,11 +144,6 @@ cleanup:
   return status;
 }
 
-static int by_value(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
  * their number. */
 static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_MAX]) {
@@ -164,20 +153,8 @@ static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_M
     if ((a[w] > v) == (b[w] > v)) continue;
     at[n++] = a[1 - w] + (b[1 - w] - a[1 - w]) * (v - a[w]) / (b[w] - a[w]);
   }
-  qsort(at, n, sizeof *at, by_value);
+  qsort(at, n, sizeof *at, scene_parts_by_value);
   return n;
-}
-
-enum status scene_add_part(struct scene_parts *parts, const struct region *whole,
-                           const double box[6]) {
-  enum status status =
-      memory_resize(&parts->region, parts->count + 1, sizeof *parts->region, "regions");
-  if (status != STATUS_OK) return status;
-  struct region *part = &parts->region[parts->count++];
-  *part = *whole;
-  part->is_part = true;
-  memcpy(part->box, box, sizeof part->box);
-  return STATUS_OK;
 }
 
 /* Adds the box from..to of the row low..high, or extends an equal box below it. */
@@ -195,7 +172,7 @@ static enum status add_part(const struct region *whole, int w, double low, doubl
   double box[6];
   memcpy(box, whole->box, sizeof box);
   box[up] = low, box[up + 3] = high, box[run] = from, box[run + 3] = to;
-  return scene_add_part(parts, whole, box);
+  return scene_parts_add(parts, whole, box);
 }
 
 /* Adds soil in the row low..high: boxes end at the mean over the row, which is bisected where the

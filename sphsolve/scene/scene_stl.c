@@ -6,47 +6,42 @@
  * in one segment, and a line in that plane crosses the segments an even number of times: each end
  * point belongs to the two triangles at an edge and is computed from this edge alone, with its ends
  * in a fixed order, hence with identical bits. So no ray passes between triangles. */
+#include "sphsolve/scene/scene_stl.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "common/memory.h"
-#include "sphsolve/scene/scene_internal.h"
+#include "sphsolve/scene/keys.h"
+#include "sphsolve/scene/scene_file.h"
 #include "sphsolve/scene/stl.h"
 
 /* Scan lines per row of soil, in each of the two directions. */
 enum { LINES = 4 };
 
-bool scene_has_stl(struct config *config, config_node *group) {
-  return config_child(config, group, "stl") != NULL;
+bool scene_has_stl(config_node *group) {
+  return config_child(group, "stl") != NULL;
 }
 
 enum status scene_read_stl(struct config *config, config_node *group, const struct scene *scene,
                            struct region *region) {
   enum status status = STATUS_OK;
-  config_node *node = config_child(config, group, "stl");
-  const char *file = NULL;
+  config_node *node = config_child(group, "stl");
   char path[4096];
   double unit = NAN;
   if (scene->dimensions != 3)
     return config_error(config, node, "a 2-D scene has no bodies; give the corners of a polygon");
-  TRY(scene_refuse_box_only(config, node, region));
-  if (config_child(config, group, "box") != NULL)
+  TRY(scene_parts_refuse_box_only(config, node, region));
+  if (config_child(group, "box") != NULL)
     return config_error(config, group, "one of box and stl is wanted");
-  TRY(config_string(config, group, "stl", &file, NULL));
-  TRY(scene_positive(config, group, "stl_unit", DIM_LENGTH, &unit));
+  TRY(keys_read_number(config, group, "regions[]", "stl_unit", &unit));
   if (!(unit > 0))
     TRY(config_error(config, group,
                      "stl_unit is missing: STL files do not tell their unit of length; write "
                      "stl_unit = \"1 mm\" or the like"));
-  /* Relative to the scene first, then to the working directory. */
-  const char *folder = *file == '/' ? "" : config_folder(config);
-  if (snprintf(path, sizeof path, "%s%s", folder, file) >= (int)sizeof path)
-    TRY(config_error(config, node, "the path is too long"));
-  if (access(path, R_OK) != 0 && access(file, R_OK) == 0) snprintf(path, sizeof path, "%s", file);
-  if (access(path, R_OK) != 0) TRY(config_error(config, node, "%s cannot be read", path));
+  TRY(scene_file_find(config, group, "stl", "\"body.stl\"", "", path));
   TRY(memory_allocate(&region->stl, 1, sizeof *region->stl, "an STL file"));
   status = stl_read(path, unit, region->stl);
   if (status == STATUS_INPUT) { /* report the line of the scene */
@@ -128,11 +123,6 @@ static enum status find_section(const struct cut *cut, double v, struct section 
   return STATUS_OK;
 }
 
-static int by_value(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Adds the inside intervals of the line at w. */
 static enum status add_line(struct cut *cut, const struct section *section, double w) {
   const size_t before = 2 * cut->count;
@@ -148,7 +138,8 @@ static enum status add_line(struct cut *cut, const struct section *section, doub
     }
     (&cut->interval[0][0])[n++] = a[0] + (b[0] - a[0]) * (w - a[1]) / (b[1] - a[1]);
   }
-  if (n > before) qsort(&cut->interval[0][0] + before, n - before, sizeof(double), by_value);
+  if (n > before)
+    qsort(&cut->interval[0][0] + before, n - before, sizeof(double), scene_parts_by_value);
   cut->count = n / 2;
   return STATUS_OK;
 }
@@ -168,7 +159,7 @@ static enum status add_box(struct cut *cut, const double box[6]) {
       return STATUS_OK;
     }
   }
-  return scene_add_part(cut->parts, cut->whole, box);
+  return scene_parts_add(cut->parts, cut->whole, box);
 }
 
 /* Extends boxes that end where this layer begins; the first part of the layer is `from`. */
@@ -192,7 +183,7 @@ static void join_layers(struct cut *cut, size_t from) {
 /* Soil: overlapping intervals of all lines of a row form one box with the same volume. */
 static enum status cut_soil(struct cut *cut, double box[6]) {
   const int lines = LINES * LINES;
-  qsort(cut->interval, cut->count, sizeof *cut->interval, by_value);
+  qsort(cut->interval, cut->count, sizeof *cut->interval, scene_parts_by_value);
   for (size_t k = 0, end; k < cut->count; k = end) {
     double reach = cut->interval[k][1], length = 0, moment = 0, low = 0, high = 0;
     for (end = k; end < cut->count && (end == k || cut->interval[end][0] <= reach); end++) {

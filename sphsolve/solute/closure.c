@@ -5,11 +5,7 @@
 
 #include "common/memory.h"
 #include "common/ranks.h"
-
-/* On cells that are coarse for the flow the residual may stop decreasing. At this relative
- * residual, D* of a sand at a cell Peclet number of 50 differs by 1e-5; the residual is included in
- * the error. */
-#define RESIDUAL_STALLED 1e-3
+#include "sphsolve/solute/constants.h"
 
 enum status solute_closure_build(const struct solute_flow *flow, int coarsenings,
                                  struct solute_closure *c) {

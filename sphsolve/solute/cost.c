@@ -7,33 +7,10 @@
 #include "common/json_number.h"
 #include "common/units.h"
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 #include "sphsolve/solute/walk.h"
-
-/* Bytes per cell: the flow; the solver with its coarser cells and Krylov basis; closure variables
- * and sources (multigrid.h, closure.h). */
-#define BYTES_FLOW 32.0
-#define BYTES_SOLVER 203.0
-#define BYTES_CLOSURE 32.0
-/* Processor seconds per cell of the flow and iteration; and per cell to read and project the flow.
- * Measured on the sample sand. */
-#define SECONDS_ITERATION 26e-9
-#define SECONDS_READ 2.5e-6
-/* Iterations of the three directions together, as a function of the cell Peclet number. */
-#define ITERATIONS_NO_FLOW 30.0
-#define ITERATIONS_PECLET 26.0
-#define ITERATIONS_POWER 0.75
-/* Error of resolution without flow over (spacing / grain size)^2; and the cell Peclet number above
- * which it grows in proportion to that: on the sample sand 2.5 % at 19 cells per grain, 25 % at a
- * cell Peclet number of 52. */
-#define ERROR_RESOLUTION 9.0
-#define ERROR_PECLET 5.0
-
-/* Processor seconds per step of a walker in sand, half of whose cells are near a wall, and the
- * relative increase per cell of advection in a step: measured on the sample sand. */
-#define SECONDS_STEP 1e-7
-#define STEP_ADVECTION_FACTOR 1.3
 
 /* Processor seconds of the walks at one Peclet number, on the flow's cells and on those twice as
  * large. */
@@ -41,7 +18,7 @@ static double walk_seconds(const struct solute_flow *flow, double cell_peclet, d
                            double wanted) {
   const struct walk_pace pace = solute_walk_pace(flow, cell_peclet, peclet, wanted);
   const double advection = cell_peclet > 0 ? pace.dt : 0;
-  return 1.25 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP *
+  return 5.0 / 4 * pace.steps * (double)walk_walkers(wanted) * SECONDS_STEP *
          (1 + STEP_ADVECTION_FACTOR * advection);
 }
 

@@ -5,10 +5,7 @@
 #include <string.h>
 
 #include "common/log.h"
-
-/* Relative residual of the closure problem: D* is then accurate to about 1e-4, far below the error
- * of the lattice. */
-#define TOLERANCE 1e-4
+#include "sphsolve/solute/constants.h"
 
 /* Whether the coarsest cells are fine enough at this Peclet number to show the order of
  * convergence. */
@@ -23,7 +20,7 @@ static bool shows_order(const struct solute_flow *flow, const struct solute_resu
  * used. */
 static enum status solve(struct solute_closure *closure, int lattice, double diffusion,
                          struct solute_dispersion *value) {
-  const enum status status = solute_closure_solve(closure, diffusion, TOLERANCE, value);
+  const enum status status = solute_closure_solve(closure, diffusion, CURVE_TOLERANCE, value);
   if (status != STATUS_NUMERIC || lattice != SOLUTE_COARSEST) return status;
   error_clear();
   value->longitudinal = value->transverse = NAN;
@@ -154,7 +151,7 @@ enum status solute_curve_by_closure(const struct solute_flow *flow, struct solut
                                     struct solute_result *r) {
   enum status status = STATUS_OK;
   /* cells, relative to those of the coarse lattice */
-  static const double weight[SOLUTE_LATTICES] = {8, 1, 0.125};
+  static const double weight[SOLUTE_LATTICES] = {8, 1, 1.0 / 8};
   struct progress progress;
   struct solute_closed no_flow;
   double done = 0, all = 0;

@@ -10,10 +10,6 @@
 /* Fewest cells along each axis (that has more than one) for which the flow is also solved on cells
  * twice as large. */
 #define SOLUTE_CELLS_MIN 4
-/* Above this cell Peclet number U h / D the cells do not resolve the boundary layers in which a
- * solute leaves its streamline, and the closure problem has a larger error. */
-#define SOLUTE_CELL_PECLET 50.0
-#define SOLUTE_WALK_ERROR 0.03 /* default relative error of a walk */
 
 /* Curve from the closure problem: fills closure, formation, formation_error and tortuosity of the
  * result from its length, count and peclet. Solved on the flow's cells and on those coarsened once

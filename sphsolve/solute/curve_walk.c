@@ -5,14 +5,11 @@
 
 #include "common/log.h"
 #include "common/units.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/flow.h"
 
 #define SEED 20230723u
-#define STEPS_MAX 65536.0
-/* D_T / D, for the time in which walkers spread across the box; measured on the sample sand. */
-#define TRANSVERSE_NO_FLOW 0.6
-#define TRANSVERSE_PER_PECLET 0.04
 #define FIRST_EVALUATION 64u /* intervals before the first evaluation */
 
 struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_peclet, double peclet,
@@ -20,7 +17,7 @@ struct walk_pace solute_walk_pace(const struct solute_flow *flow, double cell_pe
   double widest = 0;
   for (int a = 0; a < 3; a++)
     if ((flow->dimensions == 3 || a != 1) &&
-        !(fabs(flow->mean_velocity[a]) >= 0.9 * flow->speed && flow->speed > 0))
+        !(fabs(flow->mean_velocity[a]) >= ALONG_COSINE * flow->speed && flow->speed > 0))
       widest = fmax(widest, flow->n[a] * flow->spacing[a] / flow->spacing[0]);
   return walk_pace(cell_peclet, widest, TRANSVERSE_NO_FLOW + TRANSVERSE_PER_PECLET * peclet,
                    wanted);
@@ -46,7 +43,8 @@ static enum status walk_once(const struct walk_cells *cells, const struct walk_s
     if (solute_state_due(state)) TRY(solute_state_save(state, NULL, &walk));
     TRY(walk_advance(&walk));
     const double steps = (double)walk.steps;
-    progress_update(progress, done + weight * steps / fmax(expected, 1.1 * steps), note);
+    progress_update(progress, done + weight * steps / fmax(expected, PROGRESS_MARGIN * steps),
+                    note);
     if (walk.moments.intervals < next) continue;
     if (walk_done(&walk, &verdict)) break;
     if (verdict.lag >= 0)
@@ -119,7 +117,7 @@ static enum status walk_lattice(const struct solute_flow *flow, int lattice,
     struct walk_settings settings = {.peclet = r->peclet[i] * flow->spacing[0] / r->length,
                                      .direction = {0, 0, 1},
                                      .tolerance = r->wanted,
-                                     .most_steps = STEPS_MAX,
+                                     .most_steps = WALK_STEPS_MAX,
                                      .seed = SEED + (uint32_t)i};
     for (int a = 0; a < 3 && flow->speed > 0; a++)
       settings.direction[a] = flow->mean_velocity[a] / flow->speed;
@@ -153,7 +151,7 @@ enum status solute_curve_by_walk(const struct solute_flow *flow, struct solute_s
   double done = 0;
   for (int a = 0; a < 3; a++)
     has_coarse = has_coarse && (flow->n[a] == 1 || flow->n[a] >= SOLUTE_CELLS_MIN);
-  progress_start(&progress, "walk", NULL, r->count * (has_coarse ? 1.25 : 1));
+  progress_start(&progress, "walk", NULL, r->count * (has_coarse ? 5.0 / 4 : 1));
   if (has_coarse) {
     TRY(solute_flow_coarsen(flow, &coarse_flow));
     TRY(walk_lattice(&coarse_flow, SOLUTE_COARSE, r, &progress, 0.25, &done, state));

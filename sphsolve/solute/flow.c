@@ -4,12 +4,9 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/constants.h"
+#include "sphsolve/solute/flow_cells.h"
 #include "sphsolve/solute/multigrid.h"
-
-/* Residual of the projection, relative to the initial divergence or, if that is larger, to the
- * fluxes: these are stored in single precision, and smaller values are rounding. */
-#define PROJECTION_RESIDUAL 1e-7
 
 enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *f) {
   enum status status = STATUS_OK;
@@ -73,12 +70,6 @@ static uint32_t root_of(uint32_t *parent, uint32_t at) {
   return at;
 }
 
-/* A pore whose velocity is less than this fraction of the mean velocity counts as without flow. */
-#define STAGNANT_FRACTION 1e-3
-/* Largest relative difference of the mean velocities of separate channels; with different
- * velocities dispersion never becomes Fickian. */
-#define CHANNEL_VELOCITY_TOLERANCE 0.02
-
 /* Closes the cells of pores that no face connects to the flowing ones. Without flow, only pores of
  * less than a thousandth of the pore volume are closed. */
 static enum status close_isolated(struct solute_flow *f) {
@@ -130,7 +121,7 @@ static enum status close_isolated(struct solute_flow *f) {
     if (root_of(parent, (uint32_t)at) == at && volume[at] > STAGNANT_FRACTION * pores &&
         sum[at] > STAGNANT_FRACTION * volume[at] &&
         fabs(sum[at] / volume[at] - 1) > CHANNEL_VELOCITY_TOLERANCE && closed < pores &&
-        volume[at] < 0.999 * (pores - closed))
+        volume[at] < PORES_KEPT * (pores - closed))
       TRY_FAIL(STATUS_INPUT,
                "the pores are channels that never meet, one with %.3g of the mean velocity: a "
                "solute spreads without end; take a larger sample",
@@ -205,7 +196,7 @@ static bool is_mirrored(const struct solute_flow *f, int axis) {
         change += fabs(here - (double)f->volume[solute_flow_at(f, x[0], x[1], x[2])]);
         sum += fmin(here, 1 - here); /* cells cut by walls */
       }
-  return difference < 0.01 * sum && change > 0.01 * sum;
+  return difference < MIRROR_DIFFERENCE * sum && change > MIRROR_DIFFERENCE * sum;
 }
 
 enum status solute_flow_finish(struct solute_flow *f) {

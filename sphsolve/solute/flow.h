@@ -27,4 +27,23 @@ enum status solute_flow_coarsen(const struct solute_flow *fine, struct solute_fl
 
 void solute_flow_free(struct solute_flow *flow);
 
+/* Steps on the way from wall distances and velocities to such a flow: */
+
+/* Sets n, count, spacing and dimensions and allocates the arrays, initialised to 0. */
+enum status solute_flow_allocate(const int n[3], const double spacing[3], struct solute_flow *flow);
+
+/* Index of the cell (i, j, k); each index may exceed the periodic box by one. */
+static inline size_t solute_flow_at(const struct solute_flow *f, int i, int j, int k) {
+  const int *n = f->n;
+  i = i < 0 ? i + n[0] : i >= n[0] ? i - n[0] : i;
+  j = j < 0 ? j + n[1] : j >= n[1] ? j - n[1] : j;
+  k = k < 0 ? k + n[2] : k >= n[2] ? k - n[2] : k;
+  return ((size_t)k * (size_t)n[1] + (size_t)j) * (size_t)n[0] + (size_t)i;
+}
+
+/* Computes means, porosity and grain size from volume, aperture and velocity. */
+void solute_flow_measure(struct solute_flow *flow);
+/* Closes pores without flow, makes the fluxes divergence-free, and computes the means. */
+enum status solute_flow_finish(struct solute_flow *flow);
+
 #endif

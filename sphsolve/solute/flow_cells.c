@@ -2,15 +2,13 @@
  * distance, at the mean distance over the cell or face: d + h^2/24 times its second derivatives,
  * which corrects for curved walls (without this term, spheres with a radius of 5 spacings are 1 %
  * too large). */
+#include "sphsolve/solute/flow_cells.h"
+
 #include <math.h>
 
 #include "sphsolve/geometry/plane_cut.h"
-#include "sphsolve/solute/flow_internal.h"
-
-/* Smallest component of a normal that is resolved, relative to the largest length. */
-#define NORMAL_MIN 1e-3
-/* Largest second difference of the distance by curvature, in spacings. */
-#define SECOND_DIFFERENCE_MAX 0.3
+#include "sphsolve/solute/constants.h"
+#include "sphsolve/solute/flow.h"
 
 /* Sum over the corners of a square that gives the integral of the Heaviside function of x (power 2:
  * the area) or of max(0, x) (power 3: the distance) for a linear x. */
@@ -85,7 +83,7 @@ static double interpolate_midway(const float d[4]) {
   const double low = (double)d[0] - 2 * (double)d[1] + (double)d[2];
   const double high = (double)d[1] - 2 * (double)d[2] + (double)d[3];
   if (low * high <= 0) return mean;
-  return mean - 0.125 * (fabs(low) < fabs(high) ? low : high);
+  return mean - (fabs(low) < fabs(high) ? low : high) / 8;
 }
 
 static float face_open(const struct solute_flow *f, const int x[3], int axis) {

@@ -1,6 +1,6 @@
 #include <math.h>
 
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
 
 /* Coarsens to half as many cells along one axis, rounded up. For an odd number the coarse cells are
  * a little less than twice as long, and their faces lie within cells of the fine flow. There the

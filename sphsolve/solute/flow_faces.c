@@ -2,17 +2,18 @@
  * velocity of a face is their mean. Near the wall the velocity decreases to 0 with the wall
  * distance d: there u / d varies slowly, and the flux is u / d times the integral of the distance
  * over the open part of the face. */
+#include "sphsolve/solute/flow_faces.h"
+
 #include <math.h>
 
-#include "sphsolve/solute/flow_internal.h"
-
-/* Sites nearer to the wall than this fraction of a spacing are not used for u / d. */
-#define WALL_DISTANCE_MIN 0.1
+#include "sphsolve/solute/constants.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/flow_cells.h"
 
 /* Mean of u / d, 1/s, over the two sites at the face; if both are too near the wall, over those
  * around. */
 static double slope(const struct solute_flow *f, const float *sites, const int x[3], int axis) {
-  const double near = WALL_DISTANCE_MIN * f->spacing[axis];
+  const double near = FACE_DISTANCE_MIN * f->spacing[axis];
   for (int ring = 0; ring < 2; ring++) {
     double sum = 0, weights = 0;
     for (int s = 0; s < (ring ? 18 : 2); s++) {
@@ -46,7 +47,7 @@ static double site_mean(const struct solute_flow *f, const float *sites, const i
       y[(axis + t) % 3] += side ? 1 : -1;
       const size_t there = solute_flow_at(f, y[0], y[1], y[2]);
       const double other = (double)f->distance[there];
-      apart[side] = other > 0 ? 1 : fmax(d / (d - other), WALL_DISTANCE_MIN);
+      apart[side] = other > 0 ? 1 : fmax(d / (d - other), FACE_DISTANCE_MIN);
       change[side] = (other > 0 ? (double)sites[3 * there + a] : 0) - u;
     }
     mean += 2 * (change[0] / apart[0] + change[1] / apart[1]) / (apart[0] + apart[1]) / 24;

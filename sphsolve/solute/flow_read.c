@@ -5,7 +5,9 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/snapshot_file.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/flow_cells.h"
+#include "sphsolve/solute/flow_faces.h"
 
 #define IMAGE "/VTKHDF/PointData/"
 

@@ -11,6 +11,7 @@
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/solute/closure.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/cost.h"
 #include "sphsolve/solute/curve.h"
 #include "sphsolve/solute/result.h"
@@ -149,6 +150,7 @@ static const struct effect *const no_effects[] = {NULL};
 
 const struct method method_solute = {.name = "solute",
                                      .effects = no_effects,
+                                     .constants = solute_constants,
                                      .takes = takes,
                                      .run_on_flow = run_on_flow,
                                      .explain_on_flow = solute_explain};

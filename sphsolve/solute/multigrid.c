@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/multigrid_rows.h"
 
 #define BASIS 30
@@ -232,7 +233,7 @@ enum status solute_solver_solve(struct solute_solver *s, const double *source, d
     solute_cells_residual(c, s->s, source, b, s->krylov.basis);
     *reached = stokes_krylov_norm(&s->krylov, s->krylov.basis) / scale;
     if (*reached <= tolerance) return STATUS_OK;
-    if (!(*reached < 0.9 * before)) break; /* no further progress */
+    if (!(*reached < STALLED_RATIO * before)) break; /* no further progress */
     before = *reached;
     *iterations +=
         stokes_krylov_correct(&s->krylov, fmax(0.5 * tolerance / *reached, 1e-4), b, &shrunk);

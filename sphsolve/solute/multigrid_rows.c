@@ -82,8 +82,8 @@ INLINE void weighted_rows(const float *y, size_t near, const ptrdiff_t steps[2],
               *d = a + steps[0] + steps[1];
   if (ones)
     for (int i = 0; i < count + 2; i++)
-      row[i] = (a[i] > 0 ? 9.0f : 0) + (b[i] > 0 ? 3.0f : 0) + (c[i] > 0 ? 3.0f : 0) +
-               (d[i] > 0 ? 1.0f : 0);
+      row[i] = (float)((a[i] > 0 ? 9 : 0) + (b[i] > 0 ? 3 : 0) + (c[i] > 0 ? 3 : 0) +
+                       (d[i] > 0 ? 1 : 0));
   else
     for (int i = 0; i < count + 2; i++) row[i] = 9 * a[i] + 3 * b[i] + 3 * c[i] + d[i];
 }

@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/constants.h"
 #include "common/hdf5_file.h"
 #include "common/provenance.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/tracks.h"
 
 static enum status write_number(struct h5_file *file, const char *name, double value) {
@@ -153,6 +155,8 @@ enum status solute_result_write(const struct scene *scene, const struct solute_f
   TRY(h5_write_attribute_text(file, "/run", "status", r->status));
   TRY(h5_write_attribute_text(file, "/run", "scene_name", scene->name));
   TRY(h5_write_text(file, "/run/scene", scene->text));
+  const struct constant *tables[] = {common_constants, solute_constants};
+  TRY(constants_write(file, sizeof tables / sizeof *tables, tables));
   TRY(h5_make_group(file, "/run/timing"));
   TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &r->wall_time));
   TRY(write_solute(file, scene, flow, r));

@@ -28,11 +28,11 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/constants.h"
+#include "sphsolve/solute/flow.h"
 
 #define WAVES 16 /* wave numbers across the flow, along each axis: shorter waves are negligible */
 #define BLOCKS 4 /* along each axis */
-#define AXIS_COSINE_MIN 0.9 /* smallest cosine of the angle between the flow and its main axis */
 #define DIRECTIONS 4     /* directions that are transformed: the solver's three axes and the flow */
 #define DIRECTION_FLOW 3 /* the last of them */
 enum { ROW = 2 * WAVES + 1 };
@@ -95,7 +95,7 @@ cleanup:
 /* Fourier components of `values` (real, imaginary): waves -WAVES .. WAVES along the first axis, 0
  * .. WAVES along the second. */
 static void transform(const int n[2], const double *values, double wave[WAVES + 1][ROW][2]) {
-  const double turn = 6.283185307179586;
+  const double turn = 2 * M_PI;
   memset(wave, 0, sizeof(double) * (WAVES + 1) * ROW * 2);
   for (int j = 0; j < n[1]; j++) {
     double row[ROW][2] = {{0}};
@@ -142,7 +142,7 @@ static enum status add_waves(const struct solute_closure *closure, double s,
   }
   for (int a = 0; a < 3; a++)
     for (int i = 0; i < cells->n[a]; i++) side[a] += cells->width[a][i];
-  for (int a = 0; a < 2; a++) step[a] = 6.283185307179586 / side[a];
+  for (int a = 0; a < 2; a++) step[a] = 2 * M_PI / side[a];
   const double scale = 2 * s / ((double)c.n[0] * (double)c.n[1] * c.volume);
   /* In a mirrored box the waves (p, q) and (-p, q) are not independent. */
   const bool paired = images[closure->axis[0]] || images[closure->axis[1]];

@@ -5,21 +5,11 @@
 
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/solute/constants.h"
 #include "sphsolve/solute/walk_random.h"
 
-#define FLIGHT_MAX 1.0    /* longest flight, first spacings; and one cell at most */
-#define ADVECTION_MAX 0.5 /* longest mean advection in a step, first spacings */
-/* Memory of the walkers over W^2 / D_T: the slowest wave across a box of width W decays in W^2 / (4
- * pi^2 D_T); twice that. */
-#define MEMORY_FACTOR 0.05
-/* Variance of a coefficient times the number of its displacements; and the number of displacements
- * of each walker that a result is based on. */
-#define DISPLACEMENTS_VARIANCE 6.0
-#define DISPLACEMENTS_PER_WALKER 4.0
-#define WALKERS_MIN 4096
-
 size_t walk_walkers(double tolerance) {
-  const double displacements = DISPLACEMENTS_VARIANCE / pow(0.4 * tolerance, 2);
+  const double displacements = DISPLACEMENTS_VARIANCE / pow(NOISE_SHARE * tolerance, 2);
   const double groups =
       ceil(fmax(displacements / DISPLACEMENTS_PER_WALKER, WALKERS_MIN) / WALK_GROUPS);
   return (size_t)fmin(groups, 1e6) * WALK_GROUPS;
@@ -35,22 +25,23 @@ static double time_step(double peclet, double flight) {
 struct walk_pace walk_pace(double peclet, double widest, double across, double wanted) {
   struct walk_pace pace = {.dt = time_step(peclet, FLIGHT_MAX)};
   const double memory = MEMORY_FACTOR * widest * widest * (peclet > 0 ? peclet : 1) / across;
-  const double each = DISPLACEMENTS_VARIANCE / pow(0.4 * wanted, 2) / (double)walk_walkers(wanted);
+  const double each =
+      DISPLACEMENTS_VARIANCE / pow(NOISE_SHARE * wanted, 2) / (double)walk_walkers(wanted);
   pace.steps = WALK_INTERVAL * exp2(ceil(log2(fmax(memory / pace.dt / WALK_INTERVAL, 1))));
   pace.steps *= fmax(2, each);
   return pace;
 }
 
 double walk_bytes(size_t walkers) {
-  const double each =
-      sizeof(struct walker) * 2 + sizeof(struct walk_spot) * 16.0 + sizeof(float) * WALK_PLANES;
+  const double each = sizeof(struct walker) * 2 + (double)sizeof(struct walk_spot) * 16 +
+                      sizeof(float) * WALK_PLANES;
   return each * (double)walkers + sizeof(float) * 3.0 * WALK_TRACKED * WALK_TRACK;
 }
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
   /* Corners and bricks of all cells; in addition, first the search for the surface
    * (walk_surface.c), then a record and an index of each open cell. */
-  return (sizeof(int16_t) + sizeof(struct walk_brick) / 64.0) * (double)cells +
+  return (sizeof(int16_t) + (double)sizeof(struct walk_brick) / 64) * (double)cells +
          fmax(4 * sizeof(float) * (double)cells,
               (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores);
 }
@@ -176,16 +167,6 @@ cleanup:
   return status;
 }
 
-double walk_displacement(const struct walk *walk, const double direction[3],
-                         const struct walk_spot *spot, size_t w) {
-  const struct walk_spot *start = &walk->moments.start[w];
-  double sum = 0;
-  for (int a = 0; a < 3; a++)
-    sum += direction[a] * walk->moments.stretch[a] *
-           ((double)(spot->cell[a] - start->cell[a]) + ((double)spot->x[a] - (double)start->x[a]));
-  return sum;
-}
-
 /* Sets first passages since the last sample, assuming uniform motion in between. */
 static void record_passages(struct walk *walk) {
   if (!(walk->settings.peclet > 0)) return;
@@ -240,7 +221,7 @@ static double memory(const struct walk *walk) {
   const struct walk_cells *c = walk->cells;
   double widest = 0;
   for (int a = 0; a < 3; a++)
-    if ((c->dimensions == 3 || a != 1) && fabs(walk->settings.direction[a]) < 0.9)
+    if ((c->dimensions == 3 || a != 1) && fabs(walk->settings.direction[a]) < ALONG_COSINE)
       widest = fmax(widest, c->n[a] / (double)c->stretch[a]);
   return MEMORY_FACTOR * widest * widest / walk->diffusion;
 }

@@ -67,8 +67,15 @@ void walk_end(struct walk *walk);
 
 /* Displacement of walker w of this rank from its start to `spot`, along `direction`, first
  * spacings. */
-double walk_displacement(const struct walk *walk, const double direction[3],
-                         const struct walk_spot *spot, size_t w);
+static inline double walk_displacement(const struct walk *walk, const double direction[3],
+                                       const struct walk_spot *spot, size_t w) {
+  const struct walk_spot *start = &walk->moments.start[w];
+  double sum = 0;
+  for (int a = 0; a < 3; a++)
+    sum += direction[a] * walk->moments.stretch[a] *
+           ((double)(spot->cell[a] - start->cell[a]) + ((double)spot->x[a] - (double)start->x[a]));
+  return sum;
+}
 /* Records a histogram of the plume if one is due; walk_frames_sum adds the counts of all ranks on
  * the first rank (walk_frames.c; collective). */
 void walk_frames_take(struct walk *walk);

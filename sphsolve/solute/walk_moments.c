@@ -5,11 +5,7 @@
 
 #include "common/memory.h"
 #include "common/ranks.h"
-
-#define DISPLACEMENTS_MIN 2 /* fewest displacements of each walker for a lag to be used */
-#define COEFFICIENT_MIN 0.1 /* of D: errors of smaller coefficients are relative to this */
-#define SPREAD_MIN 0.5      /* least D_T / D in the memory: below it walls confine walkers */
-#define CONFIDENCE 2.0      /* standard errors: 95 % with 64 groups */
+#include "sphsolve/solute/constants.h"
 
 size_t walk_group_start(size_t walkers, int group) {
   return walkers * (size_t)group / WALK_GROUPS;

@@ -3,16 +3,9 @@
 #include <math.h>
 #include <stdbool.h>
 
-#include "sphsolve/solute/flow_internal.h"
-
-/* Largest distance of a wall from the middle of a face, cells, to lie between it and the next
- * face. */
-#define WALL_DISTANCE_MAX 1.5
-/* Smaller fractions of a face, open or closed, are treated as mere corners. */
-#define FRACTION_MIN 0.02
-/* Smallest change of the distance along a face, over the spacing, from which the wall has a
- * direction. */
-#define RISE_MIN 0.1
+#include "sphsolve/solute/constants.h"
+#include "sphsolve/solute/flow.h"
+#include "sphsolve/solute/flow_cells.h"
 
 /* Wall distance, m, at the middle of the face of axis `axis` that lies `by` cells from that of cell
  * x along `across`. */
@@ -39,7 +32,7 @@ static double wall_at(const struct solute_flow *f, const int x[3], int axis, int
   const double here = distance_at(f, x, axis, across, 0),
                there = distance_at(f, x, axis, across, by);
   const double wall = here > there ? here / (here - there) : INFINITY;
-  return wall <= WALL_DISTANCE_MAX ? fmax(wall, 0.5) : INFINITY;
+  return wall <= SLOPE_DISTANCE_MAX ? fmax(wall, 0.5) : INFINITY;
 }
 
 /* Slope of an uncut face: that in its middle of the parabola that has the mean of this face and, on

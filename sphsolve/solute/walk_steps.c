@@ -16,7 +16,7 @@ void walk_draw(uint32_t id, uint32_t number, uint32_t seed, uint32_t words[4]) {
 
 /* Sine and cosine of pi t for |t| <= 1/2: Taylor series up to the 11th power, error 6e-8. */
 static inline void half_turn(float t, float *sine, float *cosine) {
-  const float x = 3.14159265f * t, y = x * x;
+  const float x = (float)M_PI * t, y = x * x;
   *sine =
       x * (1 + y * (-1.f / 6 + y * (1.f / 120 + y * (-1.f / 5040 +
                                                      y * (1.f / 362880 - y * (1.f / 39916800))))));

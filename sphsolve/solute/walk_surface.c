@@ -4,7 +4,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
-#include "sphsolve/solute/flow_internal.h"
+#include "sphsolve/solute/flow.h"
 
 #define ROUNDS 8 /* of shifting corners; each reduces the rest by a third to a half */
 #define SUB 4    /* samples along each side of a cell */
@@ -16,7 +16,7 @@
  * around would shift a curved wall by 1/8 of its curvature), limited to the range of these
  * eight. */
 static float interpolated(const struct solute_flow *f, int i, int j, int k) {
-  static const double weight[4] = {-0.0625, 0.5625, 0.5625, -0.0625};
+  static const double weight[4] = {-1.0 / 16, 9.0 / 16, 9.0 / 16, -1.0 / 16};
   const int corner[3] = {i, j, k};
   double sum = 0, least = INFINITY, most = -INFINITY;
   size_t at[3][4], step = 1;

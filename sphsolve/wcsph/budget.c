@@ -26,8 +26,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#define SAMPLE_INTERVAL_MAX 64
-#define NOISE_FACTOR 3.5
+#include "sphsolve/wcsph/constants.h"
 
 void wcsph_budget_begin(const struct engine *engine, uint32_t terms, struct wcsph_budget *budget) {
   const bool walls = engine_has_walls(engine);

@@ -5,11 +5,9 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/wcsph/plan.h"
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/run.h"
 #include "sphsolve/geometry/percolation.h"
-
-/* Samples of the Darcy velocity per viscous time of a mean pore, gap^2/nu. */
-#define SAMPLES_PER_PORE_TIME 50.0
+#include "sphsolve/wcsph/constants.h"
 
 static void set_direction(struct wcsph_run *run) {
   const struct scene *scene = run->scene;
@@ -253,6 +251,7 @@ static const char *wall_name(const struct scene *scene) {
 const struct method method_wcsph = {
     .name = "wcsph",
     .effects = wcsph_effects,
+    .constants = wcsph_constants,
     .resolves_pores = true,
     .marches = true,
     .wall_layers = 4,

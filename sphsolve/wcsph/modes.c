@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/kernel.h"
+#include "sphsolve/wcsph/constants.h"
 
 /* Largest eigenvalue of a symmetric 3 x 3 matrix (Smith 1961). */
 static double largest_eigenvalue(double m[3][3]) {
@@ -98,7 +99,7 @@ double lattice_modes_dt(const struct lattice_modes *modes, bool absolute, double
     if (root > 0) low = low > 0 ? fmin(low, 2 / root) : 2 / root;
   }
   if (!(diffusion > 0)) return low > 0 ? low : INFINITY;
-  for (high = fmin(high, 8 * low); high > 1.0001 * low;) {
+  for (high = fmin(high, 8 * low); high > MODES_ROUNDING * low;) {
     const double dt = sqrt(low * high), q = 1 / (1 + dt * diffusion * modes->weights);
     bool stable = true;
     for (int w = 0; w < modes->count && stable; w++) {

@@ -1,4 +1,4 @@
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/run.h"
 
 #include <math.h>
 

@@ -11,16 +11,9 @@
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/state.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/modes.h"
 #include "sphsolve/wcsph/state.h"
-
-#define SUPPORT_DEFAULT 2.9        /* spacings */
-#define COMPRESSION 0.01           /* relative density change allowed by the sound speed */
-#define DT_SAFETY 0.8              /* fraction of the stable time step */
-#define PAIRS_PER_SECOND 350e6     /* per core, from make bench */
-#define DELTA_DIFFUSION 0.1        /* Molteni, Colagrossi 2009 */
-#define STABILISATION_INERTIAL 0.1 /* in dx/u: largest gamma for inertial flow */
-#define PEAK_VELOCITY_MODEL 6      /* largest / mean pore velocity in a sand; 2 in ducts */
 
 double wcsph_gap(const struct lattice *lattice) {
   size_t faces[3];
@@ -100,7 +93,7 @@ enum status wcsph_scales(struct plan *plan) {
   } else if (10 * speed > fmax(head, creep)) {
     context->sound_speed = 10 * speed;
     snprintf(why, EFFECT_WHY, "ten times the largest velocity expected, %.3g m/s", speed);
-    if (context->inertia > 0.01 && lattice->wall_count > 0)
+    if (context->inertia > ERGUN_TOLD && lattice->wall_count > 0)
       snprintf(why + strlen(why), EFFECT_WHY - strlen(why),
                " (Ergun: inertia takes %s %% of the force)",
                percent_format(context->inertia, text));
@@ -262,9 +255,10 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   plan->bytes_fluid = engine_bytes_fluid(&settings) + site;
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
   struct particle_fields fields = engine_fields(&settings);
-  plan->bytes_disk = (double)wcsph_copy_bytes(&fields) * 1.05 * (double)lattice->fluid_count +
-                     (double)lattice->count * ((lattice->region != NULL ? 2 : 0) +
-                                               (lattice->wall_distance && !subvoxel ? 4 : 0));
+  plan->bytes_disk =
+      (double)wcsph_copy_bytes(&fields) * SLOTS_FLUID * (double)lattice->fluid_count +
+      (double)lattice->count *
+          ((lattice->region != NULL ? 2 : 0) + (lattice->wall_distance && !subvoxel ? 4 : 0));
   plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +
                        plan->bytes_wall * (double)lattice->wall_count +
                        threads * engine_bytes_thread(lattice, context->support);
@@ -279,7 +273,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
         ceil(fmin(plan->steps + pressure_steps(plan, &modes), scene->end_time / plan->dt));
   if (scene->steady_tolerance > 0)
     plan->steps = fmax(plan->steps, fmin(WCSPH_SAMPLES_LEAST, ceil(scene->end_time / plan->dt)));
-  double passes = settings.wall == PASS_FROZEN ? 2.4 : 2;
+  double passes = settings.wall == PASS_FROZEN ? PASSES_FROZEN : 2;
   plan->seconds = plan->steps * passes * modes.neighbours * (double)lattice->fluid_count /
                   (PAIRS_PER_SECOND * threads);
   const double split = cascade_seconds(scene, plan, true);

@@ -1,15 +1,8 @@
 /* Cost of method wcsph on several ranks (docs/scaling.md). */
 #include <math.h>
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/plan.h"
-
-#define GHOST_BYTES_SENT 40.0 /* bytes sent per ghost and step */
-#define GHOST_REACH 2.5 /* extent of ghosts beyond the support, in spacings: two cluster widths */
-/* Additional bytes of a ghost relative to an own particle: messages minus lists. */
-#define GHOST_BYTES_EXTRA 25.0
-/* Bytes per site plus per fluid site during the search for paths through pores. */
-#define PATH_BYTES 4.0
-#define PARTITION_UNIT 2048.0 /* slots: partitions start at multiples of it */
 
 /* Number of sites within `reach` of a rank's part, limited to all others: the lattice is bisected
  * repeatedly across its longest side. */
@@ -36,7 +29,7 @@ void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ra
   const double share = fluid / fmax(sites, 1);
   const double reach = plan->context.support / plan->context.spacing + GHOST_REACH;
   const double beside = r > 1 ? count_ghost_sites(l, r, reach) : 0;
-  cost->uneven = 1 + 0.5 * PARTITION_UNIT * (r - 1) / fmax(fluid, 1);
+  cost->uneven = 1 + 0.5 * PARTITION_SLOTS * (r - 1) / fmax(fluid, 1);
   cost->ghosts = GHOST_BYTES_SENT * share * beside;
   cost->messages = 2 * fmin(r - 1, 12);
   cost->sums = 2;

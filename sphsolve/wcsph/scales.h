@@ -7,15 +7,8 @@
 #include <stdio.h>
 
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/modes.h"
-
-/* Stabilisation of the pressure next to walls, in dx^2/nu (effects/pressure_diffusion.h). With a
- * smaller value, alternating pressures block pores one or two particles wide (k of a sand -20 % at
- * 0); with a larger one, pressure passes through thin walls (+30 % at .02). */
-#define WCSPH_STABILISATION 0.005
-/* For particles on fixed sites, the same as in method stokes: its effect on smooth pressures is
- * corrected. */
-#define WCSPH_STABILISATION_EULERIAN 0.05
 
 /* Whether particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
 bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]);

@@ -1,7 +1,8 @@
 /* One step of a run, and what is due after it: watchdog, history row, snapshot, sample of the Darcy
  * velocity. The update of the particles is in engine/engine_step.c. */
 #include "common/units.h"
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/constants.h"
+#include "sphsolve/wcsph/run.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -41,9 +42,9 @@ static void show_progress(const struct wcsph_run *run, double velocity,
            100 * (totals->density_max - 1),
            seconds > 0 ? run->state.engine.pair_interactions / seconds / 1e6 : 0);
   const double steps = fmin((double)run->last_step, run->plan->steps);
-  double done = fmin((double)run->state.step / steps, 0.95);
+  double done = fmin((double)run->state.step / steps, PROGRESS_STEPS);
   if (tolerance > 0 && verdict->error < 1) done = fmax(done, log(verdict->error) / log(tolerance));
-  recorder_progress(run->recorder, fmin(done, 0.99), note);
+  recorder_progress(run->recorder, fmin(done, PROGRESS_MOST), note);
 }
 
 enum status wcsph_sample(struct wcsph_run *run, struct monitor_verdict *verdict) {

@@ -1,22 +1,11 @@
-#include "sphsolve/wcsph/internal.h"
+#include "sphsolve/wcsph/run.h"
 
 #include <math.h>
 #include <stdio.h>
 
 #include "common/log.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/effects/advection.h"
-
-/* Allowed relative deviation from the density at rest: beyond it, a pressure proportional to the
- * density change is meaningless. */
-#define DENSITY_BAND 0.5
-/* Fraction of the speed of sound: smaller rms speeds do not trip the energy bound (watchdog.h). */
-#define ENERGY_FLOOR 0.125
-/* A state is kept from this used fraction of a bound on, or if the step is this close to its limit,
- * or if the fluid does not start at rest. */
-#define KEEP_FROM 0.1
-#define KEEP_NEAR_LIMIT 0.85
-/* Largest displacement of a particle per step, in h (automatic step only). */
-#define ADVECTION_MAX 0.25
 
 static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_totals *totals,
                                      double *used) {
@@ -87,9 +76,9 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
       settings->wall == PASS_EULERIAN && cell > ADVECTION_CELL_REYNOLDS
           ? "the flow is too fast for particles that stay on their lattice points; write "
             "effects.shifting = \"on\""
-      : plan->dt > 0.9 * plan->dt_limit
+      : plan->dt > NEAR_DT_LIMIT * plan->dt_limit
           ? "the time step is near or beyond its limit; use wcsph.dt = \"auto\""
-      : plan->context.driving * plan->dt > 0.1 * state->engine.settings.sound_speed
+      : plan->context.driving * plan->dt > FORCE_STRONG * state->engine.settings.sound_speed
           ? "the force is too strong for this sound speed; raise wcsph.sound_speed"
           : "the sound speed is too low for this force; raise wcsph.sound_speed";
   char saved[4200] = "";

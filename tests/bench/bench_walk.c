@@ -12,7 +12,6 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/solute/flow.h"
-#include "sphsolve/solute/flow_internal.h"
 #include "sphsolve/solute/walk.h"
 #include "sphsolve/solute/walk_random.h"
 

@@ -1,15 +1,10 @@
 #!/usr/bin/env bats
-# The house: arrows point one way, and every effect is registered, on file and told of.
+# The house: every effect is registered, on file and told of (arrows: structure.bats).
 
 setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 
-@test "includes point from programs to their modules to common" {
-  run scripts/check-includes
-  [ "$status" -eq 0 ] || { echo "$output"; false; }
-}
-
 @test "every effect of the registry stands in docs/physics" {
-  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def; ls sphsolve/*/effects/registry.def)
   for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
     grep -q "^\*\*$effect\.\*\*" docs/physics/*.md || { echo "$effect is not in docs/physics"; failed=1; }
   done
@@ -25,7 +20,7 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 }
 
 @test "no name of an effect is compared as a string" {
-  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def)
+  files=$(sed -n 's/^#include "\(.*\)".*/\1/p' sphsolve/*/effects/registry.def; ls sphsolve/*/effects/registry.def)
   for effect in $(sed -n 's/^EFFECT(\([a-z0-9_]*\),.*/\1/p' $files); do
     ! grep -rnE "str(n)?cmp\([^;]*\"$effect\"" sphsolve || { echo "$effect is compared"; failed=1; }
   done
@@ -35,11 +30,6 @@ setup() { cd "$BATS_TEST_DIRNAME/../.."; }
 @test "per cents are printed by one rule, which has no exponents" {
   run grep -rnE '%\.[0-2]g %%' common ct2model sphsolve analyze --include='*.c'
   [ "$status" -eq 1 ] || { echo "$output"; false; }
-}
-
-@test "no file of ours is over 500 lines" {
-  run awk 'FNR == 501 { print FILENAME }' $(git ls-files '*.c' '*.h' '*.cc' 2>/dev/null || find common ct2model sphsolve analyze -name '*.[ch]')
-  [ -z "$output" ] || { echo "$output"; false; }
 }
 
 @test "sources are formatted (make format)" {

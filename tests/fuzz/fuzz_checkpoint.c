@@ -8,7 +8,7 @@
 #include "sphsolve/wcsph/state.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/output/recorder.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/scene_read.h"
 
 static const char text[] =
     "scene = { method = \"wcsph\"; end_time = \"1 s\"; };\n"

@@ -8,7 +8,7 @@
 #include <hdf5.h>
 #include <string.h>
 
-#include "common/hdf5_internal.h"
+#include "common/hdf5_probe.h"
 #include "fuzz_input.h"
 
 /* In place of the probe by a process of its own (common/hdf5_probe.c). */

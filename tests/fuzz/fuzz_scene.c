@@ -2,7 +2,7 @@
 #include <string.h>
 
 #include "fuzz_input.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/scene_read.h"
 
 /* libconfig 1.5 loses the strings of a text that a syntax error cuts off; not ours to free. */
 const char *__lsan_default_suppressions(void) {

@@ -10,6 +10,7 @@
 
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
+#include "sphsolve/scene/scene_read.h"
 #include "tests/unit/engine_vortex.h"
 
 static json_t *results;

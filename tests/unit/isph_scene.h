@@ -14,6 +14,7 @@
 #include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/method.h"
+#include "sphsolve/scene/scene_read.h"
 
 struct run {
   struct scene scene;

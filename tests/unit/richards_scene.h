@@ -11,9 +11,12 @@
 #include <unistd.h>
 
 #include "common/error.h"
+#include "sphsolve/richards/balance.h"
 #include "sphsolve/richards/method.h"
 #include "sphsolve/richards/output.h"
-#include "sphsolve/richards/state.h"
+#include "sphsolve/richards/sites.h"
+#include "sphsolve/richards/step.h"
+#include "sphsolve/scene/scene_read.h"
 
 struct run {
   struct scene scene;

@@ -10,6 +10,7 @@
 #include <cmocka.h>
 
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/scene/scene_read.h"
 
 /* The scan of S06 at its own resolution, mirrored: 480 x 480 x 511 voxels. */
 static void test_full_scan_fits(void **state) {

@@ -12,7 +12,7 @@
 #include <cmocka.h>
 
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/scene_read.h"
 #include "sphsolve/scene/scene_compare.h"
 
 static char path[] = "/tmp/tosui-scene-XXXXXX";

@@ -15,7 +15,7 @@
 
 #include "common/config.h"
 #include "common/error.h"
-#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/scene_read.h"
 #include "sphsolve/scene/stl.h"
 
 static char folder[] = "/tmp/test_stl_XXXXXX", path[64], scene_path[64];

@@ -16,6 +16,7 @@
 #include "common/log.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
+#include "sphsolve/scene/scene_read.h"
 
 static json_t *results;
 static char scene_file[] = "/tmp/verify_isph_XXXXXX";

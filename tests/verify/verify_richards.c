@@ -11,6 +11,7 @@
 #include "tests/unit/richards_scene.h"
 #include "tests/verify/richards_reference.h"
 #include "tests/verify/rows.h"
+#include "sphsolve/scene/scene_read.h"
 
 static const char *const *wanted;
 static int wanted_count;

@@ -14,6 +14,7 @@
 #include "common/memory.h"
 #include "sphsolve/wcsph/plan.h"
 #include "tests/verify/rows.h"
+#include "sphsolve/scene/scene_read.h"
 
 /* The error is taken over `scale`. */
 static void report_over(const char *name, double reference, double measured, double scale,

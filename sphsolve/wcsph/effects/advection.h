@@ -14,9 +14,8 @@
 
 #include <stdio.h>
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/scales.h"
-
-#define ADVECTION_CELL_REYNOLDS 5.0
 
 /* The pair function is shifting_carry (shifting.h): a particle at rest in the flow is one shifted
  * by u = -v. */

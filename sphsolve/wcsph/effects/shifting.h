@@ -18,12 +18,8 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_SHIFTING_H
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/simd.h"
-
-#define SHIFTING_STRENGTH 16.0
-#define SHIFTING_STRENGTH_LEAST 12.0 /* which the time step must permit */
-#define SHIFTING_STABLE 1.4          /* largest A U h K dt */
-#define SHIFTING_LIMIT 0.25
 
 SIMD_INLINE void shifting_pair(vec slope, vec x, vec y, vec z, vec sum[3]) {
   sum[0] += slope * x;

@@ -14,10 +14,8 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 #define TOSUI_SPHSOLVE_WCSPH_EFFECTS_WALL_SUBVOXEL_H
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/simd.h"
-
-#define WALL_SUBVOXEL_FLOOR 0.02 /* spacings */
-#define WALL_SUBVOXEL_BETA_MAX 0.7
 
 /* Weights of -(v_a - v_w) and of the curvature. Lengths in h. The distances of two points differ by
  * at most the length between them, so d_b is limited accordingly; `rough` increases where they
@@ -25,7 +23,7 @@
 SIMD_INLINE void wall_subvoxel_pair(vec slope, vec s, vec d_a, vec inverse_d_a, vec d_b,
                                     vec *weight, vec *beta, vec *rough) {
   vec zero = vec_set(0.0f);
-  *rough += vec_max(d_a + d_b - 1.1f * s, zero);
+  *rough += vec_max(d_a + d_b - (float)WALL_SUBVOXEL_ROUGH * s, zero);
   d_b = vec_max(vec_min(d_b, s - d_a), zero);
   *weight = slope * (1.0f + d_b * inverse_d_a);
   *beta += slope * d_b * (d_a + d_b);

@@ -8,11 +8,9 @@
 #include "common/kernel.h"
 #include "common/memory.h"
 #include "common/threads.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 #include "sphsolve/wcsph/engine/simd.h"
-
-/* Walls deeper than the support plus this, in spacings, are omitted. */
-#define WALL_MARGIN 0.8
 
 static enum status set_velocities(struct engine *engine) {
   enum status status = STATUS_OK;
@@ -43,11 +41,8 @@ static size_t local_capacity(const struct lattice *lattice, double support) {
   return ((size_t)(0.5 * sites) + 2048) / SIMD_LANES * SIMD_LANES;
 }
 
-/* Pairs per thread above which two threads need 10 % less time than one on an idle machine. */
-#define PAIRS_PER_THREAD 30e3
-
 int engine_threads(const struct lattice *lattice, double support, int most) {
-  double neighbours = lattice->dimensions == 3 ? 4.19 : 3.14;
+  double neighbours = lattice->dimensions == 3 ? 4.0 / 3 * M_PI : M_PI;
   for (int a = 0; a < 3; a++)
     if (lattice->dimensions == 3 || a != 1) neighbours *= support / lattice->spacing[a];
   return threads_for(neighbours * (double)lattice->fluid_count, PAIRS_PER_THREAD, most);

@@ -10,13 +10,6 @@
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/parallel/ghosts.h"
 
-/* In spacings: largest width of a cluster; path length for which lists are made, and their
- * additional margin relative to the path (see cluster_boxes_fluid). Optimised on sand models,
- * docs/performance.md. */
-#define ENGINE_REACH 4.0
-#define ENGINE_PATH 1.5
-#define ENGINE_SWERVE 0.4
-
 /* Force of an effect in its own file (struct effect): writes the accelerations, m/s^2, of slots
  * engine_first_slot to engine_end_slot, from the engine at the start of a step. */
 typedef void engine_force(const void *engine, double (*acceleration)[3]);

@@ -7,9 +7,7 @@
 #include "sphsolve/geometry/moment.h"
 #include "sphsolve/wcsph/engine/site_terms.h"
 #include "sphsolve/geometry/wall_shape.h"
-
-/* Upper bound of beta, as in method stokes: its value in a pore one site wide. */
-#define BETA_MAX 0.75
+#include "sphsolve/wcsph/constants.h"
 
 static double distance_of(const struct engine *engine, double there) {
   return fmax(there, WALL_SUBVOXEL_FLOOR * engine->pass.spacing);
@@ -45,7 +43,7 @@ void engine_eulerian_finish(struct engine *engine) {
       beta /= 1 - 0.5 * d * wall.curvature;
       terms.weight += fmax(beta * wall.curvature / (2 * pass->l_scale * d), -0.5 * terms.weight);
     }
-    terms.kept = 1 - fmin(fmax(beta, 0), BETA_MAX);
+    terms.kept = 1 - fmin(fmax(beta, 0), EULERIAN_BETA_MAX);
     for (int k = 0; k < 6; k++)
       m[k] = moment * (double)(k < 5 ? p->site_terms[k][i] : p->v_next[2][i]);
     double full[3][3] = {{m[0], m[3], m[4]}, {m[3], flat ? 1 : m[1], m[5]}, {m[4], m[5], m[2]}};

@@ -1,13 +1,6 @@
 /* Arrays of the engine, and their bytes per particle. */
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/engine.h"
-
-#define SLOTS_FLUID 1.05 /* slots per particle, including empty ones in clusters */
-#define SLOTS_WALL 1.02
-#define LISTS_FLUID 23.0   /* bytes of neighbour lists per particle */
-#define LISTS_EULERIAN 9.0 /* the same for resting particles, whose lists need no margin */
-#define LISTS_WALL 7.0     /* per wall slot with adami's walls */
-#define BOXES 3.0          /* bytes of boxes per slot while lists are made */
-#define BINS 2.1           /* bytes of the bins of boxes */
 
 struct particle_fields engine_fields(const struct engine_settings *s) {
   bool frozen = s->wall == PASS_FROZEN, adami = s->wall == PASS_ADAMI;

@@ -7,14 +7,11 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/effects/shifting.h"
 #include "sphsolve/wcsph/engine/engine_eulerian.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 
-/* Margin of the boxes for which lists are made, in spacings. */
-#define MARGIN 0.1
-/* Margin of the lists beyond the support, in spacings, so that rounding cannot lose a pair. */
-#define ROUNDING 1e-3
 /* Steps between removals of the mean pressure, and slots per block of its sum. */
 #define MEAN_STEPS 16
 #define MEAN_BLOCK 2048
@@ -104,7 +101,7 @@ static enum status make_lists(struct engine *engine, bool order) {
   struct cluster_set wall_boxes = {0};
   struct cluster_bins bins = {0};
   double spacing = engine->pass.spacing, path = ENGINE_PATH * spacing;
-  double range = engine->settings.support + ROUNDING * spacing, widest = 2 * p->reach;
+  double range = engine->settings.support + LIST_ROUNDING * spacing, widest = 2 * p->reach;
   if (order && engine->moved >= path) {
     engine_drop_lists(engine); /* frees memory for the keys */
     TRY(engine_is_distributed(engine) ? engine_order(engine) : particles_sort(p));
@@ -113,12 +110,12 @@ static enum status make_lists(struct engine *engine, bool order) {
   /* Time until the next ordering at the present speed. */
   double speed = engine->speed_max * (engine->settings.shift ? 1 + SHIFTING_LIMIT : 1);
   const bool eulerian = s->wall == PASS_EULERIAN;
-  double horizon = speed > 0 ? fmax(path - engine->moved, 0.1 * path) / speed : 0;
+  double horizon = speed > 0 ? fmax(path - engine->moved, PATH_LEFT_MIN * path) / speed : 0;
   if (eulerian) horizon = 0;
   if (RANKS) engine_await_ghosts(engine);
   engine->boxes.begin = engine_first_slot(engine) / CLUSTER;
   engine->boxes.end = engine_end_slot(engine) / CLUSTER;
-  TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, eulerian ? 0 : MARGIN * spacing,
+  TRY(cluster_boxes_fluid(p, horizon, ENGINE_SWERVE, eulerian ? 0 : BOX_MARGIN * spacing,
                           &engine->boxes));
   if (engine_is_distributed(engine)) {
     TRY(engine_list_distributed(engine, range, widest));

@@ -7,10 +7,8 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/engine_ranks.h"
-
-/* Smallest distance to a wall, in spacings: smaller values are noise. */
-#define WALL_DISTANCE_MIN 0.02
 
 enum status engine_sum_wall_base(struct engine *engine) {
   enum status status = STATUS_OK;
@@ -96,14 +94,14 @@ double engine_wall_distance(const struct engine *engine, size_t i) {
     size_t last = lattice->size[a] - 1, back = last * stride[a];
     double high = (double)field[near[a] < last ? site + stride[a] : site - back];
     double low = (double)field[near[a] > 0 ? site - stride[a] : site + back];
-    double spacing = lattice->spacing[a], most = 1.15 * spacing;
+    double spacing = lattice->spacing[a], most = WALL_SLOPE_MAX * spacing;
     double slope = slope_from_wall(low, here, high), steep = slope / spacing;
     smooth = smooth && fabs(high - here) < most && fabs(low - here) < most;
     along += slope * offset[a];
     square += steep * steep;
   }
   double d = here + (square > 1 ? along / sqrt(square) : along);
-  double least = WALL_DISTANCE_MIN * engine->pass.spacing;
+  double least = ENGINE_WALL_DISTANCE_MIN * engine->pass.spacing;
   d = d > least ? d : least;
   return smooth ? d : -d;
 }

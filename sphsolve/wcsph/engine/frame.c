@@ -21,7 +21,7 @@ void frame_make(const struct lattice *lattice, double clearance, struct frame *f
         frame->image_bits[a]++;
     frame->unit[a] = ldexp(frame->length[a], frame->image_bits[a] - 32);
     double step = ldexp(1.0, 32 - frame->image_bits[a]) / (double)lattice->size[a];
-    frame->step[a] = flat ? 0 : (uint32_t)fmin(step, 4294967295.0);
+    frame->step[a] = flat ? 0 : (uint32_t)fmin(step, (double)UINT32_MAX);
     frame->site_shift[a] = a == 0 ? 0 : frame->site_shift[a - 1] + bits;
     for (bits = 1; lattice->size[a] >> bits != 0; bits++) {
     }

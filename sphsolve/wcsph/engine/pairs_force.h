@@ -2,6 +2,7 @@
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_FORCE_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_FORCE_H
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/effects/pressure_difference.h"
 #include "sphsolve/wcsph/effects/pressure_symmetric.h"
 #include "sphsolve/wcsph/effects/shifting.h"

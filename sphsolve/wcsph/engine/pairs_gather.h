@@ -7,14 +7,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/pairs.h"
 #include "sphsolve/wcsph/engine/simd.h"
 
 /* Lengths in the buffer are in units of 2 h: the square root is computed doubled (simd.h), so that
  * it is r/h without another operation. */
 #define FAR_AWAY 1e6f
-/* Keeps 1/r finite for the pair of a particle with itself. */
-#define TINY 2.5e-9f
 /* Largest number of sums of a row over its columns. */
 #define MAX_SUMS 12
 
@@ -169,7 +168,7 @@ SIMD_INLINE struct geometry pair_geometry(const struct local *local, size_t k, c
   g.x = vec_load(local->field[LX] + k) - at[0];
   g.y = vec_load(local->field[LY] + k) - at[1];
   g.z = vec_load(local->field[LZ] + k) - at[2];
-  vec square = g.x * g.x + (g.y * g.y + (g.z * g.z + TINY));
+  vec square = g.x * g.x + (g.y * g.y + (g.z * g.z + (float)PAIR_TINY));
   g.s = vec_twice_sqrt(square, &g.inverse);
   return g;
 }

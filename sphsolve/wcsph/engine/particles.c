@@ -8,7 +8,7 @@
 #include "common/ranks.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/order.h"
-#include "sphsolve/wcsph/engine/particles_internal.h"
+#include "sphsolve/wcsph/engine/particle_arrays.h"
 
 /* All arrays of the fluid, 4 bytes per slot; the first `kept` ones are reordered with the
  * particles. */

@@ -4,12 +4,9 @@
 
 #include "common/memory.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/engine/order.h"
-#include "sphsolve/wcsph/engine/particles_internal.h"
-
-/* Largest depth of wall particles, relative to the reach of fluid: deeper ones act alike
- * (effects/wall_subvoxel.h). */
-#define DEPTH_MAX 1.2
+#include "sphsolve/wcsph/engine/particle_arrays.h"
 
 static size_t wall_arrays(struct particles *p, const struct particle_fields *fields,
                           struct slot_array list[24]) {
@@ -200,7 +197,7 @@ enum status particles_set_walls(const struct lattice *lattice, double range,
   size_t capacity = used + SLOT_PADDING;
   TRY(memory_allocate(&p->site, capacity, sizeof *p->site, "wall sites"));
   if (fields->wall_depth) {
-    p->depth_unit = DEPTH_MAX * range / UINT16_MAX;
+    p->depth_unit = WALL_DEPTH_MAX * range / UINT16_MAX;
     TRY(memory_allocate(&p->wall_depth, capacity, sizeof *p->wall_depth, "wall depths"));
   }
   if (fields->wall_region && lattice->region != NULL) {

@@ -15,6 +15,8 @@ struct site_terms {
   double weight;           /* weight of -v_a in the viscous sum */
 };
 
+/* Largest whole number of 18 bits and a sign. */
+enum { WORD_MOST = (1 << 18) - 1 };
 /* B's entries are at most 1/MOMENT_FLOOR. */
 #define CORRECTION_UNIT (1.0 / 3200)
 
@@ -63,17 +65,17 @@ static inline void vector_pack(const double v[3], double unit, uint32_t words[2]
   if (!(most > unit * power_down(126))) return;
   frexp(unit / most, &down); /* unit / most = f 2^down, f from .5 to 1 */
   down = down < 1 ? 0 : down - 1;
-  const double scale = 262143.0 / (unit * power_down(down));
+  const double scale = WORD_MOST / (unit * power_down(down));
   uint64_t bits = (uint64_t)down << 57;
   for (int a = 0; a < 3; a++) {
-    const double q = fmax(-262143.0, fmin(v[a] * scale, 262143.0));
+    const double q = fmax(-WORD_MOST, fmin(v[a] * scale, WORD_MOST));
     bits |= (uint64_t)(lrint(q) + 262144) << (19 * a);
   }
   words[0] = (uint32_t)bits, words[1] = (uint32_t)(bits >> 32);
 }
 static inline void vector_unpack(const uint32_t words[2], double unit, double v[3]) {
   const uint64_t bits = (uint64_t)words[1] << 32 | words[0];
-  const double scale = unit * power_down((int)(bits >> 57)) / 262143.0;
+  const double scale = unit * power_down((int)(bits >> 57)) / WORD_MOST;
   for (int a = 0; a < 3; a++)
     v[a] = bits == 0 ? 0.0 : ((int)(bits >> (19 * a) & 524287u) - 262144) * scale;
 }

@@ -11,7 +11,7 @@
 #include "sphsolve/wcsph/engine/simd.h"
 
 #define KERNEL_NAME quintic
-#define KERNEL_AT_0 66.0 /* W/alpha at s = 0 */
+#define KERNEL_AT_0 66 /* W/alpha at s = 0 */
 
 /* W / alpha. */
 SIMD_INLINE vec kernel_vector_w(vec s) {

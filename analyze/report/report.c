@@ -1,0 +1,98 @@
+/* The report: a page of what runs support. */
+#include <limits.h>
+#include <stdio.h>
+
+#include "analyze/dispersion.h"
+#include "analyze/product.h"
+#include "analyze/report/page.h"
+#include "analyze/report/page_model.h"
+#include "analyze/report/page_verdict.h"
+#include "analyze/report_command.h"
+#include "analyze/solute_flow.h"
+#include "common/log.h"
+#include "common/memory.h"
+#include "common/output_file.h"
+#include "common/output_guard.h"
+
+/* Prints the assessment of k and the advice as at the head of the page; with several results that
+ * of the first, with its name. */
+static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
+  struct page_model model;
+  json_t *results = verdict_results(runs, n, darcy, NULL);
+  const json_t *first = json_array_get(results, 0);
+  page_model_read(&runs[0], &model);
+  verdict_judge(results, &runs[0], &model);
+  if (first != NULL) {
+    const bool one = json_array_size(results) == 1;
+    const char *name = one ? "" : json_string_value(json_object_get(first, "name"));
+    printf("Verdict%s%s: %s. %s\n", one ? "" : " of ", name,
+           json_string_value(json_object_get(first, "good_for")),
+           json_string_value(json_object_get(first, "advice")));
+  }
+  json_decref(results);
+}
+
+/* The operands that are files of a solute; free with memory_free. */
+static enum status find_solutes(const struct options *options, const char ***paths, size_t *n) {
+  enum status status = STATUS_OK;
+  const size_t count = options_operand_count(options);
+  TRY(memory_allocate(paths, count, sizeof **paths, "names of files"));
+  for (size_t i = 0; i < count; i++)
+    if (dispersion_is(options_operand(options, i))) (*paths)[(*n)++] = options_operand(options, i);
+cleanup:
+  return status;
+}
+
+/* Moves the run with the finest lattice of the first run's body to the front, because its pictures
+ * are shown. The copies in *ordered own nothing. */
+static enum status put_finest_first(const struct run *runs, size_t n, struct run **ordered) {
+  enum status status = STATUS_OK;
+  size_t finest = 0;
+  TRY(memory_allocate(ordered, n, sizeof **ordered, "the runs of a report"));
+  for (size_t i = 1; i < n; i++)
+    if (runs[i].spacing[0] < 0.999 * runs[finest].spacing[0] &&
+        verdict_one_body(&runs[0], &runs[i]))
+      finest = i;
+  (*ordered)[0] = runs[finest];
+  for (size_t i = 0, at = 1; i < n; i++)
+    if (i != finest) (*ordered)[at++] = runs[i];
+cleanup:
+  return status;
+}
+
+static enum status write_report(const struct options *options, const struct run *runs, size_t n) {
+  enum status status = STATUS_OK;
+  json_t *json = NULL;
+  struct run *ordered = NULL;
+  const char **solutes = NULL;
+  size_t solute_count = 0;
+  static const char *const ENDINGS[] = {".html", ".htm", NULL};
+  const char *given = options_text(options, "output");
+  char path[PATH_MAX];
+  if (given == NULL || given[0] == '\0')
+    TRY_FAIL(STATUS_USAGE, "report: name the page with -o report.html");
+  TRY(output_name(given, ENDINGS, "a page is HTML (a browser prints it to PDF)", path,
+                  sizeof path));
+  TRY(output_allow(path));
+  TRY(find_solutes(options, &solutes, &solute_count));
+  TRY(solute_flow_check(solutes, solute_count, runs, n, options_given(options, "mix")));
+  TRY(put_finest_first(runs, n, &ordered));
+  TRY(page_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
+  if (options_json(options)) {
+    product_print_json(json);
+  } else if (log_level() > LOG_QUIET) {
+    printf("written: %s\n", path);
+  }
+cleanup:
+  memory_free(&ordered);
+  memory_free(&solutes);
+  json_decref(json);
+  return status;
+}
+
+const struct report_command report_command = {
+    .command = {"report", "RUN... -o report.html",
+                "one self-contained page of all that the runs support",
+                "analyze report dense-1G.hdf dense-5G.hdf dense-10G.hdf -o report.html", 1, -1},
+    .write = write_report,
+    .print_verdict = print_verdict};

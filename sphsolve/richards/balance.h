@@ -1,0 +1,15 @@
+/* States and fluxes of the present heads, and the water that they make. */
+#ifndef TOSUI_SPHSOLVE_RICHARDS_BALANCE_H
+#define TOSUI_SPHSOLVE_RICHARDS_BALANCE_H
+
+#include "sphsolve/richards/state.h"
+
+/* Centre of a site, m. */
+void richards_place(const struct richards *s, size_t i, double x[3]);
+/* Evaluates states and all fluxes at a time, for the present heads. */
+void richards_evaluate(struct richards *s, double time);
+/* Volume of water in the soil from its heads, m^3; and net inflow since the start, m^3. */
+double richards_water(const struct richards *s);
+double richards_net_inflow(const struct richards *s);
+
+#endif

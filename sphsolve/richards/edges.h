@@ -1,0 +1,20 @@
+/* Boundary faces, wells and drains. */
+#ifndef TOSUI_SPHSOLVE_RICHARDS_EDGES_H
+#define TOSUI_SPHSOLVE_RICHARDS_EDGES_H
+
+#include "sphsolve/richards/state.h"
+
+/* Fluxes through the boundary faces at a time, from the states of the sites. */
+void richards_edge_fluxes(struct richards *s, double time);
+/* Distributes the rates of wells for a step, evenly over their sites under pressure. */
+void richards_share_wells(struct richards *s);
+/* Whether it is a boundary face, through which water flows along its axis. */
+static inline bool richards_is_face(const struct richards_edge *edge) {
+  return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
+}
+/* Flux of rain on a boundary face, m/s; 0 if there is none. */
+double richards_rain_at(const struct richards_edge *edge, double time);
+/* Largest flux that a well takes there, m/s. */
+double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
+
+#endif

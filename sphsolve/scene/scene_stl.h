@@ -1,0 +1,18 @@
+/* Regions enclosed by a surface of triangles (stl.h). */
+#ifndef TOSUI_SPHSOLVE_SCENE_SCENE_STL_H
+#define TOSUI_SPHSOLVE_SCENE_SCENE_STL_H
+
+#include "common/config.h"
+#include "sphsolve/scene/scene_parts.h"
+
+/* Whether a group describes one. */
+bool scene_has_stl(config_node *group);
+/* Reads it, with its extent in `box`. */
+enum status scene_read_stl(struct config *config, config_node *group, const struct scene *scene,
+                           struct region *region);
+/* Cuts it into boxes. */
+enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
+                          struct scene_parts *parts);
+void scene_free_stl(struct region *region);
+
+#endif
