@@ -39,18 +39,20 @@
     return plain(p) ? String(n) : n.toExponential().replace('e+', 'e');
   };
   const percent = share => number(100 * share, Math.abs(share) < 0.1 ? 2 : 3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '') + ' %';
-  /* Values with one power of ten and the decimals that the second digit of an error needs. */
+  /* Values with one power of ten and the decimals that the second digit of an error needs, four digits at most. */
   function scaled(values, error) {
     const p = power(Math.max(...values.map(Math.abs)));
     const scale = plain(p) ? 1 : Math.pow(10, p);
-    const decimals = error > 0 ? Math.min(Math.max(1 - power(error / scale), 0), 10) : Math.max(2 - (plain(p) ? p : 0), 0);
-    return {texts: values.map(v => (v / scale).toFixed(decimals)), ten: plain(p) ? '' : ' × 10' + exponent(p), decimals: decimals, scale: scale};
+    const first = plain(p) ? p : 0, decimals = Math.max(error > 0 ? Math.min(1 - power(error / scale), 3 - first) : 2 - first, 0);
+    const round = v => (first > 3 && !(error > 0) ? Number(v.toPrecision(4)) : v / scale).toFixed(decimals);
+    return {texts: values.map(round), ten: plain(p) ? '' : ' × 10' + exponent(p), decimals: decimals, scale: scale};
   }
   /* "0.154 ± 0.002 cm/s" */
   function quantity(value, error, unit) {
     if (!known(value)) return '';
     if (!(error > 1e-6 * Math.abs(value))) return number(value) + ' ' + unit;
     const s = scaled([value], error), half = (error / s.scale).toFixed(s.decimals);
+    if (!(half > 0)) return s.texts[0] + s.ten + ' ' + unit;
     return s.ten ? `(${s.texts[0]} ± ${half})${s.ten} ${unit}` : `${s.texts[0]} ± ${half} ${unit}`;
   }
   /* ["0.0301 cm/s", "0.027 to 0.033 (95 %)"] */
@@ -123,12 +125,13 @@
     const under = (context, area, g) => {
       context.save();
       context.font = '12px system-ui, sans-serif';
+      const across = x => area.x + area.w * g.toPercentXCoord(x); /* of a logarithmic axis, too */
       lines.forEach((line, n) => {
         context.strokeStyle = context.fillStyle = css(line.colour || '--soft');
         context.setLineDash([6, 4]);
         context.beginPath();
         if (known(line.x)) {
-          const x = g.toDomXCoord(line.x), right = n > 0 && x < area.x + 0.6 * area.w;
+          const x = across(line.x), right = n > 0 && x < area.x + 0.6 * area.w;
           context.moveTo(x, area.y);
           context.lineTo(x, area.y + area.h);
           context.textAlign = right ? 'left' : 'right';
@@ -145,7 +148,7 @@
       context.setLineDash([]);
       series.forEach((s, i) => s.low && s.points.forEach((p, k) => { /* intervals */
         if (!known(s.low[k]) || !known(s.high[k])) return;
-        const x = g.toDomXCoord(p[0]), [a, b] = [s.low[k], s.high[k]].map(y => g.toDomYCoord(y));
+        const x = across(p[0]), [a, b] = [s.low[k], s.high[k]].map(y => g.toDomYCoord(y));
         context.strokeStyle = shade(s, i);
         context.lineWidth = 2;
         context.beginPath();
@@ -176,6 +179,7 @@
                        stepPlot: !!s.step, strokePattern: s.dash || null, ...(s.bars ? {plotter: barPlotter} : {})};
       });
       /* Only a canvas that has been on the screen gets to paper. */
+      const all = rows.map(r => r[0]), padded = options.logx ? {xRangePad: 0, dateWindow: [0.85 * Math.min(...all), Math.max(...all) / 0.85]} : {};
       const look = {series: per, gridLineColor: css('--line'), axisLineColor: css('--soft')};
       if (graph) {
         graph.updateOptions(look);
@@ -185,7 +189,7 @@
           labels: ['x', ...series.map(s => s.name)], connectSeparatedPoints: true, xlabel: xlabel, ylabel: ylabel, legend: 'never',
           axisLabelWidth: 62, xRangePad: 8, yRangePad: 12, labelsKMB: false, axes: {y: axis, x: {...axis, ...(options.logx ? {logscale: true} : {})}},
           underlayCallback: under, highlightCallback: (event, x, selected, index) => show(x, rows[index]), unhighlightCallback: () => show(),
-          ...look, ...options.dygraph});
+          ...padded, ...look, ...options.dygraph});
       }
       show();
     });
@@ -579,10 +583,13 @@
       });
     },
     dispersion(parent, dispersion) {
-      const lines = (key, name, c) => (dispersion.runs || [dispersion]).map(d => {
-        const points = zip(d.peclet, d[key]).filter(p => p[0] > 0), errors = d[key + '_error'] || [];
-        const at = sign => d.peclet.map((p, i) => [p, d[key][i] * (1 + sign * (errors[i] || 0))]).filter(p => p[0] > 0).map(p => p[1]);
-        return {name: name, points: points, dots: true, colour: c, low: at(-1), high: at(1)};
+      const runs = dispersion.runs || [dispersion];
+      const lines = (key, name, c) => runs.map(d => {
+        const errors = d[key + '_error'] || [], of = runs.length > 1 ? `${name}, ${(d.path || '').replace(/.*\//, '')}` : name;
+        /* Along an axis of one cell nothing spreads. */
+        const rows = d.peclet.map((p, i) => [p, d[key][i], errors[i] || 0]).filter(r => r[0] > 0 && r[1] > 1e-6);
+        return {name: of, points: rows.map(r => [r[0], r[1]]), dots: true, colour: c,
+                low: rows.map(r => r[1] * (1 - Math.min(r[2], 0.99))), high: rows.map(r => r[1] * (1 + r[2]))};
       });
       chart(parent, 'Dispersion', 'Peclet number (-)', 'D along or across the flow / D (-)',
             [...lines('longitudinal', 'along the flow', 0), ...lines('transverse', 'across the flow', 1)],
@@ -592,7 +599,8 @@
 
   function sections() {
     data.sections.forEach(s => {
-      const section = add(by('analyses'), 'section', {id: s.name}, add(null, 'h2', {}, s.heading));
+      const asked = ['dispersion', 'breakthrough', 'film'].includes(s.name);
+      const section = add(by(asked ? 'solute' : 'analyses'), 'section', {id: s.name}, add(null, 'h2', {}, s.heading));
       if (charts[s.name] && !s.svg) {
         charts[s.name](add(section, 'div', {class: 'charts'}), data[s.name]);
         note(section, s.caption);
