@@ -348,6 +348,8 @@
     }
     if (calibration && calibration.threshold) {
       const c = calibration, a = c.attributes, t = c.threshold, grey = {colour: '--soft'};
+      /* At the scan's own voxels the model's curves lie on those of the scan. */
+      const same = c.void_ratio_original && c.void_ratio.every((e, i) => e > 3 || Math.abs(e - c.void_ratio_original[i]) < 0.01 * e + 1e-3);
       const share = values => values && zip(t, values.map(v => v / Math.max(...values)));
       const counts = c.histogram_original || c.histogram, all = counts.reduce((sum, n) => sum + n, 0);
       let above = all; /* a few bright voxels would take half of the axis */
@@ -355,12 +357,12 @@
       const lines = [{x: a.threshold, name: 'threshold', colour: '--c1'}, {x: a.threshold_otsu, name: 'Otsu', ...grey},
                      {x: a.pore_peak, name: 'pore', ...grey}, {x: a.grain_peak, name: 'grain', ...grey}].filter(l => known(l.x));
       chart(by('histogram'), 'Histogram of grey values', 'Grey value', 'Voxels (of the most)',
-            [{name: 'scan', points: share(c.histogram_original) || []}, {name: 'model', points: share(c.histogram) || []}],
+            [{name: 'scan', points: share(c.histogram_original) || []}, !same && {name: 'model', points: share(c.histogram) || []}],
             {lines: lines, dygraph: {includeZero: true, dateWindow: [t[0], 1.05 * last]}});
       const measured = of('model').void_ratio_measured, most = 3 * (known(measured) ? measured : of('model').void_ratio);
       const curve = values => (values ? zip(t, values).filter(p => known(p[1]) && p[1] < most) : []);
       chart(by('calibration'), 'Void ratio by the threshold', 'Grey threshold', 'Void ratio (-)',
-            [{name: 'scan', points: curve(c.void_ratio_original)}, {name: 'model', points: curve(c.void_ratio)}],
+            [{name: 'scan', points: curve(c.void_ratio_original)}, !same && {name: 'model', points: curve(c.void_ratio)}],
             {lines: [lines[0], known(measured) && {y: measured, name: 'measured'}].filter(l => l), dygraph: {includeZero: true}});
     }
     if (scanner && scanner.edge_response) {
