@@ -134,7 +134,7 @@ compile_commands.json: Makefile $(BUILD)/config.mk ## how each file is compiled,
 
 # ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
-ASSETS = analyze/report/page.css analyze/report/page.js $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
+ASSETS = $(addprefix analyze/report/page,.html .css .js _pictures.js) $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
   $(JAVASCRIPT)/three/three.min.js $(JAVASCRIPT)/three/examples/js/controls/OrbitControls.js
 define asset_rule
 $(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))

@@ -22,11 +22,8 @@ struct subject {
   size_t permeable;
   size_t flowing; /* number of them with a permeability above 0 */
   bool snapshots; /* every run has a snapshot */
-  bool maps;      /* the report shows maps of speed and pressure in a plane */
+  bool maps;      /* the report shows the flow in a plane */
 };
-
-/* How a section is shown on the page: not at all, collapsed at the end, or open. */
-enum showing { SHOW_NOT, SHOW_FOLDED, SHOW_OPEN };
 
 #define ANALYSIS_OPTIONS 4
 
@@ -42,12 +39,12 @@ struct analysis {
   const char *delivered_with;
 
   /* The section of the page; without a heading there is none. */
-  /* HTML; `contents` is the entry in the list of sections. */
+  /* Plain text; `contents` is the entry in the list of sections. */
   const char *heading, *contents, *caption;
   /* Runs in the section: all, those with a permeability, those with a permeability above 0, or, if
    * none has a permeability, the first. */
   enum { OF_ALL, OF_PERMEABLE, OF_FLOWING, OF_FIRST } page_runs;
-  bool charts;   /* page.js draws its data, and the plot is a substitute */
+  bool charts;   /* page.js draws its data; otherwise the page shows the plot */
   bool may_fail; /* on failure the page gives a warning and omits the section */
 
   /* Decides by the contents of the subject whether the analysis applies, without running it. NULL:
@@ -56,8 +53,8 @@ struct analysis {
   /* Computes JSON, CSV, plot and summary. `options` is NULL for the page. */
   enum status (*analyze)(const struct subject *subject, const struct options *options,
                          struct product *product);
-  /* How the section is shown; NULL: open. */
-  enum showing (*showing)(const struct subject *subject, const json_t *json);
+  /* Whether the section says anything; NULL: always. */
+  bool (*shown)(const struct subject *subject, const json_t *json);
 };
 
 #define ANALYSIS(name) extern const struct analysis name##_analysis;

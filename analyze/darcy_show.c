@@ -382,15 +382,15 @@ static enum status applies(const struct subject *subject, bool *applies) {
   return STATUS_OK;
 }
 
-/* A section with a line through a single point is collapsed. */
-static enum showing showing(const struct subject *subject, const json_t *json) {
+/* A line through a single point says nothing. */
+static bool shown(const struct subject *subject, const json_t *json) {
   size_t i;
   const json_t *group;
   (void)subject;
   json_array_foreach(json_object_get(json, "groups"), i, group) {
-    if (json_array_size(json_object_get(group, "runs")) > 1) return SHOW_OPEN;
+    if (json_array_size(json_object_get(group, "runs")) > 1) return true;
   }
-  return SHOW_FOLDED;
+  return false;
 }
 
 const struct analysis darcy_analysis = {
@@ -398,11 +398,11 @@ const struct analysis darcy_analysis = {
     .command = {"darcy", "RUN... [-o DIR]",
                 "permeability with its error: Darcy velocity against gradient",
                 "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
-    .heading = "Darcy&rsquo;s law",
-    .contents = "Darcy&rsquo;s law",
+    .heading = "Darcy's law",
+    .contents = "Darcy's law",
     .caption = "Darcy velocity against hydraulic gradient with the fitted line.",
     .page_runs = OF_PERMEABLE,
     .charts = true,
     .applies = applies,
     .analyze = analyze,
-    .showing = showing};
+    .shown = shown};

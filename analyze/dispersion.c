@@ -417,5 +417,6 @@ const struct analysis dispersion_analysis = {
     .contents = "Dispersion",
     .caption = "How fast a solute spreads along and across the flow, over the molecular diffusion "
                "coefficient, against the Peclet number.",
+    .charts = true,
     .applies = applies,
     .analyze = analyze};

@@ -195,15 +195,15 @@ cleanup:
   return status;
 }
 
-/* The section is collapsed for a record of a few rows and for iterations. */
-static enum showing showing(const struct subject *subject, const json_t *json) {
+/* A record of a few rows, or of iterations, says nothing. */
+static bool shown(const struct subject *subject, const json_t *json) {
   (void)json;
   for (size_t i = 0; i < subject->n; i++) {
     const struct run *run = &subject->runs[i];
     if (run->column_count > 0 && run->columns[0].rows >= 10 && strcmp(run->method, "stokes") != 0)
-      return SHOW_OPEN;
+      return true;
   }
-  return SHOW_FOLDED;
+  return false;
 }
 
 const struct analysis history_analysis = {
@@ -217,4 +217,4 @@ const struct analysis history_analysis = {
                "what the scene records.",
     .charts = true,
     .analyze = analyze,
-    .showing = showing};
+    .shown = shown};

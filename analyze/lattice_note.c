@@ -12,6 +12,10 @@ double lattice_note_k(const struct run *run) {
   return run->k_finest > 0.0 ? run->k_finest : run->k;
 }
 
+double lattice_note_scale(const struct run *run) {
+  return differs(run) ? run->k / run->k_finest : 1.0;
+}
+
 void lattice_note_write(const struct run *run, const char *before, const char *after,
                         FILE *stream) {
   if (!differs(run)) return;

@@ -308,8 +308,8 @@ const struct analysis pdf_analysis = {
     .heading = "Pore velocity",
     .page_runs = OF_FLOWING,
     .contents = "Pore velocity",
-    .caption = "Probability density of the velocity along the driving force, raw and over the pore "
-               "mean, with those of a slit, a tube, an exponential and a fitted power-exponential.",
+    .caption = "Probability density of the velocity along the driving force, and of this over the "
+               "mean in the pores with an exponential and a fitted power-exponential.",
     .charts = true,
     .applies = applies,
     .analyze = analyze};

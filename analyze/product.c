@@ -12,12 +12,12 @@
 #include "common/output_guard.h"
 #include "common/provenance.h"
 
-static enum status text_start(struct text *text) {
+enum status text_start(struct text *text) {
   text->stream = open_memstream(&text->data, &text->size);
   return text->stream != NULL ? STATUS_OK : FAIL(STATUS_RUN, "out of memory for a text");
 }
 
-static enum status text_finish(struct text *text) {
+enum status text_finish(struct text *text) {
   if (text->stream == NULL) return STATUS_OK;
   int bad = ferror(text->stream);
   bad |= fclose(text->stream) != 0;
@@ -25,7 +25,7 @@ static enum status text_finish(struct text *text) {
   return bad ? FAIL(STATUS_RUN, "out of memory for a text") : STATUS_OK;
 }
 
-static void text_free(struct text *text) {
+void text_free(struct text *text) {
   if (text->stream != NULL) fclose(text->stream);
   free(text->data);
   memset(text, 0, sizeof *text);

@@ -14,8 +14,11 @@
 struct text {
   char *data;
   size_t size;
-  FILE *stream; /* for fprintf; product_finish makes `data` valid */
+  FILE *stream; /* for fprintf; text_finish makes `data` valid */
 };
+enum status text_start(struct text *text);
+enum status text_finish(struct text *text);
+void text_free(struct text *text);
 
 struct product {
   const char *name; /* "darcy" */

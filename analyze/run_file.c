@@ -69,6 +69,8 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
   TRY(read_numbers(file, "k_low", 1, &run->k_low));
   TRY(read_numbers(file, "k_high", 1, &run->k_high));
   TRY(read_numbers(file, "k_finest", 1, &run->k_finest));
+  TRY(read_numbers(file, "k_low_image", 1, &run->k_low_image));
+  TRY(read_numbers(file, "k_high_image", 1, &run->k_high_image));
   TRY(read_numbers(file, "reynolds", 1, &run->reynolds));
   TRY(read_numbers(file, "predicted_error", 1, &run->predicted_error));
   run->wall_time = h5_attribute_or_nan(file, "/run/timing", "wall_time");

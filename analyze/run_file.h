@@ -51,6 +51,8 @@ struct run {
   double k, k_error;        /* m/s; relative, of solver or averaging only; NAN if not stored */
   /* m/s: 95 % interval, k of the finest lattice; NAN if not stored. */
   double k_low, k_high, k_finest;
+  double k_low_image,
+      k_high_image; /* m/s: of the image itself, not of its material; NAN likewise */
   /* Relative resolution error expected by explain; NAN if not stored. */
   double reynolds, predicted_error;
   double wall_time, steps;        /* s; NAN if not stored */

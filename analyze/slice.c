@@ -289,9 +289,9 @@ static enum status applies(const struct subject *subject, bool *applies) {
 }
 
 /* Omitted if the page has maps of a plane, which show the same. */
-static enum showing showing(const struct subject *subject, const json_t *json) {
+static bool shown(const struct subject *subject, const json_t *json) {
   (void)json;
-  return subject->maps ? SHOW_NOT : SHOW_OPEN;
+  return !subject->maps;
 }
 
 const struct analysis slice_analysis = {
@@ -308,4 +308,4 @@ const struct analysis slice_analysis = {
     .caption = "Velocity in the plane, half-way through the body; grains and walls are grey.",
     .applies = applies,
     .analyze = analyze,
-    .showing = showing};
+    .shown = shown};

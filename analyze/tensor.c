@@ -49,14 +49,14 @@ cleanup:
 }
 
 static const struct {
-  const char *name, *html, *key;
+  const char *name, *key;
   double per; /* unit in m/s or m^2; 0: voxel^2 */
   bool area;
-} units[] = {{"cm/s", "cm/s", "k_cm_per_s", 100, false},
-             {"m/s", "m/s", "k_m_per_s", 1, false},
-             {"m^2", "m&sup2;", "permeability_m2", 1, true},
-             {"darcy", "darcy", "permeability_darcy", 1 / DARCY, true},
-             {"voxel^2", "voxel&sup2;", "permeability_voxel2", 0, true}};
+} units[] = {{"cm/s", "k_cm_per_s", 100, false},
+             {"m/s", "k_m_per_s", 1, false},
+             {"m^2", "permeability_m2", 1, true},
+             {"darcy", "permeability_darcy", 1 / DARCY, true},
+             {"voxel^2", "permeability_voxel2", 0, true}};
 enum { UNITS = sizeof units / sizeof *units, CM_PER_S = 0, M_PER_S = 1 };
 
 static double in_unit(const struct tensor *t, int u, double k) {
@@ -109,8 +109,7 @@ static bool list_axes(const struct tensor *t, int value, int other, const char *
   return found;
 }
 
-/* Writes the effect of symmetry on the off-diagonal terms and of the sample's sides on k. */
-static void write_symmetry(const struct tensor *t, FILE *stream) {
+void tensor_symmetry(const struct tensor *t, FILE *stream) {
   bool by_run = false;
   for (int a = 0; a < 3; a++) by_run = by_run || t->mirrored[a] == BY_RUN;
   const char *what = by_run ? "Each direction's sample is its own mirror image along "
@@ -150,62 +149,6 @@ void tensor_summary(const struct tensor *t, FILE *stream) {
     fputc('\n', stream);
   }
   fputs("  ", stream);
-  write_symmetry(t, stream);
+  tensor_symmetry(t, stream);
   fputc('\n', stream);
-}
-
-/* Number of decimals with which the smallest of the errors is visible. */
-static int decimals(const struct tensor *t) {
-  double least = INFINITY, most = 0;
-  for (int i = 0; i < 9; i++) {
-    const double half = 50 * (t->high[i] - t->low[i]);
-    if (half > 0) least = fmin(least, half);
-    most = fmax(most, 100 * fabs(t->k[i]));
-  }
-  if (!isfinite(least)) least = 1e-3 * most;
-  least = fmax(least, 1e-4 * most);
-  return least > 0 ? (int)fmin(12, fmax(0, -floor(log10(least)))) : 3;
-}
-
-/* A value that would be rounded to -0 becomes 0. */
-static double shown(double value, int decimals) {
-  return fabs(value) < 0.5 * pow(10, -decimals) ? 0.0 : value;
-}
-
-void tensor_html(const struct tensor *t, FILE *out) {
-  const int digits = decimals(t);
-  fputs("<div class=\"wide\"><table class=\"tensor\"><caption>Permeability tensor, cm/s: flow "
-        "along the row&rsquo;s axis "
-        "under a gradient along the column&rsquo;s</caption>"
-        "<thead><tr><th></th><th>x</th><th>y</th><th>z</th></tr></thead><tbody>\n",
-        out);
-  for (int i = 0; i < 3; i++) {
-    fprintf(out, "<tr><th>%c</th>", "xyz"[i]);
-    for (int j = 0; j < 3; j++) {
-      const double half = 50 * (t->high[3 * i + j] - t->low[3 * i + j]);
-      fprintf(out, "<td>%.*f", digits, shown(100 * t->k[3 * i + j], digits));
-      if (half > 0) fprintf(out, " &plusmn;&nbsp;%.*f", digits, half);
-      fputs("</td>", out);
-    }
-    fputs("</tr>\n", out);
-  }
-  fputs("</tbody></table></div>\n<div class=\"wide\"><table class=\"tensor\"><caption>Its "
-        "principal values</caption><tbody>"
-        "<tr><th>along</th>",
-        out);
-  for (const double *a = t->axes; a < t->axes + 9; a += 3)
-    fprintf(out, "<th>(%.2f, %.2f, %.2f)</th>", a[0], a[1], a[2]);
-  fputs("</tr>\n", out);
-  for (int u = 0; u < UNITS; u++) {
-    fprintf(out, "<tr><th>%s</th>", units[u].html);
-    for (int p = 0; p < 3; p++) fprintf(out, "<td>%.3g</td>", in_unit(t, u, t->principal[p]));
-    fputs("</tr>\n", out);
-  }
-  fputs("<tr><th>95&nbsp;%, cm/s</th>", out);
-  for (int p = 0; p < 3; p++)
-    fprintf(out, "<td>%.*f to %.*f</td>", digits, 100 * t->principal_low[p], digits,
-            100 * t->principal_high[p]);
-  fputs("</tr>\n</tbody></table></div>\n<p class=\"note\">", out);
-  write_symmetry(t, out);
-  fputs("</p>\n", out);
 }

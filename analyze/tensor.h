@@ -22,9 +22,10 @@ struct tensor {
 /* *found is false if the run has no tensor. */
 enum status tensor_read(const struct run *run, struct tensor *tensor, bool *found);
 
-/* The tensor as JSON (a new object), as text, and as HTML tables. */
+/* The tensor as JSON (a new object), and as text. */
 json_t *tensor_json(const struct tensor *tensor);
 void tensor_summary(const struct tensor *tensor, FILE *stream);
-void tensor_html(const struct tensor *tensor, FILE *stream);
+/* Sentences on the effect of symmetry on the off-diagonal terms, and of the sample's sides on k. */
+void tensor_symmetry(const struct tensor *tensor, FILE *stream);
 
 #endif

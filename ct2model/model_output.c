@@ -1,6 +1,9 @@
 #include "ct2model/model_output.h"
 
+#include <jansson.h>
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
@@ -198,6 +201,22 @@ cleanup:
   return status;
 }
 
+/* What the slices are by the description that generate_sand puts beside them: that a scan is
+ * synthetic goes with all that is made of it. */
+static enum status write_origin(struct h5_file *file, const char *slice) {
+  enum status status = STATUS_OK;
+  const char *slash = strrchr(slice, '/');
+  char path[8200];
+  if (snprintf(path, sizeof path, "%.*ssand.json", slash == NULL ? 0 : (int)(slash - slice) + 1,
+               slice) >= (int)sizeof path)
+    return STATUS_OK;
+  json_t *description = json_load_file(path, 0, NULL);
+  const char *what = json_string_value(json_object_get(description, "what"));
+  if (what != NULL) status = h5_write_attribute_text(file, "/provenance", "origin", what);
+  json_decref(description);
+  return status;
+}
+
 static enum status write_provenance(struct h5_file *file, const struct pipeline *pipeline,
                                     const struct options *options) {
   enum status status = STATUS_OK;
@@ -218,6 +237,7 @@ static enum status write_provenance(struct h5_file *file, const struct pipeline 
   }
   if (status != STATUS_OK) goto cleanup;
   TRY(provenance_write(file, "ct2model", options_command_line(options), n, paths, hashes));
+  if (n > 0) TRY(write_origin(file, paths[0]));
 cleanup:
   memory_free(&hashes);
   memory_free(&paths);

@@ -1,4 +1,6 @@
-/* The report: one self-contained HTML page with everything that the runs support. */
+/* The report: one self-contained HTML page with everything that the runs support. Its markup,
+ * style and script are page.html, page.css, page.js and page_pictures.js; what it shows is one
+ * block of JSON in it (docs/analyze.md). */
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_H
 #define TOSUI_ANALYZE_REPORT_PAGE_H
 
@@ -7,7 +9,7 @@
 
 #include "analyze/run_file.h"
 
-/* Writes the page to `path`, atomically, and its numbers, the JSON of every analysis in it, into
+/* Writes the page to `path`, atomically, and its numbers, all of its JSON but "pictures", into
  * *json (a new object). `solutes`: files of solutes in the flows of the runs (dispersion.h).
  * `command_line` is shown at the foot of the page. */
 enum status page_write(const struct run *runs, size_t n, const char *const *solutes,

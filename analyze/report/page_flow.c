@@ -1,15 +1,35 @@
-#include "analyze/report/page_flow.h"
-
+/* Grains and flow in three dimensions: a coarsened grain field, streamlines, and the pores that
+ * carry half of the flow. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "analyze/report/page_html.h"
+#include "analyze/report/page_encode.h"
+#include "analyze/report/page_pictures.h"
+#include "common/json_number.h"
 #include "common/memory.h"
 #include "common/statistics.h"
 
-#define LINES 220               /* streamlines to be traced */
-#define LINE_POINTS 240         /* largest number of points of a streamline */
-static const double step = 0.5; /* of a streamline, in cells */
+/* Largest number of cells along an axis of the coarsened fields. */
+#define FLOW_SIDE 128
+#define FLOW_CELLS (64 * 64 * 64) /* and in total */
+#define LINES 220                 /* streamlines to be traced */
+#define LINE_POINTS 240           /* largest number of points of a streamline */
+static const double step = 0.5;   /* of a streamline, in cells */
+
+struct flow {
+  size_t size[3];    /* cells of the coarse grid, in the order x, y, z */
+  double cell[3];    /* m */
+  float *solid;      /* [z][y][x] grain fraction, 0..1 */
+  float *velocity;   /* [z][y][x][3] m/s, mean of the particles, 0 in grains */
+  double speed_high; /* m/s, 99th percentile, where the colour scale ends */
+  /* [z][y][x] share of the cell's water that belongs to the part carrying half of the flow */
+  float *paths;
+  double paths_share; /* share of the pore water that carries half of the flow */
+  size_t line_count, point_count;
+  size_t *line_start; /* [line_count + 1] into points */
+  float *points;      /* [point_count][4]: x y z in cells, speed / speed_high */
+};
 
 static size_t index_of(const struct flow *flow, size_t x, size_t y, size_t z) {
   return (z * flow->size[1] + y) * flow->size[0] + x;
@@ -42,7 +62,8 @@ cleanup:
   return status;
 }
 
-size_t flow_cell(const struct run *run, const struct flow *flow, const double place[3]) {
+/* Index of the cell at a position, periodic. */
+static size_t flow_cell(const struct run *run, const struct flow *flow, const double place[3]) {
   size_t at[3];
   for (int d = 0; d < 3; d++) {
     double low = run->origin[d] - 0.5 * run->spacing[d];
@@ -208,32 +229,101 @@ static void choose_cells(const struct run *run, struct flow *flow) {
   } while (cells > FLOW_CELLS);
 }
 
-enum status flow_build(const struct run *run, const struct particles *particles,
-                       struct flow *flow) {
+static double along(const struct run *run, const double v[3]) {
+  return v[0] * run->direction[0] + v[1] * run->direction[1] + v[2] * run->direction[2];
+}
+
+static int falling(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return x < y ? 1 : x > y ? -1 : 0;
+}
+
+/* Finds the fastest water along the force that together carries half of the flow. */
+static enum status find_paths(const struct run *run, const struct particles *particles,
+                              struct flow *flow) {
   enum status status = STATUS_OK;
-  double *speeds = NULL;
-  memset(flow, 0, sizeof *flow);
-  choose_cells(run, flow);
-  TRY(fill_solid(run, flow));
-  TRY(fill_velocity(run, particles, flow));
+  const size_t cells = flow->size[0] * flow->size[1] * flow->size[2];
+  double *speeds = NULL, total = 0.0, carried = 0.0;
+  float *count = NULL;
+  size_t carriers = 0;
+  TRY(memory_allocate(&flow->paths, cells, sizeof *flow->paths, "the flow's carriers"));
+  TRY(memory_allocate(&count, cells, sizeof *count, "the flow's carriers"));
   TRY(memory_allocate(&speeds, particles->count, sizeof *speeds, "speeds"));
+  for (size_t i = 0; i < particles->count; i++)
+    total += speeds[i] = along(run, &particles->velocity[3 * i]);
+  qsort(speeds, particles->count, sizeof *speeds, falling);
+  while (carriers < particles->count && carried < 0.5 * total) carried += speeds[carriers++];
+  const double least = carriers > 0 ? speeds[carriers - 1] : INFINITY;
+  flow->paths_share = (double)carriers / (double)particles->count;
   for (size_t i = 0; i < particles->count; i++) {
-    const double *v = &particles->velocity[3 * i];
-    speeds[i] = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    const size_t cell = flow_cell(run, flow, &particles->points[3 * i]);
+    count[cell] += 1.0f;
+    if (along(run, &particles->velocity[3 * i]) >= least) flow->paths[cell] += 1.0f;
   }
-  flow->speed_high = quantile(speeds, particles->count, 0.99);
-  if (flow->speed_high > 0.0) TRY(fill_lines(flow));
+  for (size_t c = 0; c < cells; c++)
+    if (count[c] > 0) flow->paths[c] *= (1.0f - flow->solid[c]) / count[c];
 cleanup:
+  memory_free(&count);
   memory_free(&speeds);
-  if (status != STATUS_OK) flow_free(flow);
   return status;
 }
 
-void flow_free(struct flow *flow) {
+/* Positions in 1/500 cell (enough for FLOW_SIDE cells) and speeds over the highest times 65535, as
+ * unsigned 16-bit integers. */
+static enum status encode_lines(const struct flow *flow, json_t *picture) {
+  enum status status = STATUS_OK;
+  json_t *lines = json_array();
+  uint16_t *words = NULL;
+  TRY(memory_allocate(&words, 4 * flow->point_count + 1, sizeof *words, "streamlines"));
+  for (size_t i = 0; i < 4 * flow->point_count; i++)
+    words[i] = (uint16_t)lrintf(flow->points[i] * (i % 4 == 3 ? 65535.0f : 500.0f));
+  for (size_t i = 0; i < flow->line_count; i++)
+    json_array_append_new(
+        lines, json_integer((json_int_t)(flow->line_start[i + 1] - flow->line_start[i])));
+  json_object_set(picture, "lines", lines);
+  json_object_set_new(picture, "points", encode_bytes(words, 8 * flow->point_count));
+cleanup:
+  json_decref(lines);
+  memory_free(&words);
+  return status;
+}
+
+static void flow_free(struct flow *flow) {
   memory_free(&flow->solid);
   memory_free(&flow->velocity);
   memory_free(&flow->paths);
   memory_free(&flow->line_start);
   memory_free(&flow->points);
-  memset(flow, 0, sizeof *flow);
+}
+
+enum status picture_flow(const struct run *run, const struct particles *particles, bool paths,
+                         json_t **picture) {
+  enum status status = STATUS_OK;
+  double *speeds = NULL;
+  struct flow flow = {0};
+  choose_cells(run, &flow);
+  TRY(fill_solid(run, &flow));
+  TRY(fill_velocity(run, particles, &flow));
+  TRY(memory_allocate(&speeds, particles->count, sizeof *speeds, "speeds"));
+  for (size_t i = 0; i < particles->count; i++) {
+    const double *v = &particles->velocity[3 * i];
+    speeds[i] = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+  }
+  flow.speed_high = quantile(speeds, particles->count, 0.99);
+  if (flow.speed_high > 0.0) TRY(fill_lines(&flow));
+  const size_t cells = flow.size[0] * flow.size[1] * flow.size[2];
+  *picture = json_pack("{s:[I,I,I],s:o,s:o,s:o}", "size", (json_int_t)flow.size[0],
+                       (json_int_t)flow.size[1], (json_int_t)flow.size[2], "cell_m",
+                       json_numbers(flow.cell, 3), "speed_high", json_number(flow.speed_high),
+                       "grains", encode_nibbles(flow.solid, cells));
+  TRY(encode_lines(&flow, *picture));
+  if (paths && flow.speed_high > 0.0) {
+    TRY(find_paths(run, particles, &flow));
+    json_object_set_new(*picture, "paths", encode_nibbles(flow.paths, cells));
+    json_put_number(*picture, "pore_share_of_half_the_flow", flow.paths_share);
+  }
+cleanup:
+  memory_free(&speeds);
+  flow_free(&flow);
+  return status;
 }

@@ -1,11 +1,13 @@
 #include "analyze/report/page_methods.h"
 
 #include <math.h>
+#include <stdarg.h>
 #include <string.h>
 
-#include "analyze/report/page_html.h"
+#include "analyze/product.h"
 #include "analyze/tensor.h"
 #include "common/hdf5_file.h"
+#include "common/json_number.h"
 #include "common/kernel.h"
 #include "common/provenance.h"
 
@@ -60,17 +62,37 @@ static const struct reference references[] = {
                  "dispersion. Water Resour. Res. 40, W11501."},
 };
 enum { REFERENCES = sizeof references / sizeof *references };
-struct cited {
+/* The paragraph as it grows, and the references cited so far. */
+struct prose {
+  FILE *stream;
   size_t count, reference[REFERENCES];
 };
 
-static void cite(FILE *stream, const char *key, struct cited *cited) {
+static size_t cite(struct prose *prose, const char *key, size_t length) {
   size_t n = 0;
-  while (n < cited->count && strcmp(references[cited->reference[n]].key, key) != 0) n++;
-  if (n == cited->count)
-    for (size_t i = 0; i < REFERENCES; i++)
-      if (strcmp(references[i].key, key) == 0) cited->reference[cited->count++] = i;
-  fprintf(stream, " [%zu]", n + 1);
+  while (n < prose->count && strncmp(references[prose->reference[n]].key, key, length) != 0) n++;
+  for (size_t i = 0; n == prose->count && i < REFERENCES; i++)
+    if (strncmp(references[i].key, key, length) == 0) prose->reference[prose->count++] = i;
+  return n + 1;
+}
+
+/* Writes text, in which [key] becomes the number of that reference. */
+__attribute__((format(printf, 2, 3))) static void say(struct prose *prose, const char *format,
+                                                      ...) {
+  char text[600];
+  va_list arguments;
+  va_start(arguments, format);
+  vsnprintf(text, sizeof text, format, arguments);
+  va_end(arguments);
+  for (const char *at = text; *at != '\0';) {
+    const size_t plain = strcspn(at, "[");
+    fwrite(at, 1, plain, prose->stream);
+    at += plain;
+    if (*at == '\0') break;
+    const size_t length = strcspn(at + 1, "]");
+    fprintf(prose->stream, "[%zu]", cite(prose, at + 1, length));
+    at += length + 2;
+  }
 }
 
 /* Reynolds number above which inertia is mentioned: creeping flow has none. */
@@ -78,7 +100,8 @@ static void cite(FILE *stream, const char *key, struct cited *cited) {
 
 /* Axes along which the sample is mirrored, and closed sides. The mirrored sides of a model are
  * those along x and y. */
-static void write_sides(const struct run *run, const struct page_model *model, FILE *stream) {
+static void write_sides(const struct run *run, const struct page_model *model,
+                        struct prose *prose) {
   bool sides = strcmp(model->sides, "mirrored") == 0;
   char axes[3] = "";
   size_t count = 0;
@@ -86,190 +109,159 @@ static void write_sides(const struct run *run, const struct page_model *model, F
     if (model->mirror_axis[0] == "xyz"[d] || (sides && d < 2) || run->mirrored[d])
       axes[count++] = "xyz"[d];
   for (size_t i = 0; i < count; i++)
-    fprintf(stream, "%s%c",
-            i == 0           ? "; it is mirrored along "
-            : i + 1 == count ? " and "
-                             : ", ",
-            axes[i]);
-  if (strcmp(model->sides, "closed") == 0) fputs("; its sides are walls", stream);
+    say(prose, "%s%c",
+        i == 0           ? "; it is mirrored along "
+        : i + 1 == count ? " and "
+                         : ", ",
+        axes[i]);
+  if (strcmp(model->sides, "closed") == 0) say(prose, "; its sides are walls");
 }
 
 /* Origin of the geometry, as far as the model file describes it. */
 static void write_geometry(const struct run *run, const struct page_model *model,
-                           struct cited *cited, FILE *stream) {
+                           struct prose *prose) {
   if (!model->named) return;
   if (!model->found) {
-    fputs(model->other ? ", from a model file that was changed or replaced after the run"
-                       : ", from a model file that could not be read when this page was made",
-          stream);
+    say(prose, model->other ? ", from a model file that was changed or replaced after the run"
+                            : ", from a model file that could not be read when this page was made");
     return;
   }
   if (!model->scanned) {
-    fputs(", from a voxel model", stream);
+    say(prose, ", from a voxel model");
     return;
   }
-  fputs(", made by ct2model from an image", stream);
+  say(prose, ", made by ct2model from an image");
   switch (model->rule) {
   case RULE_MATCHED:
-    fprintf(stream,
-            " whose grey threshold (%.4g) was set so that the model has the void ratio measured on "
-            "the specimen, %.4g",
-            model->threshold, model->void_ratio_measured);
+    say(prose,
+        " whose grey threshold (%.4g) was set so that the model has the void ratio measured on "
+        "the specimen, %.4g",
+        model->threshold, model->void_ratio_measured);
     if (fabs(model->void_ratio / model->void_ratio_measured - 1.0) > 0.01)
-      fprintf(stream, " (it has %.4g)", model->void_ratio);
+      say(prose, " (it has %.4g)", model->void_ratio);
     break;
   case RULE_OTSU:
-    fprintf(stream, " at the grey threshold of Otsu&rsquo;s method");
-    cite(stream, "otsu", cited);
-    fprintf(stream, ", %.4g, which gives a void ratio of %.4g", model->threshold,
-            model->void_ratio);
+    say(prose,
+        " at the grey threshold of Otsu's method [otsu], %.4g, which gives a void ratio of %.4g",
+        model->threshold, model->void_ratio);
     break;
   case RULE_GIVEN:
-    fprintf(stream, " at a given grey threshold of %.4g, which gives a void ratio of %.4g",
-            model->threshold, model->void_ratio);
+    say(prose, " at a given grey threshold of %.4g, which gives a void ratio of %.4g",
+        model->threshold, model->void_ratio);
     break;
   case RULE_LABELS:
-    fprintf(stream, " that was segmented before; the model has a void ratio of %.4g",
-            model->void_ratio);
+    say(prose, " that was segmented before; the model has a void ratio of %.4g", model->void_ratio);
     break;
   default:
-    fprintf(stream, "; it has a void ratio of %.4g", model->void_ratio);
+    say(prose, "; it has a void ratio of %.4g", model->void_ratio);
   }
   if ((model->rule == RULE_OTSU || model->rule == RULE_GIVEN || model->rule == RULE_LABELS)) {
     if (isfinite(model->void_ratio_measured))
-      fprintf(stream, "; %.4g was measured on the specimen", model->void_ratio_measured);
+      say(prose, "; %.4g was measured on the specimen", model->void_ratio_measured);
     else
-      fputs("; no measured void ratio was given", stream);
+      say(prose, "; no measured void ratio was given");
   }
-  write_sides(run, model, stream);
+  write_sides(run, model, prose);
 }
 
 /* Smoothing of the grain surface before the run, as needed to repeat it. */
-static void write_surface(const struct page_model *model, FILE *stream) {
+static void write_surface(const struct page_model *model, struct prose *prose) {
   if (model->rule == RULE_LABELS && model->smoothing > 0.0) {
-    fprintf(
-        stream,
+    say(prose,
         "Walls are drawn through the labels smoothed by a Gaussian with a standard deviation of "
-        "%.4g &micro;m",
+        "%.4g µm",
         1e6 * model->smoothing);
     if (model->smoothing_even > 0.0)
-      fprintf(stream, ", where they are even enough of %.4g &micro;m without its second moment",
-              1e6 * model->smoothing_even);
-    fputs(", at the volume of their pores. ", stream);
+      say(prose, ", where they are even enough of %.4g µm without its second moment",
+          1e6 * model->smoothing_even);
+    say(prose, ", at the volume of their pores. ");
   }
   if (model->blur_removed)
-    fprintf(stream,
-            "The scanner&rsquo;s blur, by the edges of the scan a Gaussian with a standard "
-            "deviation of %.4g &micro;m, was taken out of the surface. ",
-            1e6 * model->blur);
+    say(prose,
+        "The scanner's blur, by the edges of the scan a Gaussian with a standard "
+        "deviation of %.4g µm, was taken out of the surface. ",
+        1e6 * model->blur);
 }
 
-static void write_solver(const struct run *run, struct cited *cited, FILE *stream) {
+static void write_solver(const struct run *run, struct prose *prose) {
   if (strcmp(run->method, "stokes") == 0) {
-    fputs(
-        "The steady creeping flow was solved with the smoothed particle hydrodynamics operators of",
-        stream);
-    cite(stream, "morris", cited);
-    fputs(" on the lattice itself. ", stream);
+    say(prose, "The steady creeping flow was solved with the smoothed particle hydrodynamics "
+               "operators of [morris] on the lattice itself. ");
     if (run->reynolds > INERTIA_REYNOLDS)
-      fprintf(stream, "Inertia is left out, at a Reynolds number of %.2g. ", run->reynolds);
+      say(prose, "Inertia is left out, at a Reynolds number of %.2g. ", run->reynolds);
   } else if (strcmp(run->method, "isph") == 0) {
-    fputs("The unified Navier-Stokes and extended Darcy equations were integrated by stabilised "
-          "incompressible smoothed particle hydrodynamics",
-          stream);
-    cite(stream, "morimoto", cited);
-    cite(stream, "akbari", cited);
-    fputs(". ", stream);
+    say(prose, "The unified Navier-Stokes and extended Darcy equations were integrated by "
+               "stabilised incompressible smoothed particle hydrodynamics [morimoto] [akbari]. ");
   } else if (strcmp(run->method, "richards") == 0) {
-    fputs("The equation of Richards for water in soil that is not full", stream);
-    cite(stream, "richards", cited);
-    fputs(" was solved in its mass-conserving form", stream);
-    cite(stream, "celia", cited);
-    fputs(" on fixed sites, with the curves of van Genuchten", stream);
-    cite(stream, "genuchten", cited);
-    fputs(" and Mualem", stream);
-    cite(stream, "mualem", cited);
-    fputs(". ", stream);
+    say(prose, "The equation of Richards for water in soil that is not full [richards] was solved "
+               "in its mass-conserving form [celia] on fixed sites, with the curves of van "
+               "Genuchten [genuchten] and Mualem [mualem]. ");
   } else if (strcmp(run->method, "wcsph") == 0) {
-    fprintf(stream,
-            "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of",
-            /* The default of older runs. */
-            kernel_in_words(*run->kernel ? run->kernel : "quintic"));
-    cite(stream, "morris", cited);
-    fputs(" was integrated in time. ", stream);
+    say(prose,
+        "Weakly compressible smoothed particle hydrodynamics with a %s and the viscosity of "
+        "[morris] was "
+        "integrated in time. ",
+        /* The default of older runs. */
+        kernel_in_words(*run->kernel ? run->kernel : "quintic"));
   }
 }
 
-static void write_walls(const struct run *run, const struct page_model *model, struct cited *cited,
-                        FILE *stream) {
+static void write_walls(const struct run *run, const struct page_model *model,
+                        struct prose *prose) {
   if (strcmp(run->wall, "adami") == 0) {
-    fputs("Grain surfaces carry dummy velocities", stream);
-    cite(stream, "adami", cited);
-    fputs(". ", stream);
+    say(prose, "Grain surfaces carry dummy velocities [adami]. ");
   } else if (strcmp(run->wall, "subvoxel") == 0) {
-    fputs("No slip holds at the wall itself, by image velocities from the distance to it, after",
-          stream);
-    cite(stream, "basa", cited);
+    say(prose, "No slip holds at the wall itself, by image velocities from the distance to it, "
+               "after [basa]");
     if (model->found)
-      fprintf(stream, "; walls are %s",
-              model->wall_distance    ? "the model&rsquo;s signed distances to the grain surface"
-              : model->grain_fraction ? "found from the grain fraction of the voxels"
-                                      : "the faces of the voxels");
-    fputs(". ", stream);
+      say(prose, "; walls are %s",
+          model->wall_distance    ? "the model's signed distances to the grain surface"
+          : model->grain_fraction ? "found from the grain fraction of the voxels"
+                                  : "the faces of the voxels");
+    say(prose, ". ");
   } else if (strcmp(run->wall, "frozen") == 0) {
-    fputs("Grains are frozen fluid particles after", stream);
-    cite(stream, "saomoto", cited);
-    fputs(", which widens every gap by one spacing. ", stream);
+    say(prose, "Grains are frozen fluid particles after [saomoto], which widens every gap by one "
+               "spacing. ");
   }
 }
 
-static void write_soil(const struct page_model *model, FILE *stream) {
+static void write_soil(const struct page_model *model, struct prose *prose) {
   if (model->soil)
-    fputs("Soil with pores below the voxel is solved together with the open pores, as a porous "
-          "medium with a drag of its own permeability. ",
-          stream);
+    say(prose,
+        "Soil with pores below the voxel is solved together with the open pores, as a porous "
+        "medium with a drag of its own permeability. ");
 }
 
 /* Lattices of a single run that solved several. */
-static void write_lattices(const struct run *run, struct cited *cited, FILE *stream) {
+static void write_lattices(const struct run *run, struct prose *prose) {
   const struct run_levels *l = &run->levels;
-  fprintf(stream,
-          "The error of resolution is that of the limit of %zu lattices with spacings from %.4g to "
-          "%.4g &micro;m, averaged over the orders of convergence",
-          l->count, 1e6 * l->spacing[0], 1e6 * l->spacing[l->count - 1]);
-  cite(stream, "hoeting", cited);
-  fputs(strcmp(run->method, "stokes") == 0 ? "; the permeability is that limit. " : ". ", stream);
+  say(prose,
+      "The error of resolution is that of the limit of %zu lattices with spacings from %.4g to "
+      "%.4g µm, averaged over the orders of convergence",
+      l->count, 1e6 * l->spacing[0], 1e6 * l->spacing[l->count - 1]);
+  say(prose, " [hoeting]");
+  say(prose, strcmp(run->method, "stokes") == 0 ? "; the permeability is that limit. " : ". ");
 }
 
 static void write_result(const struct run *run, const struct methods_facts *facts,
-                         struct cited *cited, FILE *stream) {
+                         struct prose *prose) {
   if (!facts->permeable) return;
   if (facts->averaged) {
-    fputs("The Darcy velocity was averaged after the start-up, whose end is given by the marginal "
-          "standard "
-          "error rule",
-          stream);
-    cite(stream, "white", cited);
-    fputs("; its error is from batch means", stream);
-    cite(stream, "flegal", cited);
-    fputs(". ", stream);
+    say(prose, "The Darcy velocity was averaged after the start-up, whose end is given by the "
+               "marginal standard error rule [white]; its error is from batch means [flegal]. ");
   }
-  fputs(facts->fitted
-            ? "Permeability is the slope of the superficial velocity against the hydraulic gradient"
-            : "Permeability is the superficial velocity over the hydraulic gradient",
-        stream);
-  if (facts->extrapolated) fputs(", extrapolated over the spacings of the runs", stream);
-  fputs("; errors are 95&nbsp;% half widths. ", stream);
-  if (facts->index) {
-    fputs("The error of resolution is a grid convergence index", stream);
-    cite(stream, "celik", cited);
-    fputs(". ", stream);
-  }
-  if (facts->lattices && run->levels.count > 1) write_lattices(run, cited, stream);
+  say(prose,
+      facts->fitted
+          ? "Permeability is the slope of the superficial velocity against the hydraulic gradient"
+          : "Permeability is the superficial velocity over the hydraulic gradient");
+  if (facts->extrapolated) say(prose, ", extrapolated over the spacings of the runs");
+  say(prose, "; errors are 95 %% half widths. ");
+  if (facts->index) say(prose, "The error of resolution is a grid convergence index [celik]. ");
+  if (facts->lattices && run->levels.count > 1) write_lattices(run, prose);
 }
 
 /* Method by which the dispersion coefficients of solutes were determined. */
-static enum status write_solutes(const struct subject *subject, struct cited *cited, FILE *stream) {
+static enum status write_solutes(const struct subject *subject, struct prose *prose) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   bool closure = false, walk = false;
@@ -281,17 +273,10 @@ static enum status write_solutes(const struct subject *subject, struct cited *ci
     h5_close(file);
     file = NULL;
   }
-  fputs("How a solute disperses in the flow was found ", stream);
-  if (closure) {
-    fputs("from the closure problem of its transport", stream);
-    cite(stream, "brenner", cited);
-    fputs(" on finite volumes", stream);
-  }
-  if (walk) {
-    fputs(closure ? ", and by random walks" : "by random walks", stream);
-    cite(stream, "bijeljic", cited);
-  }
-  fputs(". ", stream);
+  say(prose, "How a solute disperses in the flow was found ");
+  if (closure) say(prose, "from the closure problem of its transport [brenner] on finite volumes");
+  if (walk) say(prose, closure ? ", and by random walks [bijeljic]" : "by random walks [bijeljic]");
+  say(prose, ". ");
 cleanup:
   h5_close(file);
   return status;
@@ -306,43 +291,56 @@ static bool run_is_cubic(const struct run *run) {
   return cubic;
 }
 
-enum status page_methods(const struct subject *subject, const struct page_model *model,
-                         const struct methods_facts *facts, FILE *stream) {
+static enum status write_all(const struct subject *subject, const struct page_model *model,
+                             const struct methods_facts *facts, struct prose *prose) {
   enum status status = STATUS_OK;
-  struct cited cited = {0};
   struct tensor tensor;
   bool has_tensor;
   const struct run *run = &subject->runs[0];
-  fprintf(stream, "<p>Flow was computed with Tosui %s", TOSUI_VERSION);
-  cite(stream, "tosui", &cited);
   const bool coarse = run->spacing[0] > 1e-3;
   const double unit = coarse ? 1e3 : 1e6;
-  fprintf(stream, " on a lattice of %zu &times; %zu &times; %zu points of %.4g", run->size[0],
-          run->size[1], run->size[2], unit * run->spacing[0]);
+  say(prose,
+      "Flow was computed with Tosui %s [tosui] on a lattice of %zu × %zu × %zu points of %.4g",
+      TOSUI_VERSION, run->size[0], run->size[1], run->size[2], unit * run->spacing[0]);
   if (!run_is_cubic(run))
-    fprintf(stream, " &times; %.4g &times; %.4g", unit * run->spacing[1], unit * run->spacing[2]);
-  fputs(coarse ? " mm" : " &micro;m", stream);
-  write_geometry(run, model, &cited, stream);
-  fputs(". ", stream);
-  write_surface(model, stream);
-  fprintf(stream, "The fluid had a density of %g kg/m&sup3; and a viscosity of %g Pa&nbsp;s. ",
-          run->density, run->viscosity);
-  write_solver(run, &cited, stream);
-  write_walls(run, model, &cited, stream);
-  write_soil(model, stream);
+    say(prose, " × %.4g × %.4g", unit * run->spacing[1], unit * run->spacing[2]);
+  say(prose, coarse ? " mm" : " µm");
+  write_geometry(run, model, prose);
+  say(prose, ". ");
+  write_surface(model, prose);
+  say(prose, "The fluid had a density of %g kg/m³ and a viscosity of %g Pa s. ", run->density,
+      run->viscosity);
+  write_solver(run, prose);
+  write_walls(run, model, prose);
+  write_soil(model, prose);
   if (subject->n > 1)
-    fprintf(stream, "%zu runs entered this page; lattice, model and fluid are the first&rsquo;s. ",
-            subject->n);
-  write_result(run, facts, &cited, stream);
+    say(prose, "%zu runs entered this page; lattice, model and fluid are the first's. ",
+        subject->n);
+  write_result(run, facts, prose);
   TRY(tensor_read(run, &tensor, &has_tensor));
   if (has_tensor)
-    fputs("The tensor of permeability is from three flows, each driven along one of x, y and z. ",
-          stream);
-  TRY(write_solutes(subject, &cited, stream));
-  fputs("</p>\n<ol class=\"references\">\n", stream);
-  for (size_t i = 0; i < cited.count; i++)
-    fprintf(stream, "<li>%s</li>\n", references[cited.reference[i]].text);
-  fputs("</ol>\n", stream);
+    say(prose,
+        "The tensor of permeability is from three flows, each driven along one of x, y and z. ");
+  TRY(write_solutes(subject, prose));
 cleanup:
+  return status;
+}
+
+enum status page_methods(const struct subject *subject, const struct page_model *model,
+                         const struct methods_facts *facts, json_t **methods) {
+  enum status status = STATUS_OK;
+  struct text text = {0};
+  struct prose prose = {0};
+  json_t *list = json_array();
+  TRY(text_start(&text));
+  prose.stream = text.stream;
+  TRY(write_all(subject, model, facts, &prose));
+  TRY(text_finish(&text));
+  for (size_t i = 0; i < prose.count; i++)
+    json_array_append_new(list, json_string(references[prose.reference[i]].text));
+  *methods = json_pack("{s:o,s:O}", "text", json_text(text.data), "references", list);
+cleanup:
+  json_decref(list);
+  text_free(&text);
   return status;
 }

@@ -3,7 +3,8 @@
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
 #define TOSUI_ANALYZE_REPORT_PAGE_METHODS_H
 
-#include <stdio.h>
+#include <jansson.h>
+#include <stdbool.h>
 
 #include "analyze/analysis.h"
 #include "analyze/report/page_model.h"
@@ -18,8 +19,8 @@ struct methods_facts {
   bool lattices;     /* or is estimated from the lattices of a single run */
 };
 
-/* Writes HTML: the paragraph, and the list of the references cited. */
+/* {"text": the paragraph, in which [n] cites the n-th of "references"}; a new object. */
 enum status page_methods(const struct subject *subject, const struct page_model *model,
-                         const struct methods_facts *facts, FILE *stream);
+                         const struct methods_facts *facts, json_t **methods);
 
 #endif

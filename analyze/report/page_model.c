@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/hdf5_file.h"
+#include "common/json_number.h"
 #include "common/memory.h"
 
 /* Finds the value of a long option on a command line; false if the option is absent. As with
@@ -84,10 +85,22 @@ void page_model_read(const struct run *run, struct page_model *model) {
   read_text(file, "/model", "sides", model->sides, sizeof model->sides);
   read_text(file, "/provenance", "program", program, sizeof program);
   read_text(file, "/provenance", "command_line", line, sizeof line);
+  read_text(file, "/provenance", "origin", model->origin, sizeof model->origin);
   model->scanned = strcmp(program, "ct2model") == 0;
   if (model->scanned)
     model->rule = h5_attribute_or_nan(file, "/calibration", "segmented") > 0.0
                       ? RULE_LABELS
                       : rule_of(model, line);
   h5_close(file);
+}
+
+json_t *page_model_json(const struct page_model *model) {
+  static const char *const RULES[] = {"", "matched", "otsu", "given", "labels"};
+  const char *state = model->found   ? "found"
+                      : model->other ? "changed"
+                      : model->named ? "missing"
+                                     : "none";
+  return json_pack("{s:s,s:o,s:s,s:o,s:s}", "state", state, "path", json_text(model->path), "rule",
+                   RULES[model->rule], "void_ratio_walls", json_number(model->void_ratio_walls),
+                   "origin", model->origin);
 }

@@ -3,6 +3,7 @@
 #ifndef TOSUI_ANALYZE_REPORT_PAGE_MODEL_H
 #define TOSUI_ANALYZE_REPORT_PAGE_MODEL_H
 
+#include <jansson.h>
 #include <stdbool.h>
 
 #include "analyze/run_file.h"
@@ -35,10 +36,15 @@ struct page_model {
   double porosity, specific_surface;
   char mirror_axis[8]; /* "x", "y", "z", "none", "": unknown */
   char sides[16];      /* "periodic", "closed", "mirrored", "": unknown */
+  char origin[256];    /* what the scan is, as its own description says; "" unknown */
   char path[8200];
 };
 
 /* Never fails: what cannot be read is unknown. */
 void page_model_read(const struct run *run, struct page_model *model);
+
+/* {"state": "none", "missing", "changed" (not the one that was run) or "found", "path", "rule":
+ * "matched", "otsu", "given", "labels" or "", "void_ratio_walls", "origin"}; a new object. */
+json_t *page_model_json(const struct page_model *model);
 
 #endif

@@ -24,10 +24,8 @@ static enum status run_part(struct page *page, size_t i) {
   TRY(analysis->analyze(&subject, NULL, &part->product));
   TRY(product_finish(&part->product));
   part->there = true;
-  part->showing = analysis->heading == NULL ? SHOW_NOT
-                  : analysis->showing != NULL
-                      ? analysis->showing(&page->subject, part->product.json)
-                      : SHOW_OPEN;
+  part->shown = analysis->heading != NULL &&
+                (analysis->shown == NULL || analysis->shown(&page->subject, part->product.json));
   json_object_set(page->data, analysis->name, part->product.json);
 cleanup:
   return status;
@@ -78,33 +76,9 @@ cleanup:
   return status;
 }
 
-/* Computes the first run's flow in three dimensions and maps of a plane. */
-static enum status find_flow(struct page *page) {
-  enum status status = STATUS_OK;
-  struct particles particles = {0};
-  const struct run *run = &page->subject.runs[0];
-  if (run->dimensions != 3) return STATUS_OK;
-  TRY(run_last_snapshot(run, &particles));
-  TRY(flow_build(run, &particles, &page->flow));
-  page->has_flow = true;
-  if (page->subject.permeable > 0 && page->flow.speed_high > 0.0) {
-    TRY(paths_find(run, &particles, &page->flow));
-    TRY(plane_read(run, &particles, &page->voxels, &page->plane));
-    page->subject.maps = page->plane.speed_high > 0.0;
-    json_object_set_new(
-        page->data, "flow",
-        json_pack("{s:o}", "pore_share_of_half_the_flow", json_number(page->flow.paths_share)));
-  }
-cleanup:
-  particles_free(&particles);
-  return status;
-}
-
 enum status page_analyse(struct page *page) {
   enum status status = STATUS_OK;
-  if (page->subject.snapshots)
-    TRY(find_flow(page));
-  else
+  if (!page->subject.snapshots)
     log_warning("not every run has a snapshot, so the report shows no velocity distribution and no "
                 "flow");
   for (size_t i = 0; i < ANALYSES; i++) {

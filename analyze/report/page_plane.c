@@ -1,12 +1,28 @@
-#include "analyze/report/page_plane.h"
-
+/* Maps of a plane through the middle of a body: velocity, pressure and distance to the grains at
+ * the lattice points in it. */
 #include <math.h>
 #include <string.h>
 
-#include "common/log.h"
+#include "analyze/report/page_encode.h"
+#include "analyze/report/page_pictures.h"
+#include "common/json_number.h"
 #include "common/memory.h"
-#include "common/model_file.h"
 #include "common/statistics.h"
+
+/* Lengths in spacings: point (i, j) is at (i, j). */
+struct plane {
+  int axis, across, up; /* normal; horizontal; vertical, along the force */
+  size_t size[2];
+  double spacing[2], at; /* m; position of the plane along its normal */
+  float *distance;       /* [size] in spacings, positive in pores */
+  float *velocity;       /* [size][2] m/s in the plane */
+  float *speed;          /* [size] m/s */
+  /* [size] Pa relative to its mean, extrapolated into the grains; NULL: not stored. */
+  float *pressure;
+  /* [size] 1 in soil with pores below the site size, else 0; NULL without such soil. */
+  float *soil;
+  double speed_high, pressure_high; /* 98th percentiles in the pores, where the colour scales end */
+};
 
 static size_t points_of(const struct plane *plane) {
   return plane->size[0] * plane->size[1];
@@ -16,41 +32,8 @@ static double clamped(double v, size_t size) {
   return fmin(fmax(v, 0.0), (double)size - 1.0);
 }
 
-double plane_linear(const struct plane *plane, const float *field, int components, int c, double x,
-                    double y) {
-  x = clamped(x, plane->size[0]);
-  y = clamped(y, plane->size[1]);
-  const size_t i = (size_t)x, j = (size_t)y;
-  const size_t right = i + 1 < plane->size[0] ? i + 1 : i, top = j + 1 < plane->size[1] ? j + 1 : j;
-  const double p = x - (double)i, q = y - (double)j;
-  const size_t n = (size_t)components, k = (size_t)c, width = plane->size[0];
-  return (1 - q) * ((1 - p) * (double)field[(j * width + i) * n + k] +
-                    p * (double)field[(j * width + right) * n + k]) +
-         q * ((1 - p) * (double)field[(top * width + i) * n + k] +
-              p * (double)field[(top * width + right) * n + k]);
-}
-
-double plane_cubic(const struct plane *plane, const float *field, double x, double y) {
-  double weight[2][4], value = 0.0;
-  const double at[2] = {clamped(x, plane->size[0]), clamped(y, plane->size[1])};
-  for (int d = 0; d < 2; d++) {
-    const double t = at[d] - floor(at[d]);
-    weight[d][0] = 0.5 * t * (-1 + t * (2 - t));
-    weight[d][1] = 0.5 * (2 + t * t * (-5 + 3 * t));
-    weight[d][2] = 0.5 * t * (1 + t * (4 - 3 * t));
-    weight[d][3] = 0.5 * t * t * (t - 1);
-  }
-  for (int j = 0; j < 4; j++)
-    for (int i = 0; i < 4; i++) {
-      const size_t column = (size_t)clamped(floor(at[0]) + i - 1, plane->size[0]);
-      const size_t line = (size_t)clamped(floor(at[1]) + j - 1, plane->size[1]);
-      value += weight[0][i] * weight[1][j] * (double)field[line * plane->size[0] + column];
-    }
-  return value;
-}
-
-/* Trilinear value of a field of the model at a position (m, from the model's corner); periodic. */
-static double model_value(const struct voxel_model *model, const float *field, const double at[3]) {
+double picture_model_value(const struct voxel_model *model, const float *field,
+                           const double at[3]) {
   size_t low[3], high[3];
   double part[3], value = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -84,7 +67,7 @@ static bool find_distances(const struct run *run, const struct voxel_model *mode
       at[plane->axis] = plane->at;
       at[plane->across] = run->origin[plane->across] + (double)i * plane->spacing[0];
       at[plane->up] = run->origin[plane->up] + (double)j * plane->spacing[1];
-      const double value = model_value(model, field, at);
+      const double value = picture_model_value(model, field, at);
       plane->distance[j * plane->size[0] + i] =
           (float)(walls ? value / plane->spacing[0] : 0.5 - value);
     }
@@ -113,8 +96,8 @@ static void approximate_distances(const struct run *run, size_t layer, struct pl
 }
 
 /* Averages the particles of the layer at each point. */
-static enum status fill(const struct run *run, const struct particles *particles,
-                        struct plane *plane, float *count) {
+static void fill(const struct run *run, const struct particles *particles, struct plane *plane,
+                 float *count) {
   for (size_t i = 0; i < particles->count; i++) {
     const double *x = &particles->points[3 * i], *v = &particles->velocity[3 * i];
     if (fabs(x[plane->axis] - plane->at) > 0.5 * run->spacing[plane->axis]) continue;
@@ -145,7 +128,6 @@ static enum status fill(const struct run *run, const struct particles *particles
   }
   for (size_t p = 0; plane->pressure != NULL && filled > 0 && p < points_of(plane); p++)
     if (count[p] > 0) plane->pressure[p] -= (float)(mean / filled);
-  return STATUS_OK;
 }
 
 /* Extrapolates the pressure by two points into the grains, for the interpolation near walls. */
@@ -193,11 +175,7 @@ static double extent_of(const struct run *run, int axis) {
   return (double)run->size[axis] * run->spacing[axis];
 }
 
-enum status plane_read(const struct run *run, const struct particles *particles,
-                       const struct voxel_model *model, struct plane *plane) {
-  enum status status = STATUS_OK;
-  float *count = NULL;
-  memset(plane, 0, sizeof *plane);
+static void choose_plane(const struct run *run, struct plane *plane) {
   plane->up = 2;
   for (int d = 0; d < 3; d++)
     if (fabs(run->direction[d]) > fabs(run->direction[plane->up])) plane->up = d;
@@ -207,14 +185,81 @@ enum status plane_read(const struct run *run, const struct particles *particles,
     plane->axis = plane->across;
     plane->across = 3 - plane->up - plane->axis;
   }
-  const size_t layer = run->size[plane->axis] / 2;
-  plane->at = run->origin[plane->axis] + (double)layer * run->spacing[plane->axis];
   for (int i = 0; i < 2; i++) {
     const int d = i == 0 ? plane->across : plane->up;
     plane->size[i] = run->size[d];
     plane->spacing[i] = run->spacing[d];
   }
+}
+
+#define PLANE_SIDE 256 /* largest number of points per side of an encoded plane */
+
+/* Every so many points of the plane, so that a page stays small. */
+static void thin_out(struct plane *plane) {
+  const size_t most = plane->size[0] > plane->size[1] ? plane->size[0] : plane->size[1];
+  const size_t every = (most + PLANE_SIDE - 1) / PLANE_SIDE;
+  const size_t width = plane->size[0];
+  size_t n = 0;
+  if (every < 2) return;
+  for (size_t j = every / 2; j < plane->size[1]; j += every)
+    for (size_t i = every / 2; i < width; i += every, n++) {
+      const size_t from = j * width + i;
+      plane->distance[n] = plane->distance[from] / (float)every;
+      plane->speed[n] = plane->speed[from];
+      memmove(&plane->velocity[2 * n], &plane->velocity[2 * from], 2 * sizeof *plane->velocity);
+      if (plane->pressure != NULL) plane->pressure[n] = plane->pressure[from];
+      if (plane->soil != NULL) plane->soil[n] = plane->soil[from];
+    }
+  for (int d = 0; d < 2; d++) {
+    plane->size[d] = (plane->size[d] - every / 2 + every - 1) / every;
+    plane->spacing[d] *= (double)every;
+  }
+}
+
+/* Two components as signed square roots of their share of the highest, so that slow water keeps
+ * its direction: bytes around 127. */
+static json_t *encode_directions(const struct plane *plane) {
+  const size_t n = 2 * points_of(plane);
+  float *roots = NULL;
+  if (memory_allocate(&roots, n, sizeof *roots, "a plane") != STATUS_OK) {
+    error_clear();
+    return json_null();
+  }
+  for (size_t i = 0; i < n; i++) {
+    const float share = plane->velocity[i] / (float)plane->speed_high;
+    roots[i] = copysignf(sqrtf(fminf(fabsf(share), 1.0f)), share);
+  }
+  json_t *field = encode_field(roots, n, -1.0, 1.0);
+  memory_free(&roots);
+  return field;
+}
+
+static json_t *encode_plane(const struct plane *plane) {
   const size_t n = points_of(plane);
+  json_t *picture = json_pack(
+      "{s:s#,s:s#,s:s#,s:o,s:[I,I],s:o,s:o,s:o,s:o}", "normal", &"xyz"[plane->axis], 1, "across",
+      &"xyz"[plane->across], 1, "up", &"xyz"[plane->up], 1, "at_m", json_number(plane->at), "size",
+      (json_int_t)plane->size[0], (json_int_t)plane->size[1], "spacing_m",
+      json_numbers(plane->spacing, 2), "distance", encode_field(plane->distance, n, -2.0, 2.0),
+      "speed", encode_field(plane->speed, n, 0.0, plane->speed_high), "direction",
+      encode_directions(plane));
+  if (plane->pressure != NULL && plane->pressure_high > 0.0)
+    json_object_set_new(
+        picture, "pressure",
+        encode_field(plane->pressure, n, -plane->pressure_high, plane->pressure_high));
+  if (plane->soil != NULL)
+    json_object_set_new(picture, "soil", encode_field(plane->soil, n, 0.0, 1.0));
+  return picture;
+}
+
+enum status picture_plane(const struct run *run, const struct particles *particles,
+                          const struct voxel_model *model, json_t **picture) {
+  enum status status = STATUS_OK;
+  struct plane whole = {0}, *plane = &whole;
+  float *count = NULL;
+  choose_plane(run, plane);
+  const size_t layer = run->size[plane->axis] / 2, n = points_of(plane);
+  plane->at = run->origin[plane->axis] + (double)layer * run->spacing[plane->axis];
   TRY(memory_allocate(&plane->distance, n, sizeof *plane->distance, "a plane"));
   TRY(memory_allocate(&plane->velocity, 2 * n, sizeof *plane->velocity, "a plane"));
   TRY(memory_allocate(&plane->speed, n, sizeof *plane->speed, "a plane"));
@@ -224,20 +269,17 @@ enum status plane_read(const struct run *run, const struct particles *particles,
   if (particles->micro_porosity != NULL)
     TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
   if (!find_distances(run, model, plane)) approximate_distances(run, layer, plane);
-  TRY(fill(run, particles, plane, count));
+  fill(run, particles, plane, count);
   TRY(find_ranges(plane, count));
   if (plane->pressure != NULL) extrapolate_pressure(plane, count);
+  thin_out(plane);
+  if (plane->speed_high > 0.0) *picture = encode_plane(plane);
 cleanup:
   memory_free(&count);
-  if (status != STATUS_OK) plane_free(plane);
-  return status;
-}
-
-void plane_free(struct plane *plane) {
   memory_free(&plane->distance);
   memory_free(&plane->velocity);
   memory_free(&plane->speed);
   memory_free(&plane->pressure);
   memory_free(&plane->soil);
-  memset(plane, 0, sizeof *plane);
+  return status;
 }

@@ -46,14 +46,18 @@ static void add_result(json_t *results, const struct run *runs, size_t n, const 
     }
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
-  json_array_append_new(
-      results, json_pack("{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?,s:O?}", "name", json_text(name),
-                         "note", note, "path", json_text(run->path), "k_m_per_s", json_number(k),
-                         "k_low_m_per_s", json_number(low), "k_high_m_per_s", json_number(high),
-                         "k_relative_error", json_number(relative), "intrinsic_permeability_m2",
-                         json_number(permeability), "spacing_m", json_number(run->spacing[0]),
-                         "error_budget", json_object_get(fit, "error_budget"), "dlnk_dvoid_ratio",
-                         json_object_get(fit, "dlnk_dvoid_ratio")));
+  json_t *result = json_pack(
+      "{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?,s:O?}", "name", json_text(name), "note", note,
+      "path", json_text(run->path), "k_m_per_s", json_number(k), "k_low_m_per_s", json_number(low),
+      "k_high_m_per_s", json_number(high), "k_relative_error", json_number(relative),
+      "intrinsic_permeability_m2", json_number(permeability), "spacing_m",
+      json_number(run->spacing[0]), "error_budget", json_object_get(fit, "error_budget"),
+      "dlnk_dvoid_ratio", json_object_get(fit, "dlnk_dvoid_ratio"));
+  json_array_append_new(results, result);
+  if (json_array_size(rows) == 1 && run->k_high_image > 0.0) {
+    json_put_number(result, "k_low_image_m_per_s", run->k_low_image);
+    json_put_number(result, "k_high_image_m_per_s", run->k_high_image);
+  }
 }
 
 static bool contains_run(const json_t *fit, const json_t *row) {
@@ -363,6 +367,48 @@ static void judge_formulas(json_t *result, const struct run *run, const struct p
                                 json_number(d)));
 }
 
+/* What the error does not count, or where a part of it is from. */
+static void judge_notes(json_t *result) {
+  const json_t *budget = json_object_get(result, "error_budget");
+  const double assumed = json_number_or_nan(budget, "blur_assumed_m");
+  const double slope = fabs(json_number_or_nan(result, "dlnk_dvoid_ratio"));
+  const double closed = json_number_or_nan(budget, "dlnk_sides_closed");
+  json_t *notes = json_array();
+  char text[300], change[32] = "less than 0.01";
+  json_object_set_new(result, "notes", notes);
+  if (json_is_true(json_object_get(budget, "scan_unknown")))
+    json_array_append_new(notes, json_string("What the scan left in k, its blur, noise and labels, "
+                                             "is not known and not counted."));
+  if (json_is_true(json_object_get(budget, "sides_unknown")))
+    json_array_append_new(notes,
+                          json_string("What the sample's sides do to k is not known and not "
+                                      "counted: no pore leads through the lattice on which it is "
+                                      "looked for."));
+  if (isfinite(assumed)) {
+    snprintf(text, sizeof text,
+             "The scanner's blur could not be measured: no surface stands alone in the scan. The "
+             "part of the scan is that of a blur of %.3g µm.",
+             1e6 * assumed);
+    json_array_append_new(notes, json_string(text));
+  }
+  if (isfinite(json_number_or_nan(budget, "void_ratio")) && isfinite(slope) &&
+      isnan(json_number_or_nan(budget, "threshold"))) {
+    snprintf(text, sizeof text,
+             "The void ratio was given without its ±, which is not counted: each 0.01 of it is "
+             "%.2g %% of k.",
+             slope);
+    json_array_append_new(notes, json_string(text));
+  }
+  if (isfinite(closed)) {
+    if (fabs(closed) > 1e-4) snprintf(change, sizeof change, "%+.2g", 100.0 * expm1(closed));
+    snprintf(text, sizeof text,
+             "Sides: the sample wraps round; mirrored at its sides, k changes by the part above. "
+             "In a tube filled by the sample k would change by %s %%.",
+             change);
+    json_array_append_new(notes, json_string(text));
+  }
+}
+
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
@@ -373,4 +419,5 @@ void verdict_judge(json_t *results, const struct run *run, const struct page_mod
   judge_class(result, "class_casagrande", casagrande);
   if (!judge_interrupted(result, run)) judge_advice(result, model->voxel_scanned);
   judge_formulas(result, run, model);
+  judge_notes(result);
 }

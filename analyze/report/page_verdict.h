@@ -4,7 +4,6 @@
 
 #include <jansson.h>
 #include <stdbool.h>
-#include <stdio.h>
 
 #include "analyze/analysis.h"
 #include "analyze/report/page_model.h"
@@ -23,13 +22,13 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
 bool verdict_one_body(const struct run *a, const struct run *b);
 
 /* Adds an assessment to the first result: "good_for", "class_din", "class_casagrande", "advice",
- * "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s. */
+ * "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s, "notes" [text]. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
-/* Writes the card of the first result, with the tensor of its body if a run has one, and a table of
- * further results. `data`: JSON of the analyses by their names, including `verdict`. Without a
- * result it is the card of `seepage` or `moisture` of the first run, or the reason why there is no
- * result. */
-enum status verdict_write(const json_t *data, const struct subject *subject, FILE *stream);
+/* Adds to `data` what the page begins with, beside `verdict`: "tensor" (of the body of the first
+ * result, if a run has one) and "headline" {"value", "error", "unit", "text", "sentences"}: without
+ * a result the flow of `seepage`, the water of `moisture` or free water of the first run, or the
+ * reason why there is no k. */
+enum status verdict_headline(json_t *data, const struct subject *subject);
 
 #endif

@@ -472,6 +472,6 @@ const struct analysis seepage_analysis = {
     .contents = "Seepage",
     .caption =
         "Flow net: equipotentials in the soil, streamlines where no well or drain takes from it, "
-        "the water&rsquo;s surface, and what the water does to soil and walls.",
+        "the water's surface, and what the water does to soil and walls.",
     .applies = applies,
     .analyze = analyze};

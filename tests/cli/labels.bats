@@ -133,7 +133,7 @@ END
   grep -q "^full resolution .* by the labels$" told.txt
   grep -q "^void ratio .* by voxels of the smoothed labels; .* within the walls (measured" told.txt
   analyze report balls-run.hdf -o balls.html -q
-  grep -q "<th>Void ratio by voxels of the smoothed labels<" balls.html
+  page balls.html 'page["model"]["rule"] == "labels" and page["model"]["void_ratio_walls"] != page["models"][0]["model"]["attributes"]["void_ratio"]'
   E=$e M=$measured /usr/bin/python3 - <<'END'
 import json, os, re
 import h5py
@@ -175,7 +175,7 @@ END
   grep -q "^error .*scan not counted (unknown)" two.txt
   analyze darcy both.hdf | grep -q "scan unknown, not counted"
   analyze report both.hdf -o two.html --quiet
-  grep -q "What the scan left in <var>k</var>.* not counted" two.html
+  said two.html -q "What the scan left in k.* not counted"
   ct2model build sphere.raw $CUBE --segmented 0 -o s.hdf --quiet
   sphsolve run s.cfg -o known > known.txt
   run ! grep -q "scan not counted" known.txt
@@ -421,7 +421,7 @@ END
   done
   grep -q "^error .*resolution 100 %, scan 100 %, sides not counted (unknown)" throat1.txt || { cat throat1.txt; false; }
   analyze darcy throat1-run.hdf | grep -q "sides unknown, not counted"
-  analyze report throat1-run.hdf -o throat.html && grep -q "sides do to <var>k</var> is not known" throat.html
+  analyze report throat1-run.hdf -o throat.html && said throat.html -q "sides do to k is not known"
   python3 -c 'import json; e = json.load(open("throat2.json"))["error"]; assert e["scan"] >= 1 and e["resolution"] < 0.5, e'
 }
 

@@ -71,8 +71,7 @@ C
   grep -q '"tortuosity": 1' found/tortuosity.json
   [ -s found/tortuosity.csv ]
   ./analyze report slit.hdf -o page.html > /dev/null
-  grep -q '<section id="tortuosity"><h2>Hydraulic tortuosity</h2>' page.html
-  grep -q '<a href="#tortuosity">Tortuosity</a>' page.html
+  page page.html '[(s["heading"], s["contents"]) for s in page["sections"] if s["name"] == "tortuosity"] == [("Hydraulic tortuosity", "Tortuosity")]'
   run analyze tortuosity slit.hdf
   [ "$status" -eq 2 ]
   run ./analyze darcy slit.hdf --digits 3

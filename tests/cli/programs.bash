@@ -1,4 +1,5 @@
 load sample
+load page
 # Called by setup_file of the tests of the programs: ROOT, the programs in PATH, a folder of the file's own.
 programs_path() {
   export ROOT=$(cd "$BATS_TEST_DIRNAME/../.." && pwd)

@@ -164,7 +164,7 @@ P
   analyze report slit.hdf carried.hdf -o page.html > /dev/null 2> said
   run grep 'passed over' said
   [ "$status" -eq 1 ]
-  grep -q 'id="dispersion"' page.html
+  page page.html '"dispersion" in [s["name"] for s in page["sections"]]'
   # Made again under its name: the ways of walkers are a product, too.
   for time in 1 2; do
     sphsolve run carried.cfg -o again --error 50% --set 'solute.peclet=[0.0]' --set 'solute.way="walk"' --quiet > /dev/null
@@ -221,10 +221,9 @@ assert abs(step[:, 2]).mean() > 5 * abs(step[:, 0]).mean() > 0, step.mean(axis=0
 P
   /usr/bin/python3 -c 'import h5py; assert b"sphsolve run carried.cfg -o walked" in h5py.File("walked-tracks-0.hdf")["provenance"].attrs["command_line"]'
   analyze report slit.hdf walked.hdf -o walked.html > /dev/null 2>&1
-  grep -q 'id="breakthrough"' walked.html
   # Panels above each other: as wide as a telephone, or the letters are too small there.
-  grep -q 'data-name="breakthrough" width="480" height="720"' walked.html
-  grep -q 'id="film"' walked.html
+  page walked.html '{s["name"]: (s["width"], s["height"]) for s in page["sections"] if "svg" in s}["breakthrough"] == (480, 720)' \
+    '"film" in [s["name"] for s in page["sections"]]'
   run -3 --separate-stderr analyze darcy carried.hdf
   [[ $stderr == *"analyze dispersion carried.hdf"* ]]
   run -3 --separate-stderr analyze dispersion slit.hdf
@@ -250,9 +249,8 @@ P
   mv elsewhere.hdf slit.hdf
   [ "$status" -eq 3 ]
   [[ $stderr == *"none of the runs"* ]]
-  grep -q "<p>1 run of flow, 1 of a solute in it</p>" right.html
-  grep -q "Brenner H (1980)" right.html
-  grep -q 'class="path">moved/carried.hdf' right.html
+  page right.html 'len(page["runs"]) == 1 and [s["path"] for s in page["solutes"]] == ["moved/carried.hdf"]'
+  said right.html -q "Brenner H (1980)"
   # one sample and its mirror image: what the solver warns of stands beside the curve
   analyze dispersion carried.hdf > plain.txt
   run grep -c "its own mirror image" plain.txt

@@ -112,7 +112,7 @@ P
   analyze darcy zi.hdf | grep -q "sample is its own mirror image along x, z: .*; along x by the run, as pores do not meet"
   analyze report zi-x.hdf -o zigzag.html --quiet
   /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" zigzag.html zi-x.hdf
-  grep -q "it is mirrored along x and z" zigzag.html
+  said zigzag.html -q "it is mirrored along x and z"
   analyze report zi.hdf -o tensor.html --quiet
   /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" tensor.html zi.hdf
   # A run of its own keeps the model as it is.
@@ -146,14 +146,14 @@ assert all((t["k_high_m_per_s"][i][i] / t["k_m_per_s"][i][i] - 1) <= 0.2 for i i
   [ -n "$HDF" ] || skip "python3-h5py is not installed"
   [ -e tu.hdf ] || sphsolve run turned.cfg -o tu --tensor --quiet
   analyze report tu.hdf -o turned.html --quiet
-  grep -q "Permeability tensor" turned.html && grep -q "mirror image along z" turned.html
+  page turned.html '"mirror image along z" in page["tensor"]["note"]'
   # Beside an axis that is mirrored those that are not have the sample's sides in them.
-  grep -q "Along x, y it wraps round: unless the sample repeats itself there" turned.html
+  said turned.html -q "Along x, y it wraps round: unless the sample repeats itself there"
   # Each body its own: of another the page's card shows none, and darcy each below its k.
   [ -e mi.hdf ] || sphsolve run mirrored.cfg -o mi --tensor --quiet
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf method=stokes k=1e-3 model=
   analyze report made.hdf tu.hdf --mix -o mixed.html --quiet > /dev/null
-  run ! grep -q "Permeability tensor" mixed.html
+  page mixed.html '"tensor" not in page'
   analyze darcy tu.hdf made.hdf mi.hdf --mix --json > mixed.json
   /usr/bin/python3 - <<'P'
 import json

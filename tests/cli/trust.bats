@@ -39,7 +39,7 @@ python() { /usr/bin/python3 "$@"; }
   [[ "$output" != *unaccounted* ]]
   [[ "$output" == *"momentum (kg m/s): "*"not accounted for"*"energy (J): "*"not accounted for"* ]]
   analyze report flow.hdf -o flow.html --quiet > /dev/null
-  grep -q '<td>drag of soil, Forchheimer</td>' flow.html
+  page flow.html '"drag of soil, Forchheimer" in page["runs"][0]["ledger"]["words"]'
   sphsolve run "$ROOT/data-samples/scenes/s06.cfg" --set model.file=m.hdf --set scene.end_time='1 ms' -o pore --quiet > /dev/null
   cat > slit.cfg << 'END'
 scene = { method = "stokes"; };
