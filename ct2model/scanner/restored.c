@@ -123,20 +123,25 @@ cleanup:
   return status;
 }
 
-/* 95 % half width of the level at which the scan's own edges lie: LEVEL_SURE for a clear scan, and
+/* 95 % half width of the level at which the scan's own edges lie: LEVEL_SURE for a clear scan;
  * LEVEL_NOISY over the square of the contrast over noise, as the bias of a restoration grows with
- * the variance of the noise. Of 16 scans used to set them (generate_sand 9651 to 9658,
- * projected_scan.py 1 to 16) the largest differences were 6 levels, and 21 and 15 at contrasts of
- * 4.6 and 7.3. */
-static const double LEVEL_SURE = 9.0, LEVEL_NOISY = 800.0, LEVEL_UNSURE_MOST = 100.0;
+ * the variance of the noise; and LEVEL_NARROW times (blur / mean pore width)^2, as narrow pores
+ * look brighter than they are. Set on 14 scans (generate_sand 9651 to 9658, projected_scan.py 1 to
+ * 9) and one more with fines under a wide blur (101). */
+static const double LEVEL_SURE = 9.0, LEVEL_NOISY = 800.0, LEVEL_NARROW = 600.0,
+                    LEVEL_UNSURE_MOST = 100.0;
 
 /* Reads the void ratio that the scan shows from a restoration that knows nothing of a measured
  * one. */
-static void see_void_ratio(const struct scanner *scanner, struct restored *restored) {
+static void see_void_ratio(const struct region *region, const struct scanner *scanner,
+                           struct restored *restored) {
   restored->scan_void_ratio = restored->scan_void_ratio_error = NAN;
   if (restored->scan.levels == NULL || !scanner->known || scanner->by_void_ratio) return;
   const double noise = LEVEL_NOISY / pow(scanner->contrast_to_noise, 2.0);
-  const double unsure = fmin(hypot(LEVEL_SURE, noise), LEVEL_UNSURE_MOST);
+  const double width =
+      narrow_throats_measure(&restored->scan, region->voxel, LEVEL_MIDDLE).pore_width;
+  const double narrow = LEVEL_NARROW * pow(scanner->blur / width, 2.0);
+  const double unsure = fmin(hypot(LEVEL_SURE, hypot(noise, narrow)), LEVEL_UNSURE_MOST);
   restored->scan_void_ratio = restored->middle;
   restored->scan_void_ratio_error = 0.5 * (void_ratio_at(restored, LEVEL_MIDDLE + unsure) -
                                            void_ratio_at(restored, LEVEL_MIDDLE - unsure));
@@ -180,7 +185,7 @@ enum status restored_make(const struct region *region, const struct scanner *sca
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
   TRY(restore_and_match(region, scanner, 0.0, void_ratio, restored));
-  see_void_ratio(scanner, restored);
+  see_void_ratio(region, scanner, restored);
   if (scan->levels != NULL && allows_void_ratio(restored))
     TRY(open_throats(region, scanner, void_ratio, restored));
   if (scan->levels == NULL) {
