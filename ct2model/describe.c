@@ -12,6 +12,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "ct2model/readers/stack.h"
+#include "ct2model/scanner/fields.h"
 
 static bool is_model(const char *path) {
   static const unsigned char SIGNATURE[8] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
@@ -51,26 +52,15 @@ static void print_within_walls(struct h5_file *file) {
 /* Prints the properties of the scanner as `build` does; all are unknown if the file has no such
  * group. */
 static void describe_scanner(struct h5_file *file, json_t *out) {
-  static const struct {
-    const char *attribute, *name, *label;
-    double unit;
-  } LINES[] = {{"blur", "blur_m", "blur of the scan, um", 1e6},
-               {"blur_uncertainty", "blur_uncertainty_m", NULL, 1.0},
-               {"fringe", "fringe", NULL, 1.0},
-               {"contrast_to_noise", "contrast_to_noise", "contrast over noise", 1.0},
-               {"noise_correlation", "noise_correlation_m", NULL, 1.0},
-               {"resolution", "resolution_m", "resolution, um", 1e6},
-               {"smooth_walls", "smooth_walls", NULL, 1.0},
-               {"fine_relief", "fine_relief", NULL, 1.0},
-               {"two_phases", "two_phases", NULL, 1.0}};
   const bool known = h5_exists(file, "/scanner");
   json_t *object = out != NULL ? json_object() : NULL;
-  for (size_t i = 0; i < sizeof LINES / sizeof *LINES; i++) {
-    const double value = known ? h5_attribute_or_nan(file, "/scanner", LINES[i].attribute) : NAN;
+  for (size_t i = 0; i < scanner_field_count; i++) {
+    const struct scanner_field *field = &scanner_fields[i];
+    const double value = known ? h5_attribute_or_nan(file, "/scanner", field->attribute) : NAN;
     if (object != NULL)
-      json_put_number(object, LINES[i].name, value);
-    else if (LINES[i].label != NULL && isfinite(value))
-      printf("  %-22s %.4g\n", LINES[i].label, LINES[i].unit * value);
+      json_put_number(object, field->key, value);
+    else if (field->label != NULL && isfinite(value))
+      printf("  %-22s %.4g\n", field->label, field->shown * value);
   }
   if (object != NULL) json_object_set_new(out, "scanner", object);
 }
@@ -109,6 +99,8 @@ static enum status describe_model(const char *path, json_t *out) {
   }
   print_number(file, "void_ratio", "void ratio, by voxels", out);
   print_number(file, "void_ratio_measured", "measured", out);
+  print_number(file, "void_ratio_scan", "by the scan's edges", out);
+  print_number(file, "void_ratio_scan_uncertainty", "its uncertainty", out);
   if (out == NULL) print_within_walls(file);
   print_number(file, "threshold", "threshold", out);
   if (out != NULL)

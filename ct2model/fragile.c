@@ -105,6 +105,9 @@ static void warn_of_third_phase(struct pipeline *pipeline) {
         pipeline_grey(pipeline, brighter.grain_peak), pipeline_grey(pipeline, darker.valley));
 }
 
+/* Beam hardening, of the contrast, that shows beyond the uncertainty where it is worth a word. */
+#define BEAM_LEAST 0.05
+
 void fragile_warn(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
   const struct request *request = pipeline->request;
@@ -138,12 +141,12 @@ void fragile_warn(struct pipeline *pipeline) {
     log_warning("the match is steep: %.2g in the void ratio moves the threshold by %.0f %% of the "
                 "contrast",
                 error, 100.0 * shift);
-  bool sure = pipeline->survey.beam_error < 0.5 * fabs(pipeline->survey.beam);
-  if (fabs(pipeline->survey.beam) > 0.1 && sure && !pipeline->correction.beam)
-    log_warning("the grain is %.0f %% of the contrast %s at the rim than in the middle (beam "
-                "hardening?): one threshold does not fit both; --correct beam levels it",
-                100.0 * fabs(pipeline->survey.beam),
-                pipeline->survey.beam > 0.0 ? "brighter" : "darker");
+  const double beam = fabs(pipeline->survey.beam), beam_error = pipeline->survey.beam_error;
+  if (beam > 0.1 && beam - beam_error > BEAM_LEAST && !pipeline->correction.beam)
+    log_warning(
+        "the grain is %.0f +- %.0f %% of the contrast %s at the rim than in the middle (beam "
+        "hardening?): one threshold does not fit both; --correct beam levels it",
+        100.0 * beam, 100.0 * beam_error, pipeline->survey.beam > 0.0 ? "brighter" : "darker");
   if (pipeline->survey.rings > 0.05 && !pipeline->correction.rings)
     log_warning("rings of %.0f %% of the contrast; --correct rings takes them out",
                 100.0 * pipeline->survey.rings);

@@ -50,3 +50,25 @@ void misfit_warn(const struct pipeline *pipeline) {
   log_warning("the model's void ratio is %.4g, not the measured %.4g, and %s: %s", e, measured,
               effect, reason(pipeline));
 }
+
+double misfit_void_ratio_doubt(const struct pipeline *pipeline) {
+  const struct request *request = pipeline->request;
+  const struct restored *restored = &pipeline->restored;
+  const double off = fabs(pipeline->void_ratio_original - restored->scan_void_ratio);
+  if (request->rule != THRESHOLD_AUTO || isnan(off)) return NAN;
+  const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
+  return off > hypot(error, restored->scan_void_ratio_error) ? off : 0.0;
+}
+
+void misfit_warn_of_doubt(const struct pipeline *pipeline) {
+  const double e = pipeline->void_ratio_original, seen = pipeline->restored.scan_void_ratio;
+  char error[40] = "";
+  if (!(misfit_void_ratio_doubt(pipeline) > 0.0)) return;
+  if (pipeline->request->void_ratio_error > 0.0)
+    snprintf(error, sizeof error, " +- %.2g", pipeline->request->void_ratio_error);
+  log_warning(
+      "the edges of the scan give a void ratio of %.3g +- %.2g, not %.4g%s: by that k would "
+      "be %.3g times as large (Kozeny, Carman), which its error includes; check the void "
+      "ratio, and that the scan shows what it was measured on",
+      seen, pipeline->restored.scan_void_ratio_error, e, error, permeability_ratio(seen, e));
+}

@@ -8,6 +8,8 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/provenance.h"
+#include "ct2model/misfit.h"
+#include "ct2model/scanner/fields.h"
 
 static enum status write_number(struct h5_file *file, const char *group, const char *name,
                                 double value) {
@@ -93,17 +95,11 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
     response[i] = scanner->response.sum[i] / scanner->response.count[i]; /* NAN: no voxel */
   }
   TRY(h5_make_group(file, "/scanner"));
-  TRY(write_number(file, "/scanner", "blur", scanner->blur));
-  TRY(write_number(file, "/scanner", "blur_uncertainty", scanner->blur_error));
-  TRY(write_number(file, "/scanner", "fringe", scanner->fringe));
-  TRY(write_number(file, "/scanner", "contrast_to_noise", scanner->contrast_to_noise));
-  TRY(write_number(file, "/scanner", "noise_correlation", scanner->noise_correlation));
-  TRY(write_number(file, "/scanner", "resolution", scanner->resolution));
+  for (size_t i = 0; i < scanner_field_count; i++)
+    TRY(write_number(file, "/scanner", scanner_fields[i].attribute,
+                     scanner_field_value(&scanner_fields[i], scanner)));
   TRY(write_number(file, "/scanner", "removed", removed ? 1.0 : 0.0));
   if (removed) TRY(write_number(file, "/scanner", "averaged", (double)averaged));
-  if (removed) TRY(write_number(file, "/scanner", "smooth_walls", scanner->smooth_walls));
-  if (removed) TRY(write_number(file, "/scanner", "fine_relief", scanner->fine_relief));
-  if (removed) TRY(write_number(file, "/scanner", "two_phases", scanner->two_phases));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:
@@ -140,6 +136,10 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
   int32_t percolates[3] = {quality->percolates[2], quality->percolates[1], quality->percolates[0]};
   TRY(write_number(file, "/model", "void_ratio_error",
                    pipeline_void_ratio(pipeline) - pipeline->request->void_ratio));
+  TRY(write_number(file, "/model", "void_ratio_scan", pipeline->restored.scan_void_ratio));
+  TRY(write_number(file, "/model", "void_ratio_scan_uncertainty",
+                   pipeline->restored.scan_void_ratio_error));
+  TRY(write_number(file, "/model", "void_ratio_doubt", misfit_void_ratio_doubt(pipeline)));
   TRY(write_number(file, "/model", "porosity", quality->porosity));
   if (pipeline->model.micro_porosity != NULL) {
     const struct micro_summary micro = micro_summary(&pipeline->model);

@@ -361,6 +361,7 @@ static enum status restore(struct pipeline *pipeline) {
   pipeline->blur_removed = pipeline->restored.scan.levels != NULL;
   pipeline->scanner.two_phases = pipeline->restored.two_phases;
   if (!pipeline->blur_removed) return STATUS_OK;
+  misfit_warn_of_doubt(pipeline);
   pipeline->averaged = pipeline->restored.scan.step;
   if (pipeline->scanner.assumed)
     log_warning("no surface of the scan stands alone for its blur to be measured: pores or grains "
@@ -380,13 +381,14 @@ cleanup:
 enum status pipeline_run(const struct request *request, const char *const *paths, size_t count,
                          bool distances, const struct pipeline *finer, struct pipeline *pipeline) {
   enum status status = STATUS_OK;
-  *pipeline = (struct pipeline){.request = request,
-                                .finer = finer,
-                                .distances = distances,
-                                .grey_scale = 1.0,
-                                .walls = {.void_ratio = NAN}, /* until they are measured */
-                                .coarse = {.step = 1},
-                                .restored = {.scan = {.step = 1}}};
+  *pipeline = (struct pipeline){
+      .request = request,
+      .finer = finer,
+      .distances = distances,
+      .grey_scale = 1.0,
+      .walls = {.void_ratio = NAN}, /* until they are measured */
+      .coarse = {.step = 1},
+      .restored = {.scan = {.step = 1}, .scan_void_ratio = NAN, .scan_void_ratio_error = NAN}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   TRY(check_output(pipeline));
   TRY(choose_region(pipeline));

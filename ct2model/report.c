@@ -9,6 +9,8 @@
 #include "common/json_number.h"
 #include "common/log.h"
 #include "common/units.h"
+#include "ct2model/misfit.h"
+#include "ct2model/scanner/fields.h"
 
 static json_t *sizes(const size_t size[3]) {
   json_t *array = json_array();
@@ -164,25 +166,10 @@ static void json_of_labels(const struct pipeline *pipeline, json_t *root) {
 
 static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   json_t *object = json_object();
-  static const struct scanner UNKNOWN = {.blur = NAN,
-                                         .blur_error = NAN,
-                                         .fringe = NAN,
-                                         .contrast_to_noise = NAN,
-                                         .noise_correlation = NAN,
-                                         .resolution = NAN,
-                                         .smooth_walls = NAN,
-                                         .fine_relief = NAN,
-                                         .two_phases = NAN};
-  if (!scanner->known || unsized) scanner = &UNKNOWN;
-  json_put_number(object, "blur_m", scanner->blur);
-  json_put_number(object, "blur_uncertainty_m", scanner->blur_error);
-  json_put_number(object, "fringe", scanner->fringe);
-  json_put_number(object, "contrast_to_noise", scanner->contrast_to_noise);
-  json_put_number(object, "noise_correlation_m", scanner->noise_correlation);
-  json_put_number(object, "resolution_m", scanner->resolution);
-  json_put_number(object, "smooth_walls", scanner->smooth_walls);
-  json_put_number(object, "fine_relief", scanner->fine_relief);
-  json_put_number(object, "two_phases", scanner->two_phases);
+  const bool known = scanner->known && !unsized;
+  for (size_t i = 0; i < scanner_field_count; i++)
+    json_put_number(object, scanner_fields[i].key,
+                    known ? scanner_field_value(&scanner_fields[i], scanner) : NAN);
   return object;
 }
 
@@ -194,6 +181,9 @@ static json_t *json_of_all(const struct pipeline *pipeline, const struct options
   json_put_number(root, "threshold_original",
                   pipeline_grey(pipeline, pipeline->threshold_original));
   json_put_number(root, "void_ratio_measured_uncertainty", pipeline->request->void_ratio_error);
+  json_put_number(root, "void_ratio_scan", pipeline->restored.scan_void_ratio);
+  json_put_number(root, "void_ratio_scan_uncertainty", pipeline->restored.scan_void_ratio_error);
+  json_put_number(root, "void_ratio_doubt", misfit_void_ratio_doubt(pipeline));
   json_put_number(root, "threshold_uncertainty", pipeline_threshold_error(pipeline));
   json_put_number(root, "threshold_otsu", pipeline_grey(pipeline, pipeline->otsu));
   json_put_number(root, "threshold_valley", pipeline_grey(pipeline, pipeline->phases.valley));
@@ -258,6 +248,9 @@ static void print_model(const struct pipeline *pipeline) {
   if (!isnan(off)) /* rounded first: no -0.0000 */
     printf(" (measured %.4g, error %+.4f)", pipeline->request->void_ratio,
            round(1e4 * off) / 1e4 + 0.0);
+  if (isfinite(pipeline->restored.scan_void_ratio))
+    printf("\n                  %.3g +- %.2g by the scan's own edges",
+           pipeline->restored.scan_void_ratio, pipeline->restored.scan_void_ratio_error);
   printf("\nporosity          %.4f, on a path along z %.4f: only the latter conducts\n",
          quality->porosity, quality->connected_porosity);
   if (model->micro_porosity != NULL) {
@@ -346,7 +339,7 @@ static void print_scan(const struct pipeline *pipeline) {
     printf("scanner           blur %.3g +- %.2g um (%.2g voxels), fringe %.2g, contrast %.3g times "
            "the "
            "noise, noise correlated over %.2g um%s\n",
-           1e6 * scanner->blur, 1e6 * scanner->blur_error, scanner->blur / scanner->unit,
+           1e6 * scanner->blur, 2e6 * scanner->blur_error, scanner->blur / scanner->unit,
            scanner->fringe, scanner->contrast_to_noise, 1e6 * scanner->noise_correlation,
            scanner->smooth_walls > 0.5 ? "; walls are smooth but for noise"
            : scanner->two_phases > 0.5 ? "; it closes throats: opened, as all is grain or pore"

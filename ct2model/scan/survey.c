@@ -11,6 +11,10 @@ enum { SLICES = 8, RING_AVERAGE = 8, BINS = 4096 };
 /* Smallest number of radii: within fewer pixels of the axis a few grains look like rings and like
  * beam hardening. */
 enum { RADII_LEAST = 48 };
+/* Annuli over whose residuals the uncertainty of the trend is found, wider than rings; and Student's t
+ * for 95 % with two degrees of freedom less. */
+enum { ANNULI = 8 };
+static const double STUDENT = 2.45;
 /* Pixels that suffice for the radial trend; a correction uses all. */
 static const double PIXELS_FOR_TREND = 1e6;
 
@@ -97,6 +101,29 @@ static bool fit_trend(const double *sum, const double *number, size_t radii, siz
   trend[0] += (s * qq - sq * q) / determinant;
   trend[1] += (n * sq - s * q) / determinant;
   return true;
+}
+
+/* Standard error of the slope that fit_trend adds for the halves 0 and 1 together, robust against
+ * correlation within annuli (Liang and Zeger 1986, Biometrika 73: 13): a ring is the same in both
+ * halves and in all slices, so that neither these nor the pixels are independent, and a grain
+ * counts once. */
+static double trend_error(const double *sum, const double *number, size_t radii,
+                          const double trend[2]) {
+  double n = 0.0, q = 0.0, qq = 0.0, score[ANNULI] = {0}, square = 0.0;
+  for (size_t i = 0; i < 2 * radii; i++) {
+    // NOLINTNEXTLINE: there are two radii at least
+    const double x = pow(((double)(i % radii) + 0.5) / (double)radii, 2.0);
+    n += number[i];
+    q += number[i] * x;
+    qq += number[i] * x * x;
+  }
+  for (size_t i = 0; i < 2 * radii; i++) {
+    const double x = pow(((double)(i % radii) + 0.5) / (double)radii, 2.0); // NOLINT
+    score[i % radii * ANNULI / radii] +=                                    // NOLINT
+        (x - q / n) * (sum[i] - number[i] * (trend[0] + trend[1] * x));
+  }
+  for (int a = 0; a < ANNULI; a++) square += score[a] * score[a];
+  return sqrt(square * ANNULI / (ANNULI - 2.0)) / (qq - q * q / n);
 }
 
 /* Radial profiles of the two halves minus their running mean over the radius, [2][radii]; NAN where
@@ -262,15 +289,19 @@ static enum status survey_trend(const struct frame *frame, struct survey *survey
                      sum + i * each + each / 2);
     for (size_t i = each; i < survey->count * each; i++)
       sum[i % each] += sum[i]; // NOLINT: there are two radii at least
-    /* The uncertainty of the trend of the grain is taken from the difference between the two
-     * halves. */
-    double halves[2][2] = {{0}};
+    /* The uncertainty of the trend of the grain, for 95 %: by the difference between the two
+     * halves, and by what the fit leaves in each annulus. */
+    double halves[2][2] = {{0}}, step[2] = {0};
     for (size_t i = 0; i < 2; i++)
       if (!fit_trend(sum + 2 * radii, number + 2 * radii, radii, i, i + 1, halves[i])) goto cleanup;
     if (!fit_trend(sum, number, radii, 0, 2, survey->pore_trend) ||
         !fit_trend(sum + 2 * radii, number + 2 * radii, radii, 0, 2, survey->grain_trend))
       goto cleanup;
-    survey->beam_error = 0.5 * fabs(halves[0][1] - halves[1][1]) / contrast;
+    fit_trend(sum + 2 * radii, number + 2 * radii, radii, 0, 2, step);
+    survey->beam_error = STUDENT *
+                         hypot(0.5 * (halves[0][1] - halves[1][1]),
+                               trend_error(sum + 2 * radii, number + 2 * radii, radii, step)) /
+                         contrast;
   }
   size_t first = 0, last = radii - 1; /* range of radii with grain */
   while (first < last && number[2 * radii + first] + number[3 * radii + first] == 0.0) first++;

@@ -19,7 +19,7 @@ struct survey {
   size_t radii;
   double pore_trend[2], grain_trend[2]; /* a + b rho^2, rho = r / radii */
   double beam;         /* grain at the rim minus grain at the middle, over the contrast; or NAN */
-  double beam_error;   /* uncertainty of `beam`, from the two halves of the slices */
+  double beam_error;   /* 95 % half width of `beam`, rings and single grains included */
   double rings;        /* standard deviation between rings, over the contrast; NAN: unknown */
   bool rings_stay;     /* the rings are the same in all slices */
   float *ring_profile; /* [radii], mean over the sampled slices */

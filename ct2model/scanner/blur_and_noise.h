@@ -13,6 +13,7 @@ struct scanner {
   bool assumed;            /* the blur is assumed; only what deblurring needs is set */
   bool narrow;             /* one phase is nowhere deep: each surface has another one near */
   bool levels;             /* where narrow: pore, grain and fringe are known all the same */
+  bool by_void_ratio;      /* a grey follows from the mean grey and the measured void ratio */
   double blur, blur_error; /* m: standard deviation without the voxel's own width, and its standard
                               error */
   double fringe;           /* coefficient of the Laplacian, in units of blur^2 (edge_response.h) */

@@ -15,7 +15,7 @@ enum { BATCH = 32 };
 
 /* Range of levels, of 255, in which the surface must lie: outside it, the void ratio requires more
  * or less grain than the edges of the scan allow. */
-static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0;
+static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0, LEVEL_MIDDLE = 127.5;
 
 /* Islands of few voxels ("specks") are removed from CHUNK_SLICES slices at a time, with
  * OVERLAP_SLICES slices on either side; no speck is longer. The first slice is adjacent to the last
@@ -102,6 +102,11 @@ struct region restored_region(const struct restored *restored, const struct regi
   return coarse_region(&restored->scan, region);
 }
 
+static double void_ratio_at(const struct restored *restored, double level) {
+  const double n = grey_histogram_porosity(&restored->scan.histogram, level);
+  return n / (1.0 - n);
+}
+
 /* Restores the scan and finds the void ratio at the middle level and the level that encloses
  * `void_ratio`. */
 static enum status restore_and_match(const struct region *region, const struct scanner *scanner,
@@ -112,11 +117,34 @@ static enum status restore_and_match(const struct region *region, const struct s
   restored_end(restored);
   TRY(restore_run(region, scanner, two_phases, &restored->scan));
   if (scan->levels == NULL) return STATUS_OK;
-  const double middle = grey_histogram_porosity(&scan->histogram, 127.5);
-  restored->middle = middle / (1.0 - middle);
+  restored->middle = void_ratio_at(restored, LEVEL_MIDDLE);
   restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
 cleanup:
   return status;
+}
+
+/* 95 % half width of the level at which the scan's own edges lie: LEVEL_SURE for a clear scan;
+ * LEVEL_NOISY over the square of the contrast over noise, as the bias of a restoration grows with
+ * the variance of the noise; and LEVEL_NARROW times (blur / mean pore width)^2, as narrow pores
+ * look brighter than they are. Set on 14 scans (generate_sand 9651 to 9658, projected_scan.py 1 to
+ * 9) and one more with fines under a wide blur (101). */
+static const double LEVEL_SURE = 9.0, LEVEL_NOISY = 800.0, LEVEL_NARROW = 600.0,
+                    LEVEL_UNSURE_MOST = 100.0;
+
+/* Reads the void ratio that the scan shows from a restoration that knows nothing of a measured
+ * one. */
+static void see_void_ratio(const struct region *region, const struct scanner *scanner,
+                           struct restored *restored) {
+  restored->scan_void_ratio = restored->scan_void_ratio_error = NAN;
+  if (restored->scan.levels == NULL || !scanner->known || scanner->by_void_ratio) return;
+  const double noise = LEVEL_NOISY / pow(scanner->contrast_to_noise, 2.0);
+  const double width =
+      narrow_throats_measure(&restored->scan, region->voxel, LEVEL_MIDDLE).pore_width;
+  const double narrow = LEVEL_NARROW * pow(scanner->blur / width, 2.0);
+  const double unsure = fmin(hypot(LEVEL_SURE, hypot(noise, narrow)), LEVEL_UNSURE_MOST);
+  restored->scan_void_ratio = restored->middle;
+  restored->scan_void_ratio_error = 0.5 * (void_ratio_at(restored, LEVEL_MIDDLE + unsure) -
+                                           void_ratio_at(restored, LEVEL_MIDDLE - unsure));
 }
 
 /* Correction of the grey of pore, as a fraction of the contrast, that is not worth a word. */
@@ -157,6 +185,7 @@ enum status restored_make(const struct region *region, const struct scanner *sca
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
   TRY(restore_and_match(region, scanner, 0.0, void_ratio, restored));
+  see_void_ratio(region, scanner, restored);
   if (scan->levels != NULL && allows_void_ratio(restored))
     TRY(open_throats(region, scanner, void_ratio, restored));
   if (scan->levels == NULL) {

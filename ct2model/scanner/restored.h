@@ -15,7 +15,10 @@ struct restored {
   double threshold;   /* level at which the walls enclose the void ratio */
   double middle;      /* void ratio at the middle level, where the scan's own edges lie */
   double void_ratio;  /* void ratio enclosed at `threshold` */
-  double two_phases;  /* weight with which grain and pore were told to be two phases (deblur.h) */
+  /* What the scan itself says, whatever was measured: the void ratio at the middle level with the
+   * greys of its edges, and its 95 % half width; NAN: nothing. */
+  double scan_void_ratio, scan_void_ratio_error;
+  double two_phases; /* weight with which grain and pore were told to be two phases (deblur.h) */
 };
 
 /* Removes the blur from the region and finds the level that encloses `void_ratio`. `restored` has

@@ -295,6 +295,7 @@ static void set_levels_by_mean(const struct windows *all, const struct survey *s
       survey_contrast_by_mean(survey, mean_grey(all, survey), greater.mean, greater.mean);
   scanner->levels = greater.common > VOXELS_FOR_MEAN && contrast > 0.0;
   if (!scanner->levels) return;
+  scanner->by_void_ratio = true;
   scanner->pore = sign > 0.0 ? greater.mean - contrast : greater.mean;
   scanner->grain = scanner->pore + contrast;
   scanner->contrast_to_noise = contrast / scanner->noise;
@@ -321,6 +322,7 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   if (scanner->narrow)
     scanner->blur_error = fmax(scanner->blur_error, NARROW_BLUR_ERROR * scanner->blur);
   if (!by_mean || lesser.deep > DEEP_FRACTION * lesser.count) return true;
+  scanner->by_void_ratio = true;
   scanner->pore = pore;
   scanner->grain = grain;
   scanner->contrast_to_noise = contrast / scanner->noise;
@@ -346,6 +348,7 @@ static void assume_scanner(const struct windows *all, const struct survey *surve
   if (survey_between(survey, pore, grain) < BLURRED_FRACTION * lesser_fraction) return;
   const struct edge_fit fit = {.deviation = edge_fit_deviation(MODEL_BLUR_ASSUMED)};
   *scanner = (struct scanner){.assumed = by_mean,
+                              .by_void_ratio = by_mean,
                               .narrow = true,
                               .blur = MODEL_BLUR_ASSUMED * all->unit,
                               .pore = pore,

@@ -54,13 +54,20 @@ static void assume_blur(struct h5_file *file, struct scan_quality *scan) {
                                 .assumed = true};
 }
 
+/* Standard error of the blur: half of its uncertainty, the whole of it in files of versions that
+ * did not tell a void ratio of the scan. */
+static double blur_error(struct h5_file *file) {
+  const bool half_width = h5_attribute_exists(file, "/model", "void_ratio_scan");
+  return h5_attribute_or_nan(file, "/scanner", "blur_uncertainty") / (half_width ? 2.0 : 1.0);
+}
+
 static struct scan_quality read_scan(struct h5_file *file) {
   /* Labels have no measurable blur; the smoothing of their steps is their blur. */
   const double smoothing = h5_attribute_or_nan(file, "/calibration", "smoothing");
   if (smoothing > 0.0) {
     const double counted = h5_attribute_or_nan(file, "/calibration", "void_ratio_uncertainty");
     return (struct scan_quality){.known = true,
-                                 .counted = fmax(0.0, counted),
+                                 .void_ratio_error = fmax(0.0, counted),
                                  .resolution = RESOLUTION_DEVIATIONS * smoothing,
                                  .between = interpolation_variance(file),
                                  .labels = true};
@@ -71,18 +78,19 @@ static struct scan_quality read_scan(struct h5_file *file) {
       fmax(h5_attribute_or_nan(file, "/model", "voxel_scanned"),
            2.0 * sqrt(M_PI) * h5_attribute_or_nan(file, "/scanner", "noise_correlation"));
   const double blur = h5_attribute_or_nan(file, "/scanner", "blur");
-  struct scan_quality scan = {
-      .blur = blur,
-      .blur_error = h5_attribute_or_nan(file, "/scanner", "blur_uncertainty"),
-      .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
-      .noise_power = pow(fmax(0.0, correlation_length), 3.0) / (ratio * ratio),
-      .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
-      .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
+  struct scan_quality scan = {.blur = blur,
+                              .blur_error = blur_error(file),
+                              .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
+                              .noise_power =
+                                  pow(fmax(0.0, correlation_length), 3.0) / (ratio * ratio),
+                              .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
+                              .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
   scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
   if (!scan.known) assume_blur(file, &scan);
   scan.shape = shape_uncertainty(file);
   scan.between = interpolation_variance(file);
   scan.smooth_walls = fmax(0.0, h5_attribute_or_nan(file, "/scanner", "smooth_walls"));
+  scan.void_ratio_error = fmax(0.0, h5_attribute_or_nan(file, "/model", "void_ratio_doubt"));
   return scan;
 }
 

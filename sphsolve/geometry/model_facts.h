@@ -17,11 +17,13 @@ struct scan_quality {
   double smooth_walls;     /* from 0 (rough walls) to 1 (no roughness) */
   double between; /* m^2: blur variance due to interpolation between distant slices, per axis */
   double shape;   /* relative error of k where pores are too narrow to resolve their shape */
-  bool labels;    /* the scan was segmented: only `resolution`, `between` and `counted` are known */
-  double counted; /* 95 % half width of the void ratio from the labels, if none was measured */
-  bool assumed;   /* none of these could be estimated: a blur of 1.2 voxels is assumed */
-  bool removed;   /* the blur was removed from the model's surface */
-  bool averaged;  /* and the surface came from averages over several voxels */
+  bool labels;    /* the scan was segmented: of these only `resolution`, `between` and
+                     `void_ratio_error` are known */
+  double void_ratio_error; /* 95 % half width of the void ratio: as counted from labels, if none was
+                              measured; or where the scan shows another one than was measured */
+  bool assumed;            /* none of these could be estimated: a blur of 1.2 voxels is assumed */
+  bool removed;            /* the blur was removed from the model's surface */
+  bool averaged;           /* and the surface came from averages over several voxels */
 };
 /* Period, in standard deviations, at which the transfer function of a Gaussian is 10 %: 2 pi /
  * sqrt(2 ln 10). */

@@ -147,7 +147,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
     const double n = (double)lattice->fluid_count / lattice->bulk_count;
     if (isfinite(width) && scan->known) /* d ln k / d e from Kozeny and Carman */
       plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
-                                  scan->counted * (1.0 - n) * (3.0 / n - 1.0));
+                                  scan->void_ratio_error * (1.0 - n) * (3.0 / n - 1.0));
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {

@@ -100,7 +100,7 @@ import json
 scanner = json.load(open("triangle-model.json"))["scanner"]
 print(scanner)
 assert abs(scanner["contrast_to_noise"] / 8 - 1) < 0.15
-assert scanner["blur_uncertainty_m"] >= 0.25 * scanner["blur_m"] - 1e-12
+assert scanner["blur_uncertainty_m"] >= 0.5 * scanner["blur_m"] - 1e-12  # 95 %
 P
 }
 

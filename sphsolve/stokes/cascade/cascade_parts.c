@@ -253,7 +253,7 @@ enum status cascade_add_scan_part(struct cascade *c, const struct lattice *latti
     c->uncertainty.levels[c->uncertainty.level_count - 1].slope_blur = c->uncertainty.slope_blur;
     const double slope = c->uncertainty.slope_void_ratio;
     c->uncertainty.scan = hypot(scan_error(scan, c->uncertainty.slope_blur, width),
-                                isfinite(slope) ? slope * scan->counted : 0.0);
+                                isfinite(slope) ? slope * scan->void_ratio_error : 0.0);
     if (scan_shape_error(scan, width) > 0.05)
       log_warning("the scan's blur hides the shape of pores as narrow as these: that alone may be "
                   "%.0f %% of k; a sharper scan, or smaller voxels, would tell",
