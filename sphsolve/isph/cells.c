@@ -86,6 +86,7 @@ enum status isph_sort(struct isph *s) {
   permute(s, s->velocity, sizeof *s->velocity);
   permute(s, s->pressure, sizeof *s->pressure);
   permute(s, s->mass, sizeof *s->mass);
+  if (s->packing != NULL) permute(s, s->packing, sizeof *s->packing);
   permute(s, s->id, sizeof *s->id);
   isph_find_own(s);
 cleanup:

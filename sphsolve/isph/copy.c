@@ -6,7 +6,7 @@
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/well.h"
 
-enum { ARRAYS = 11 };
+enum { ARRAYS = 12 };
 
 /* The arrays of a state that are copied: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
@@ -21,6 +21,7 @@ static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t by
   ADD(velocity, s->local.begin, own);
   ADD(pressure, s->local.begin, own);
   ADD(mass, s->local.begin, own);
+  ADD(packing, s->local.begin, s->on.surface ? own : 0);
   ADD(id, s->local.begin, own);
   ADD(boundary_position, 0, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
   ADD(wall_boxes, 0, s->wall_box_count);

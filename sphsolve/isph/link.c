@@ -7,13 +7,14 @@
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/images.h"
+#include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
 
 /* Speeds of all particles on this rank relative to their soil: isph_links_begin. */
 #define SPEEDS(s) ((s)->work[0])
 
 bool isph_links_wanted(const struct scene *scene, bool has_surface) {
-  return !has_surface && !scene->isph.porosity_paper;
+  return (!has_surface || isph_soils_differ(scene)) && !scene->isph.porosity_paper;
 }
 
 /* Distance from x to the sides of a prism of soil, and whether x is inside; faces on closed sides
@@ -170,6 +171,24 @@ static void add_path(const struct isph *s, size_t end, const double x[3], const 
   if (parts != NULL) add_part(parts, NULL, to - from);
 }
 
+/* As add_path for the whole way from particle i to the reflected image of particle j: from each to
+ * the side, so that the way back has the same resistance. Beyond a corner, to the middle between
+ * the two sides. */
+static void add_reflected_path(const struct isph *s, size_t i, uint32_t entry, const double r[3],
+                               struct isph_material *way) {
+  const size_t j = entry & PAIR_MASK, end = s->scene->region_count;
+  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
+  const double *xi = s->position[i];
+  double to = 0, sides = 0, back[3];
+  for (int a = 0; a < 3; a++) {
+    back[a] = image->turn[a] * r[a];
+    if (image->turn[a] < 0 && r[a] != 0) to += (xi[a] - 0.5 * image->shift[a]) / r[a], sides++;
+  }
+  to = sides > 0 ? to / sides : 0.5;
+  add_path(s, end, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, to, way, NULL);
+  add_path(s, end, s->position[j], back, 0, 1 - to, way, NULL);
+}
+
 /* Away from edges all pairs of a particle lie in the same soil. */
 static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt) {
   const struct isph_material *of = &s->grounds[s->ground[i]].of;
@@ -193,7 +212,9 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
     struct isph_parts parts = {.count = 0};
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    if (ground == GROUND_MIXED)
+    if (ground == GROUND_MIXED && isph_is_reflected(images, s, chunk->pair[p]))
+      add_reflected_path(s, i, chunk->pair[p], r, &way);
+    else if (ground == GROUND_MIXED)
       add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
                tensors ? &parts : NULL);
     else
@@ -233,12 +254,28 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links) {
   memset(links, 0, sizeof *links);
-  if (s->on.anisotropy) /* sides of the domain do not reflect in scenes with soil */
+  if (s->on.anisotropy) /* sides of the domain do not reflect in scenes with it */
     link_pairs(IMAGES_PERIODIC, s, chunk, i, dt, true, links);
   else if (s->ground[i] != GROUND_MIXED)
     link_within(s, chunk, i, dt);
   else
     ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, false, links);
+}
+
+void isph_links_close(struct isph *s) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double sum = 0, whole = 0;
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        const double weight = s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p];
+        sum += weight * (double)chunk->mobility[p], whole += weight;
+      }
+      s->linked_mobility[i] = whole > 0 ? sum / whole : s->mobility[i];
+    }
+  }
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->linked_mobility)});
 }
 
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],

@@ -18,8 +18,16 @@
  * With the particle's own B instead, velocities beside a face vary by a tenth, and the flux depends
  * on dt.
  *
- * Links are for scenes without a free surface: with one the energy may not rise, which holds for
- * the plain mean and the adjoint of the divergence alone. */
+ * Links are for scenes without a free surface, and for those with different soils. In others with a
+ * surface the energy may not rise, which holds for the plain mean and the adjoint of the divergence
+ * alone; but beside soil that is far less permeable, the plain mean joins two or three rows of it
+ * to the permeable soil. With links the divergence has to count what a link carries and not the
+ * velocity of the particle at its other end: beside clay the water of gravel moves 1e8 times as
+ * fast as the link's. So under a surface the velocity at the face between i and j is (s_i v_i + s_j
+ * v_j)/2,   s_i = min(1, k_ij / k_i),   k_i the mean of the links of i, and the divergence 2 V_j
+ * slope (v_i - v_face).r, for a link that carries nothing that of a wall. Only the part of r across
+ * the edge counts so; along it the link carries s (v_i - v_j), with the lesser s. With s = 1 that
+ * is the plain V_j slope (v_i - v_j).r. */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINK_H
 #define TOSUI_SPHSOLVE_ISPH_LINK_H
 
@@ -27,6 +35,7 @@
 #include <stdint.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/vector.h"
 
 /* Sums over the links of a particle near an edge. */
 struct isph_links {
@@ -50,7 +59,6 @@ enum status isph_links_create(struct isph *s);
  * work[0]. */
 void isph_links_begin(struct isph *s);
 
-#define GROUND_MIXED (-1)
 /* The soil that fills the neighbourhood of x within the largest support: 1 + its region, 0 for
  * water, or GROUND_MIXED if an edge of soil is nearer. */
 int32_t isph_ground(const struct isph *s, const double x[3]);
@@ -59,9 +67,24 @@ int32_t isph_ground(const struct isph *s, const double x[3]);
  * length dt (s), and the sums `links`. */
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links);
+/* Collective, under a surface, after the mobility of all pairs is known: the mean mobility of each
+ * particle's links, `linked_mobility`. */
+void isph_links_close(struct isph *s);
 /* Corrects `predicted`, v* of particle i relative to its soil, found with the particle's own drag
  * and T = t, to what the links carry across an edge. u is its velocity relative to its soil. */
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]);
+
+/* What pair p of particle i at an edge adds to the divergence under a surface, over V slope. */
+static inline double isph_link_difference(const struct isph *s, const struct isph_chunk *chunk,
+                                          size_t p, size_t i, const double vi[3],
+                                          const double vj[3], const double r[3]) {
+  const double *n = s->linked[i].normal, k = (double)chunk->mobility[p];
+  const double si = fmin(1, k / s->linked_mobility[i]);
+  const double sj = fmin(1, k / s->linked_mobility[chunk->pair[p] & PAIR_MASK]);
+  const double rn = dot(r, n), across = (2 - si) * dot(vi, n) - sj * dot(vj, n);
+  const double along = dot(vi, r) - dot(vj, r) - (dot(vi, n) - dot(vj, n)) * rn;
+  return across * rn + fmin(si, sj) * along;
+}
 
 #endif

@@ -8,6 +8,7 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/images.h"
+#include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/state.h"
@@ -194,6 +195,7 @@ void isph_move(struct isph *s, double dt, double available) {
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];
+    if (s->packing != NULL) isph_packing_fade(s, i, displacement[i]);
     wrap(s, s->position[i]);
   }
 }

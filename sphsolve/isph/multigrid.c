@@ -118,17 +118,18 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
   add_up(grid, fine->node_count, unit, nodes);
 }
 
-/* Mobilities times volumes, over the volume of a cell. At an edge of soil with links (isph/link.h)
- * a particle counts with the mean mobility of its pairs: its own smoothed mobility may be 1e9 times
- * smaller than the coefficients that couple it to the water outside, and a grid that resists so
- * much more than the matrix would mistake the error of that water for an error of the soil's
- * pressure. */
+/* Mobilities times volumes, over the volume of a cell. At an edge of soil with links (isph/link.h),
+ * and wherever soil lies under a surface, a particle counts with the mean mobility of its pairs:
+ * its own smoothed mobility may be 1e9 times smaller than the coefficients that couple it to the
+ * water outside, and a grid that resists so much more than the matrix would mistake the error of
+ * that water for an error of the soil's pressure. */
 static void find_mobilities(const struct isph *s, double cell, double *value) {
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const size_t pairs = s->on.links && s->ground[i] == GROUND_MIXED ? s->pair_number[i] : 0;
+      const bool mixed = s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && s->on.surface;
+      const size_t pairs = mixed ? s->pair_number[i] : 0;
       double sum = 0, whole = 0;
       for (size_t p = s->pair_first[i], n = p + pairs; p < n; p++) {
         const size_t j = chunk->pair[p] & PAIR_MASK;

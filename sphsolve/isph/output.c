@@ -32,7 +32,8 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
     memcpy(s->sums[c], own, sizeof own);
   }
   isph_sum_chunks(s, 4, sum);
-  const double counted = s->on.links && !s->on.moving_walls && sum[3] > 0 ? s->room / sum[3] : 1;
+  const double counted =
+      s->on.links && !s->on.surface && !s->on.moving_walls && sum[3] > 0 ? s->room / sum[3] : 1;
   for (int a = 0; a < 3; a++) velocity[a] = sum[a] * counted * s->thickness / domain_volume(s);
 }
 
@@ -281,13 +282,15 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   const size_t first = s->local.begin, own = s->local.end - first;
-  size_t vectors[2] = {own, 3}, regions[2] = {s->scene->region_count, 3};
+  size_t vectors[2] = {own, 3}, packing[2] = {own, 5}, regions[2] = {s->scene->region_count, 3};
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
   TRY(h5_write_rows(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
   TRY(h5_write_rows(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
   TRY(h5_write_rows(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
   TRY(h5_write_rows(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
+  if (s->packing != NULL)
+    TRY(h5_write_rows(file, "/state/packing", H5_F32, 2, packing, s->packing + first, true));
   TRY(h5_write_rows(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
@@ -384,6 +387,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   TRY(read_rows(file, "/state/velocity", H5_F64, all, first, own, 3, s->velocity));
   TRY(read_rows(file, "/state/pressure", H5_F64, all, first, own, 1, s->pressure));
   TRY(read_rows(file, "/state/mass", H5_F64, all, first, own, 1, s->mass));
+  if (s->packing != NULL)
+    TRY(read_rows(file, "/state/packing", H5_F32, all, first, own, 5, s->packing));
   TRY(read_rows(file, "/state/id", H5_U64, all, first, own, 1, s->id));
   TRY(read_into(file, "/state/soil_offset", H5_F64, s->scene->region_count, 3, s->soil_offset));
   if (s->boundary_count > 0)

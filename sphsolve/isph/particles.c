@@ -13,6 +13,7 @@
 #include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
+#include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
@@ -93,6 +94,7 @@ enum status isph_reserve(struct isph *s, size_t n) {
   TRY(memory_resize(&s->velocity, n, sizeof *s->velocity, what));
   TRY(memory_resize(&s->pressure, n, sizeof *s->pressure, what));
   TRY(memory_resize(&s->mass, n, sizeof *s->mass, what));
+  if (s->on.surface) TRY(memory_resize(&s->packing, n, sizeof *s->packing, what));
   TRY(memory_resize(&s->volume, n, sizeof *s->volume, what));
   TRY(memory_resize(&s->support, n, sizeof *s->support, what));
   if (s->on.soil) {
@@ -111,6 +113,8 @@ enum status isph_reserve(struct isph *s, size_t n) {
     if (s->on.links) {
       TRY(memory_resize(&s->ground, n, sizeof *s->ground, what));
       TRY(memory_resize(&s->linked, n, sizeof *s->linked, what));
+      if (s->on.surface)
+        TRY(memory_resize(&s->linked_mobility, n, sizeof *s->linked_mobility, what));
     }
     if (s->on.moving_soil) {
       TRY(memory_resize(&s->soil_velocity, n, sizeof *s->soil_velocity, what));
@@ -172,6 +176,7 @@ enum status isph_add_particle(struct isph *s, const double position[3], const do
   memcpy(s->velocity[i], velocity, sizeof s->velocity[i]);
   s->pressure[i] = 0;
   s->mass[i] = mass;
+  if (s->packing != NULL) memset(s->packing[i], 0, sizeof s->packing[i]);
   s->id[i] = s->next_id++;
   return STATUS_OK;
 }
@@ -200,7 +205,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->on = *switches;
   s->on.interfaces = isph_soils_differ(scene);
   s->on.links = isph_links_wanted(scene, switches->surface) && s->on.soil;
-  s->on.mean_of_ends = s->on.surface && !s->on.anisotropy;
+  s->on.mean_of_ends = s->on.surface && !s->on.anisotropy && !s->on.links;
   s->on.own_mobilities = !s->on.surface && !s->on.links && !s->on.anisotropy;
   s->on.fading = s->on.interfaces && !s->on.anisotropy;
   s->relaxation_factor = s->crowd_factor = 1;
@@ -242,6 +247,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_wall_create(s));
   TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
+  if (s->on.surface) isph_packing_begin(s);
   isph_budget_begin(s);
 cleanup:
   return status;
@@ -267,6 +273,7 @@ void isph_free(struct isph *s) {
                     &s->position,
                     &s->velocity,
                     &s->pressure,
+                    &s->packing,
                     &s->mass,
                     &s->volume,
                     &s->support,
@@ -282,6 +289,7 @@ void isph_free(struct isph *s) {
                     &s->beds,
                     &s->ground,
                     &s->linked,
+                    &s->linked_mobility,
                     &s->grounds,
                     &s->soil_velocity,
                     &s->porosity_rate,

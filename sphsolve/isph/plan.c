@@ -196,10 +196,10 @@ enum status isph_cost(struct plan *plan, int threads) {
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen in each step */
   plan->bytes_fluid = 519 + 1.3 * neighbours * 12;
-  if (context->has_surface) plan->bytes_fluid += 16; /* body */
+  if (context->has_surface) plan->bytes_fluid += 36; /* body, packing */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
-    plan->bytes_fluid += 4 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
+    plan->bytes_fluid += 12 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
   if (isph_is_anisotropic(scene))
     plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;

@@ -5,6 +5,7 @@
 
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/effects/surface.h"
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
@@ -53,8 +54,11 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
     row->diagonal += (double)a;
     row->source += (double)a * rho * isph_fall_between(images, s, f, xi, entry, r);
     if (d != NULL) symmetric_times(d, r, r);
-    row->divergence += s->volume[j] * slope *
-                       ((vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2]);
+    const double differ =
+        s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED
+            ? isph_link_difference(s, chunk, p, i, vi, vj, r)
+            : (vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2];
+    row->divergence += s->volume[j] * slope * differ;
   }
 }
 

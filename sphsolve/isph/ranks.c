@@ -10,6 +10,7 @@ enum { TAG = 5, TAG_SUMS };
 /* What is sent of a particle that changes ranks. */
 struct particle {
   double position[3], velocity[3], pressure, mass;
+  float packing[5];
   uint64_t id;
 };
 
@@ -67,6 +68,7 @@ static struct particle particle_at(const struct isph *s, size_t i) {
   struct particle p = {.pressure = s->pressure[i], .mass = s->mass[i], .id = s->id[i]};
   memcpy(p.position, s->position[i], sizeof p.position);
   memcpy(p.velocity, s->velocity[i], sizeof p.velocity);
+  if (s->packing != NULL) memcpy(p.packing, s->packing[i], sizeof p.packing);
   return p;
 }
 
@@ -104,12 +106,14 @@ static void move_particles(struct isph *s, size_t to, size_t from, size_t n) {
   memmove(s->velocity + to, s->velocity + from, n * sizeof *s->velocity);
   memmove(s->pressure + to, s->pressure + from, n * sizeof *s->pressure);
   memmove(s->mass + to, s->mass + from, n * sizeof *s->mass);
+  if (s->packing != NULL) memmove(s->packing + to, s->packing + from, n * sizeof *s->packing);
   memmove(s->id + to, s->id + from, n * sizeof *s->id);
 }
 
 static void put_particle(struct isph *s, size_t i, const struct particle *p) {
   memcpy(s->position[i], p->position, sizeof p->position);
   memcpy(s->velocity[i], p->velocity, sizeof p->velocity);
+  if (s->packing != NULL) memcpy(s->packing[i], p->packing, sizeof p->packing);
   s->pressure[i] = p->pressure;
   s->mass[i] = p->mass;
   s->id[i] = p->id;

@@ -451,6 +451,7 @@ enum status isph_advance(struct isph *s, double dt) {
   if (s->on.open_sides) isph_open_straighten(s);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
   if (s->on.anisotropy) isph_anisotropy_pairs(s);
+  if (s->linked_mobility != NULL) isph_links_close(s);
   if (s->on.wells) isph_wells_begin(s, dt);
   isph_assemble(s, relaxation_time);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;

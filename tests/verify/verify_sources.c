@@ -182,11 +182,73 @@ static void ditch(void) {
   finish(&run);
 }
 
+/* A dam whose core is 1e7 times tighter than its shells, with equal levels on both sides: rest. And
+ * two soils in a U-tube, one after the other or one over the other, between levels that differ by
+ * .1 m: Darcy's flux, Q = .1 A / sum L/k or .1/L sum A k, for a time in which the levels hardly
+ * change. */
+static void zones(void) {
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run = {0};
+    double started = clock_seconds(), dx = fine ? .01 : .02, off = 0;
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+          "domain = { size = [\"1 m\", \"0.6 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+          "};\n"
+          "regions = ( { type = \"porous\"; box = [\"0.3 m\", \"0\", \"0.7 m\", \"0.56 m\"]; "
+          "porosity = 0.4; permeability = \"1e-2 m/s\"; },\n"
+          "{ type = \"porous\"; box = [\"0.44 m\", \"0\", \"0.56 m\", \"0.56 m\"]; porosity = "
+          "0.4; permeability = \"1e-9 m/s\"; },\n"
+          "{ type = \"water\"; box = [\"0\", \"0\", \"1 m\", \"0.5 m\"]; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+          dx);
+    advance(&run, 1);
+    for (size_t i = 0; i < run.s.count; i++)
+      off = fmax(off, fabs(run.s.pressure[i] - 9810 * (.5 - run.s.position[i][2])) / 4905);
+    snprintf(name, sizeof name, "dam with a core at rest: velocity rms, m/s, %g cm", 100 * dx);
+    report(name, 0, rms_velocity(&run.s), 1e-6, started);
+    snprintf(name, sizeof name, "dam with a core at rest: pressure, over that at its foot, %g cm",
+             100 * dx);
+    report(name, 0, off, 1e-3, started);
+    finish(&run);
+  }
+  for (int k = 0; k < 4; k++) {
+    const bool along = k > 1;
+    struct run run = {0};
+    double started = clock_seconds(), dx = k % 2 ? .01 : .02, flux = 0, n = 0;
+    const double shell = 1e-2, core = 1e-5;
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+          "isph = { wall = { slip = true; }; };\n"
+          "domain = { size = [\"1 m\", \"0.6 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+          "};\n"
+          "regions = ( { type = \"porous\"; box = [\"0.3 m\", \"0\", \"0.7 m\", \"0.2 m\"]; "
+          "porosity = 0.4; permeability = \"%g m/s\"; },\n"
+          "{ type = \"porous\"; box = [\"%g m\", \"0\", \"%g m\", \"%g m\"]; porosity = 0.4; "
+          "permeability = \"%g m/s\"; },\n"
+          "{ type = \"water\"; box = [\"0\", \"0\", \"0.5 m\", \"0.5 m\"]; },\n"
+          "{ type = \"water\"; box = [\"0.5 m\", \"0\", \"1 m\", \"0.4 m\"]; },\n"
+          "{ type = \"wall\"; box = [\"0.3 m\", \"0.2 m\", \"0.7 m\", \"0.6 m\"]; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+          dx, shell, along ? .3 : .44, along ? .7 : .56, along ? .1 : .2, core);
+    for (int row = 0; row < 10; row++, n++) {
+      advance(&run, .15 + .015 * row);
+      flux += isph_plane_flux(&run.s, 0, .5);
+    }
+    const double thick = run.s.thickness;
+    const double exact = along ? .1 / .4 * .1 * (shell + core) * thick
+                               : .1 * .2 * thick / (.28 / shell + .12 / core);
+    snprintf(name, sizeof name, "soils of 1e3, one %s the other: flux, %g cm",
+             along ? "over" : "after", 100 * dx);
+    report(name, exact, flux / n, .04 * exact, started);
+    finish(&run);
+  }
+}
+
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {{"recharge", recharge},
-                                             {"drain", drained_square},
-                                             {"well", pumped_square},
-                                             {"strip", drained_strip},
-                                             {"ditch", ditch}};
+  static const struct verify_case cases[] = {{"recharge", recharge},  {"drain", drained_square},
+                                             {"well", pumped_square}, {"strip", drained_strip},
+                                             {"ditch", ditch},        {"zones", zones}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

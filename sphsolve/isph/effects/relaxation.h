@@ -21,6 +21,7 @@
 
 #include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/front.h"
+#include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
 
@@ -70,7 +71,7 @@ static inline double leads(const struct isph *s, size_t i) {
  * would hold back; it is applied with the factor `crowd_factor`. */
 static inline double relaxation_crowd(const struct isph *s, size_t i, double relaxation_time) {
   if (s->porosity == NULL || s->surface == NULL) return 0;
-  const double crowded = fmax(-0.05, fmin(0, 1 - s->kernel_sum[i] + RELAXATION_CROWD));
+  const double crowded = fmax(-0.05, fmin(0, isph_packing_deficit(s, i) + RELAXATION_CROWD));
   const double time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
   return s->porosity[i] * crowded * (1 - s->drag_factor[i]) / time;
 }
@@ -83,7 +84,7 @@ static inline double relaxation_spared(const struct isph *s, size_t i, double de
 }
 
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
-  double deficit = 1 - s->kernel_sum[i], eps = s->porosity != NULL ? s->porosity[i] : 1;
+  double deficit = isph_packing_deficit(s, i), eps = s->porosity != NULL ? s->porosity[i] : 1;
   const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
   deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));

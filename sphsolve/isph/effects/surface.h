@@ -21,6 +21,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/plan/plan.h"
@@ -120,10 +121,12 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   if (w <= 0) return;
   double size = isph_size_of(s, s->volume[i]);
   double scale = 2 * s->volume[i] * s->mobility[i];
-  const double *m = s->gradient_sum[i], *f = s->force;
+  const double *f = s->force;
+  double m[3];
+  isph_packing_void(s, i, m);
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
-  *coefficient = w * fmax(moment / (0.5 * size), (1 - backed) * missing);
+  *coefficient = w * fmax(moment / isph_packing_depth(s, i, size), (1 - backed) * missing);
   if (s->solve.again) return;
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
@@ -135,13 +138,15 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
                                    double own[3]) {
   static const double none[3] = {0};
   const bool again = s->solve.again;
-  const double *m = s->gradient_sum[i], *f = again ? none : s->force;
+  const double *f = again ? none : s->force;
+  double m[3];
+  isph_packing_void(s, i, m);
   double w = s->surface[i];
   double size = isph_size_of(s, s->volume[i]);
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double outside = s->surface_pressure != NULL && !again ? s->surface_pressure[i] : 0;
   double pressure = s->pressure[i] - outside;
-  double d = 0.5 * size / fmax(length, 1e-30);
+  double d = isph_packing_depth(s, i, size) / fmax(length, 1e-30);
   double level = pressure + s->density * d * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   for (int a = 0; a < 3 && w > 0; a++) {
     reduced[a] -= 2 * w * level * m[a];

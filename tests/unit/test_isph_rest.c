@@ -1,0 +1,118 @@
+/* Water at rest over soils of any permeability stays at rest, from the first step on, and returns
+ * to rest. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include <math.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sphsolve/isph/output.h"
+#include "tests/unit/isph_scene.h"
+
+#define SOIL(x0, z0, x1, z1, porosity, k)                                                          \
+  "{ type = \"porous\"; box = [\"" x0 " m\", \"" z0 " m\", \"" x1 " m\", \"" z1                    \
+  " m\"]; porosity = " porosity "; permeability = \"" k " m/s\"; },\n"
+
+static const struct {
+  const char *name, *soils;
+  bool sealed; /* coarse soil that only clay joins to the surface */
+} grounds[] = {
+    {"core of clay",
+     SOIL("0.3", "0", "0.7", "0.56", "0.4", "1e-2")
+         SOIL("0.44", "0", "0.56", "0.56", "0.4", "1e-9"),
+     false},
+    {"gravel beside clay",
+     SOIL("0", "0", "0.5", "0.56", "0.4", "1e-1") SOIL("0.5", "0", "1", "0.56", "0.4", "1e-7"),
+     false},
+    {"a ratio of 1e12",
+     SOIL("0", "0", "0.5", "0.56", "0.4", "1") SOIL("0.5", "0", "1", "0.56", "0.4", "1e-12"),
+     false},
+    {"clay over gravel",
+     SOIL("0", "0", "1", "0.25", "0.4", "1e-1") SOIL("0", "0.25", "1", "0.56", "0.4", "1e-9"),
+     true},
+    {"five soils",
+     SOIL("0", "0", "0.2", "0.56", "0.4", "1e-1") SOIL("0.2", "0", "0.4", "0.56", "0.35", "1e-9")
+         SOIL("0.4", "0", "0.6", "0.3", "0.4", "1e-3")
+             SOIL("0.4", "0.3", "0.6", "0.56", "0.3", "1e-6")
+                 SOIL("0.6", "0", "1", "0.56", "0.45", "1e-2"),
+     false},
+    {"a bed under open water", SOIL("0", "0", "1", "0.2", "0.4", "1e-3"), false},
+};
+
+static void begin(struct run *run, size_t k) {
+  char text[2400];
+  snprintf(text, sizeof text,
+           "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+           "domain = { size = [\"1 m\", \"0.6 m\"]; spacing = \"2 cm\"; periodic = [false, false]; "
+           "};\nregions = (\n%s{ type = \"water\"; box = [\"0\", \"0\", \"1 m\", \"0.5 m\"]; } );\n"
+           "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+           grounds[k].soils);
+  start(run, text);
+}
+
+/* Largest velocity, m/s, and largest error of the pressure over that at the foot. */
+static void find_worst(const struct isph *s, double worst[2]) {
+  for (size_t i = 0; i < s->count; i++) {
+    const double *v = s->velocity[i];
+    const double off = s->pressure[i] - s->density * 9.81 * (.5 - s->position[i][2]);
+    worst[0] = fmax(worst[0], sqrt(v[0] * v[0] + v[2] * v[2]));
+    worst[1] = fmax(worst[1], fabs(off) / (s->density * 9.81 * .5));
+  }
+}
+
+/* Beside the edges of soil, in corners and on surfaces over soils of different size the sums over
+ * neighbours are not those of even water: taken for a lack of it, that moved still water by 6 mm/s.
+ * Gauges are right from the first step on. */
+static void water_over_soils_is_still(void **state) {
+  (void)state;
+  for (size_t k = 0; k < sizeof grounds / sizeof *grounds; k++) {
+    struct run run;
+    const char *limit;
+    double worst[2] = {0};
+    begin(&run, k);
+    assert_true(fabs(pressure_at(&run.s, (double[3]){.1, 0, 0}) / 4905 - 1) < 1e-3);
+    for (int step = 0; step < 20; step++) {
+      assert_int_equal(isph_advance(&run.s, isph_stable_dt(&run.s, &limit)), STATUS_OK);
+      find_worst(&run.s, worst);
+    }
+    print_message("%s: %.2g m/s, pressure within %.2g\n", grounds[k].name, worst[0], worst[1]);
+    assert_true(worst[0] < 1e-6);
+    assert_true(worst[1] < 1e-3);
+    finish(&run);
+  }
+}
+
+/* The same, disturbed: the first pressure is 0, and nothing is known of the arrangement, so that it
+ * moves the water by some mm/s. Beside clay the divergence counted the velocities of gravel, which
+ * no link carries: the water of a ratio of 1e4 and more left the tank at 28 m/s. In coarse soil
+ * sealed by clay the correction of the density finds no outlet; that is not judged here. */
+static void disturbed_water_returns_to_rest(void **state) {
+  (void)state;
+  for (size_t k = 0; k < sizeof grounds / sizeof *grounds; k++) {
+    struct run run;
+    const char *limit;
+    double worst[2] = {0};
+    if (grounds[k].sealed) continue;
+    begin(&run, k);
+    memset(run.s.packing, 0, run.s.count * sizeof *run.s.packing);
+    memset(run.s.pressure, 0, run.s.count * sizeof *run.s.pressure);
+    for (int step = 0; step < 40; step++)
+      assert_int_equal(isph_advance(&run.s, isph_stable_dt(&run.s, &limit)), STATUS_OK);
+    find_worst(&run.s, worst);
+    print_message("%s: %.2g m/s, pressure within %.2g\n", grounds[k].name, worst[0], worst[1]);
+    assert_true(worst[0] < .01);
+    assert_true(worst[1] < .02);
+    finish(&run);
+  }
+}
+
+int main(void) {
+  const struct CMUnitTest tests[] = {cmocka_unit_test(water_over_soils_is_still),
+                                     cmocka_unit_test(disturbed_water_returns_to_rest)};
+  return cmocka_run_group_tests(tests, NULL, NULL);
+}
