@@ -62,8 +62,8 @@ enum status h5_write_attribute_text(struct h5_file *file, const char *name, cons
 bool h5_exists(struct h5_file *file, const char *name);
 /* Names of a group's members, sorted; free with h5_free_texts. */
 enum status h5_list(struct h5_file *file, const char *group, size_t *count, char ***names);
-/* Names of the datasets of numbers in any group that have several values along two axes or more, each
- * once; links out of the file are not followed. Free with h5_free_texts. */
+/* Names of the datasets of numbers in any group that have several values along two axes or more,
+ * each once; links out of the file are not followed. Free with h5_free_texts. */
 enum status h5_list_arrays(struct h5_file *file, size_t *count, char ***names);
 /* Whether a part of an existing dataset was never written; HDF5 fills it in when it is read. */
 bool h5_is_partial(struct h5_file *file, const char *name);

@@ -6,8 +6,8 @@
 
 #include "common/error.h"
 
-/* Opens a file to read; STATUS_INPUT, without waiting, for what is no file: a folder, or a pipe into
- * which nobody may ever write. */
+/* Opens a file to read; STATUS_INPUT, without waiting, for what is no file: a folder, or a pipe
+ * into which nobody may ever write. */
 enum status input_open(const char *path, FILE **file);
 
 #endif

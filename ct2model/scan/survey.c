@@ -11,8 +11,8 @@ enum { SLICES = 8, RING_AVERAGE = 8, BINS = 4096 };
 /* Smallest number of radii: within fewer pixels of the axis a few grains look like rings and like
  * beam hardening. */
 enum { RADII_LEAST = 48 };
-/* Annuli over whose residuals the uncertainty of the trend is found, wider than rings; and Student's t
- * for 95 % with two degrees of freedom less. */
+/* Annuli over whose residuals the uncertainty of the trend is found, wider than rings; and
+ * Student's t for 95 % with two degrees of freedom less. */
 enum { ANNULI = 8 };
 static const double STUDENT = 2.45;
 /* Pixels that suffice for the radial trend; a correction uses all. */

@@ -45,8 +45,8 @@ struct lattice {
   struct model_facts model;
   bool y_mirrored; /* built so that sites j and size[1] - 1 - j are identical */
   /* The lattice whose wall distances are the surface from which this one was sampled, with walls
-   * `surface_moved` (m) further in the grains; NULL: this one. After so many of its periods along an
-   * axis its mirror image follows; 0: it only repeats. Not owned, unless it is `own_surface`. */
+   * `surface_moved` (m) further in the grains; NULL: this one. After so many of its periods along
+   * an axis its mirror image follows; 0: it only repeats. Not owned, unless it is `own_surface`. */
   const struct lattice *surface;
   struct lattice *own_surface;
   double surface_moved;

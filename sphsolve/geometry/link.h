@@ -25,9 +25,9 @@ bool link_is_cut(const struct lattice *lattice, const size_t at[3], const int st
                  struct link_face *near, struct link_face *far);
 
 /* Whether a link is known to be open without following it. It lies in one cell of the lattice, and
- * the lattice is the surface itself, whose walls have sites; or the sites of the cell are all fluid,
- * and none of its faces is cut (lattice.cut): a wall on the link would end within the cell, and
- * fluid would go around. */
+ * the lattice is the surface itself, whose walls have sites; or the sites of the cell are all
+ * fluid, and none of its faces is cut (lattice.cut): a wall on the link would end within the cell,
+ * and fluid would go around. */
 bool link_is_open_cell(const struct lattice *lattice, const size_t at[3], const int step[3]);
 
 /* Fills lattice->cut from the links over faces; it stays NULL if no wall separates two fluid sites

@@ -30,7 +30,7 @@
 #define PAIR_BITS 27 /* bits of the index in a pair entry; the image code is above them */
 #define PAIR_MASK ((1u << PAIR_BITS) - 1)
 #define GROUND_MIXED (-1) /* of isph.ground: an edge of soil is near */
-#define IMAGE_NONE 13 /* code of "no image" */
+#define IMAGE_NONE 13     /* code of "no image" */
 
 #define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
 
@@ -182,7 +182,7 @@ struct isph {
   struct isph_bed *beds;              /* [regions] */
   int32_t *ground;                    /* isph/link.h; NULL without links */
   struct isph_linked *linked;         /* isph/link.h; NULL without links */
-  double *linked_mobility; /* isph/link.h; NULL without links or without a surface */
+  double *linked_mobility;            /* isph/link.h; NULL without links or without a surface */
   struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
   double (*soil_velocity)[3];  /* NULL unless soil moves */
   double *porosity_rate;       /* d eps/dt at the place, 1/s; NULL unless soil moves */

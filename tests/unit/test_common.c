@@ -197,6 +197,6 @@ int main(void) {
                                      cmocka_unit_test(test_memory),
                                      cmocka_unit_test(test_kernels),
                                      cmocka_unit_test(test_statistics),
- cmocka_unit_test(test_threads_that_cannot_start)};
+                                     cmocka_unit_test(test_threads_that_cannot_start)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
