@@ -102,6 +102,7 @@ static enum status prepare(const struct options *options, const char *more, stru
   const struct method *method;
   char why[EFFECT_WHY];
   TRY(read_scene(options, more, &job->scene));
+  job->scene.wants_slow_k = options_given(options, "error") || options_given(options, "time");
   TRY(lattice_build(&job->scene, plan_wall_layers(&job->scene), &job->lattice));
   if (job->tensor) TRY(lattice_mirror_flow(&job->scene, &job->lattice));
   TRY(lattice_apply_spacing(&job->scene, &job->lattice));
@@ -201,6 +202,8 @@ static enum status refuse_memory(const struct job *job) {
   const struct plan *plan = &job->plan;
   const double most = plan->bytes_total - PROGRAM_BYTES, limit = memory_limit();
   const bool model = *job->scene.model_path;
+  /* A coarser lattice keeps the wall distances of the model's own sites. */
+  const double kept = sizeof(float) * (double)plan->context.lattice->model.count;
   double least = 0.0;
   char fits[120] = "a coarser spacing takes less";
   if (plan->context.method->bytes_least == NULL || ranks_count() > 1 || most <= limit ||
@@ -213,7 +216,7 @@ static enum status refuse_memory(const struct job *job) {
     snprintf(fits, sizeof fits, "build the model with larger voxels (ct2model build --size)");
   else if (model)
     snprintf(fits, sizeof fits, "--set lattice.spacing='%.4g um' fits",
-             1.001e6 * plan->context.spacing * cbrt(most / limit));
+             1.001e6 * plan->context.spacing * cbrt(most / (limit - kept)));
   TRY_FAIL(STATUS_RUN,
            "%s: the run takes at least %.0f MB of memory (explain: %.0f MB at most), and %.0f MB "
            "are allowed; --max-memory sets that; %s",
@@ -240,6 +243,7 @@ static enum status run_scene(const struct options *options, struct job *job, con
                                 .k_error = NAN,
                                 .intrinsic_permeability = NAN,
                                 .k_finest = NAN,
+                                .inertia_from_gradient = NAN,
                                 .error = uncertainty_none()};
   result->finer_by = chooses_lattices(job)    ? "--error"
                      : *job->scene.model_path ? "lattice.spacing"

@@ -393,10 +393,11 @@ static void judge_notes(json_t *result) {
   }
   if (isfinite(json_number_or_nan(budget, "void_ratio")) && isfinite(slope) &&
       isnan(json_number_or_nan(budget, "threshold"))) {
+    char share[32];
     snprintf(text, sizeof text,
              "The void ratio was given without its ±, which is not counted: each 0.01 of it is "
-             "%.2g %% of k.",
-             slope);
+             "%s %% of k.",
+             percent_format(slope / 100.0, share));
     json_array_append_new(notes, json_string(text));
   }
   if (isfinite(closed)) {

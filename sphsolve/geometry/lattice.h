@@ -52,7 +52,7 @@ struct lattice {
   double surface_moved;
   size_t folded[3];
   /* Bit a: a wall thinner than the spacing separates the site from the next one along axis a
-   * (link.h). NULL if there is none. */
+   * (thin_wall.h). NULL if there is none. */
   uint8_t *cut;
 };
 

@@ -5,7 +5,7 @@
 
 #include "common/memory.h"
 #include "common/side_distance.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/geometry/soil.h"
 
 /* Index of the original of a mirrored site. */
@@ -68,7 +68,7 @@ enum status lattice_mirror_sides(const struct lattice *wrapped, const bool axes[
     mirrored->wall_distance[at] = distance[from];
     lattice_soil_copy(wrapped, from, mirrored, at);
   }
-  if (wrapped->cut) TRY(link_find_cut_faces(mirrored));
+  if (wrapped->cut) TRY(thin_wall_find_faces(mirrored));
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(mirrored);
@@ -126,7 +126,7 @@ enum status lattice_close_sides(const struct lattice *wrapped, size_t layers,
     closed->wall_distance[at] = fminf(distance[from], (float)side);
     lattice_soil_copy(wrapped, from, closed, at);
   }
-  if (wrapped->cut) TRY(link_find_cut_faces(closed));
+  if (wrapped->cut) TRY(thin_wall_find_faces(closed));
 cleanup:
   memory_free(&distance);
   if (status != STATUS_OK) lattice_free(closed);

@@ -7,7 +7,7 @@
 #include "common/memory.h"
 #include "common/node_memory.h"
 #include "common/ranks.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 
 /* Pores as unions of runs, i.e. of maximal rows of fluid sites along x (union-find with path
  * halving, Tarjan, van Leeuwen 1984; of runs, He, Chao, Suzuki 2008, IEEE Trans. Image Process.
@@ -120,7 +120,7 @@ static bool runs_touch(const struct runs *runs, size_t row, int axis, const uint
   if (l->cut == NULL) return one[0] <= two[1] + reach && two[0] <= one[1] + reach;
   const size_t first = one[0] > two[0] ? one[0] : two[0], last = one[1] < two[1] ? one[1] : two[1];
   for (size_t x = first; x <= last; x++)
-    if (!link_face_is_cut(l, row * l->size[0] + x, axis)) return true;
+    if (!thin_wall_on_face(l, row * l->size[0] + x, axis)) return true;
   return false;
 }
 
@@ -157,7 +157,7 @@ static enum status join_all(struct runs *runs, bool corners) {
     const size_t begin = runs->start[row], end = runs->start[row + 1];
     if (begin == end) continue;
     if (runs->sites[begin][0] == 0 && runs->sites[end - 1][1] == last &&
-        !link_face_is_cut(runs->lattice, row * runs->lattice->size[0] + last, 0))
+        !thin_wall_on_face(runs->lattice, row * runs->lattice->size[0] + last, 0))
       join(runs, end - 1, begin, (const int[3]){1, 0, 0});
     for (int s = 0; s < (corners ? 4 : 2); s++) {
       const long y = (long)j + steps[s][0], z = (long)k + steps[s][1];

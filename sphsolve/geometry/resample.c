@@ -6,7 +6,7 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/geometry/throats.h"
 
@@ -219,7 +219,7 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);
-  TRY(link_find_cut_faces(out));
+  TRY(thin_wall_find_faces(out));
 cleanup:
   if (status != STATUS_OK) lattice_free(out);
   return status;
@@ -286,6 +286,10 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
   *surface = *lattice;
   *lattice = wanted;
   lattice->surface = lattice->own_surface = surface;
+  memory_free(&surface->kind); /* only its distances are read */
+  memory_free(&surface->region);
+  memory_free(&surface->micro_porosity);
+  memory_free(&surface->micro_permeability);
   if (compared == STATUS_OK && throats.closed + throats.opened > 0)
     log_warning("%s: sites %.4g um apart close %zu throats of the model's and open %zu",
                 scene->path, 1e6 * scene->lattice_spacing, throats.closed, throats.opened);

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 
 #include "common/memory.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 
 static uint32_t root_of(uint32_t *parent, uint32_t site) {
   while (parent[site] != site) site = parent[site] = parent[parent[site]];
@@ -24,7 +24,7 @@ static enum status find_pores(const struct lattice *l, uint32_t **pore) {
     for (int a = 0; a < 3; a++) {
       const size_t at = s / step[a] % l->size[a];
       const size_t next = at + 1 < l->size[a] ? s + step[a] : s - at * step[a];
-      if (l->kind[next] != SITE_FLUID || link_face_is_cut(l, s, a)) continue;
+      if (l->kind[next] != SITE_FLUID || thin_wall_on_face(l, s, a)) continue;
       const uint32_t one = root_of(*pore, (uint32_t)s), other = root_of(*pore, (uint32_t)next);
       (*pore)[one > other ? one : other] = one > other ? other : one;
     }

@@ -36,14 +36,16 @@ struct history_row {
 
 /* Result of a run, for the JSON on stdout and /run. */
 struct run_result {
-  const char *status;       /* "steady", "end_time", "converged", "budget", "blocked", "crystal",
-                               "interrupted", "failed" */
-  const char *ended;        /* why the requested error was not reached, in words; NULL */
-  double k;                 /* m/s, v/i along the force; NAN if undefined */
-  double k_finest;          /* m/s, of the finest lattice alone; NAN: same as k */
-  double k_error;           /* relative, from averaging, steadiness or residual; NAN: unknown */
-  struct uncertainty error; /* parts of the error of k */
-  const char *finer_by;     /* option or key that makes the lattice of this run finer */
+  const char *status; /* "steady", "end_time", "converged", "budget", "blocked", "crystal",
+                         "interrupted", "failed" */
+  const char *ended;  /* why the requested error was not reached, in words; NULL */
+  double k;           /* m/s, v/i along the force; NAN if undefined */
+  double gradient;    /* hydraulic gradient of the run; 0: not said */
+  double inertia_from_gradient; /* gradient from which inertia lowers k; NAN: unknown */
+  double k_finest;              /* m/s, of the finest lattice alone; NAN: same as k */
+  double k_error;               /* relative, from averaging, steadiness or residual; NAN: unknown */
+  struct uncertainty error;     /* parts of the error of k */
+  const char *finer_by;         /* option or key that makes the lattice of this run finer */
   double intrinsic_permeability; /* m^2 */
   double darcy_velocity[3];
   double hydraulic_gradient[3]; /* between two heads, divided by the length of soil; else 0 */

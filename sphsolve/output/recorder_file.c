@@ -241,6 +241,11 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
   TRY(write_number(file, "k", result->k));
   TRY(write_number(file, "k_low", result->k * (1 - fmin(low, 1))));
   TRY(write_number(file, "k_high", result->k * (1 + high)));
+  uncertainty_of_image(&result->error, &low, &high);
+  TRY(write_number(file, "k_low_image", result->k * (1 - fmin(low, 1))));
+  TRY(write_number(file, "k_high_image", result->k * (1 + high)));
+  uncertainty_total(&result->error, &low, &high);
+  TRY(write_number(file, "inertia_from_gradient", result->inertia_from_gradient));
   TRY(write_number(file, "k_finest", result->k_finest));
   TRY(write_number(file, "k_error", fmax(low, high)));
   TRY(write_number(file, "k_solver_error", result->k_error));

@@ -11,6 +11,7 @@
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/output/uncertainty.h"
+#include "sphsolve/plan/reynolds.h"
 
 static json_t *error_json(const struct uncertainty *u) {
   return json_pack(
@@ -63,12 +64,17 @@ static json_t *conservation_json(const struct conservation *conservation) {
 }
 
 enum status run_print_json(const struct run_result *result) {
-  double low, high;
+  double low, high, low_image, high_image;
   uncertainty_total(&result->error, &low, &high);
+  uncertainty_of_image(&result->error, &low_image, &high_image);
   json_t *object = json_pack(
-      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, s:s, s:o}", "k",
-      json_number(result->k), "k_low", json_number(result->k * (1 - fmin(low, 1))), "k_high",
-      json_number(result->k * (1 + high)), "k_finest", json_number(result->k_finest),
+      "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:[o,o,o], s:o, s:I, s:f, s:o, s:o, "
+      "s:s, s:o}",
+      "k", json_number(result->k), "k_low", json_number(result->k * (1 - fmin(low, 1))), "k_high",
+      json_number(result->k * (1 + high)), "k_low_image",
+      json_number(result->k * (1 - fmin(low_image, 1))), "k_high_image",
+      json_number(result->k * (1 + high_image)), "inertia_from_gradient",
+      json_number(result->inertia_from_gradient), "k_finest", json_number(result->k_finest),
       "k_relative_error", json_number(fmax(low, high)), "error", error_json(&result->error),
       "levels", levels_json(&result->error, result->k / result->intrinsic_permeability),
       "intrinsic_permeability", json_number(result->intrinsic_permeability), "darcy_velocity",
@@ -137,6 +143,30 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
     print_part(", one grey level of the threshold by", u->slope_threshold);
     putchar('\n');
   }
+}
+
+/* Prints the interval of k of the image by itself, where that with its sides is wider by this
+ * factor. */
+#define SIDES_TOLD 1.02
+static void print_image(const struct run_result *result) {
+  char text[32];
+  double low, high;
+  uncertainty_of_image(&result->error, &low, &high);
+  if (!(uncertainty_largest(&result->error) > SIDES_TOLD * fmax(low, high))) return;
+  printf(
+      "image      %.4g cm/s +- %s %% (%.4g to %.4g): of this image by itself; as a sample of its "
+      "material, sides included, as above\n",
+      100 * result->k, percent_format(fmax(low, high), text), 100 * result->k * (1 - fmin(low, 1)),
+      100 * result->k * (1 + high));
+}
+
+/* From which gradient on inertia takes a twentieth of k; said where the scene's is above it. */
+static void print_inertia(const struct run_result *result, double gradient) {
+  if (!(result->inertia_from_gradient > 0.0)) return;
+  if (gradient > result->inertia_from_gradient || log_level() >= LOG_VERBOSE)
+    printf("inertia    from a gradient of %.2g on it lowers the conductivity by over %g %% "
+           "(estimated, Ergun 1952); k is that of slow flow\n",
+           result->inertia_from_gradient, 100.0 * INERTIA_SHARE);
 }
 
 /* Errors below this are not printed as numbers. */
@@ -208,7 +238,9 @@ void run_print(const struct run_result *result, const char *prefix, double wante
          result->wall_time);
   if (isfinite(result->k)) {
     printf("k          %.4g cm/s%s\n", 100 * result->k, error);
+    print_image(result);
     print_uncertainty(&result->error, scanned);
+    print_inertia(result, result->gradient);
     printf("           %.4g m/s, %.4g m^2\n", result->k, result->intrinsic_permeability);
   }
   if (isfinite(result->k) && log_level() >= LOG_VERBOSE) {

@@ -24,6 +24,12 @@ void uncertainty_total(const struct uncertainty *u, double *low, double *high) {
                                                                           : u->resolution);
 }
 
+void uncertainty_of_image(const struct uncertainty *u, double *low, double *high) {
+  struct uncertainty own = *u;
+  own.sides = NAN;
+  uncertainty_total(&own, low, high);
+}
+
 double uncertainty_largest(const struct uncertainty *u) {
   double low, high;
   uncertainty_total(u, &low, &high);

@@ -56,6 +56,9 @@ struct uncertainty uncertainty_none(void);
 /* Lower and upper total error: root of the sum of squares of the known parts; NAN if none is
  * known. */
 void uncertainty_total(const struct uncertainty *u, double *low, double *high);
+/* The same without the part of the sides: the error of k of this very image, to be compared with
+ * another program's on it, and not of the material of which it is a sample. */
+void uncertainty_of_image(const struct uncertainty *u, double *low, double *high);
 /* The larger of both total errors. */
 double uncertainty_largest(const struct uncertainty *u);
 

@@ -2,6 +2,9 @@
 
 #include <math.h>
 
+#include "common/units.h"
+#include "sphsolve/plan/constants.h"
+
 double hydraulic_diameter(const struct lattice *l) {
   size_t faces[3];
   double surface = 0.0;
@@ -18,4 +21,13 @@ double reynolds_number(const double darcy[3], double porosity, double diameter,
                        double kinematic_viscosity) {
   const double speed = hypot(hypot(darcy[0], darcy[1]), darcy[2]);
   return speed / porosity * diameter / kinematic_viscosity;
+}
+
+double reynolds_inertia_gradient(double permeability, double porosity, double kinematic_viscosity) {
+  if (!(permeability > 0.0 && porosity > 0.0)) return NAN;
+  const double beta =
+      ERGUN_INERTIAL / sqrt(ERGUN_VISCOUS * permeability * porosity * porosity * porosity);
+  const double viscous = kinematic_viscosity / permeability;
+  const double v = INERTIA_SHARE / (1.0 - INERTIA_SHARE) * viscous / beta;
+  return (viscous * v + beta * v * v) / GRAVITY_STANDARD;
 }

@@ -23,4 +23,14 @@ double hydraulic_diameter_of_grains(double grain_size, double porosity);
 double reynolds_number(const double darcy[3], double porosity, double diameter,
                        double kinematic_viscosity);
 
+/* Share of k by which inertia lowers the conductivity at the gradient of reynolds_inertia_gradient.
+ */
+#define INERTIA_SHARE 0.05
+
+/* Hydraulic gradient at which inertia balances INERTIA_SHARE of the force, for a permeability k
+ * (m^2), porosity n and kinematic viscosity nu (m^2/s), under standard gravity: g i = nu v / k +
+ * beta v^2,   beta = ERGUN_INERTIAL / sqrt(150 k n^3)     (Ergun 1952) NAN without flow. An
+ * estimate: beta differs by a factor of two between materials. */
+double reynolds_inertia_gradient(double permeability, double porosity, double kinematic_viscosity);
+
 #endif

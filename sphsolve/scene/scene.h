@@ -164,6 +164,7 @@ struct scene {
   char path[4096];
   char name[128];
   const struct method *method; /* NULL: auto */
+  bool wants_slow_k;           /* --error or --time: the k of slow flow is asked for */
   double end_time;             /* s; INFINITY: not given, the run ends when it is steady */
   double steady_tolerance;     /* 0: runs to end_time */
 

@@ -78,7 +78,12 @@ struct progress_state {
   int stalled; /* rounds since `best` last fell by 10 % */
 };
 
-#define CHECKPOINT_NUMBERS 16
+#define CHECKPOINT_NUMBERS 17
+
+/* Pair interactions of a solve so far. */
+static double pairs_of(const struct stokes_solver *s) {
+  return (double)s->iterations * (double)s->grid.active_all * (double)s->stencil.offset_count;
+}
 
 /* Writes a checkpoint of a solve in progress or, with `solved`, of the last completed solve. */
 static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
@@ -103,7 +108,8 @@ static enum status write_checkpoint(struct stokes_job *job, const struct stokes_
                                               balance->flux_open,
                                               balance->force_open,
                                               balance->power_open,
-                                              job->result->k_error};
+                                              job->result->k_error,
+                                              job->pairs - (solved ? pairs_of(s) : 0.0)};
   TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
@@ -166,6 +172,7 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
   balance->flux_open = numbers[12], balance->force_open = numbers[13];
   balance->power_open = numbers[14];
   job->result->k_error = numbers[15];
+  job->pairs = numbers[16];
 cleanup:
   memory_free(&x);
   memory_free(&residual);
@@ -312,7 +319,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
 cleanup:
   if (built && (status == STATUS_OK || status == STATUS_INTERRUPTED)) {
     job->iterations += s.iterations;
-    job->pairs += (double)s.iterations * (double)s.grid.active_all * (double)s.stencil.offset_count;
+    job->pairs += pairs_of(&s);
     recorder_set_fact(job->recorder, "residual", s.residual_now);
     recorder_set_fact(job->recorder, "divergence", s.divergence);
     recorder_set_fact(job->recorder, "iterations", (double)s.iterations);
@@ -343,6 +350,7 @@ static void set_result(struct stokes_job *job) {
   result->error.steadiness = result->k_error;
   result->k_finest = result->k;
   result->reynolds = job->reynolds;
+  result->gradient = scene_hydraulic_gradient(job->scene);
   if (!(u->extrapolated > 0.0 && u->finest > 0.0)) return;
   const double current = job->kept ? result->intrinsic_permeability : u->finest;
   if (!(current > 0.0)) return;
@@ -428,11 +436,14 @@ static enum status run(const struct scene *scene, const struct plan *plan, struc
   result->iterates = true;
   result->pair_interactions = job.pairs;
   if (job.solving > 0.0) result->pair_interactions_per_second = job.pairs / job.solving;
-  if (result->reynolds > 1.0)
+  if (result->reynolds > 1.0 && !scene->wants_slow_k)
     log_warning("%s: Re = %.2g, but method stokes leaves inertia out; %s", scene->path,
                 result->reynolds,
                 lattice->micro_porosity != NULL ? "lower the hydraulic gradient"
                                                 : "run method = \"wcsph\"");
+  result->inertia_from_gradient = reynolds_inertia_gradient(
+      result->intrinsic_permeability, (double)base.fluid_count / base.bulk_count,
+      plan->context.kinematic_viscosity);
   recorder_count_traffic(recorder);
 cleanup:
   h5_close(job.checkpoint);
@@ -454,13 +465,18 @@ static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
   if (creeps)
     snprintf(why, EFFECT_WHY, "the flow creeps: Re about %.2g is below %g, and nothing moves",
              context->reynolds, REYNOLDS_CREEPING);
+  else if (context->scene->wants_slow_k && *context->scene->model_path)
+    snprintf(why, EFFECT_WHY,
+             "--error and --time ask for the k of slow flow; Re about %.2g is not below %g, and "
+             "inertia is left out",
+             context->reynolds, REYNOLDS_CREEPING);
   else if (soil)
     snprintf(
         why, EFFECT_WHY,
         "no other method takes the model's soil; Re about %.2g is not below %g, and inertia is "
         "left out",
         context->reynolds, REYNOLDS_CREEPING);
-  return creeps || soil;
+  return creeps || soil || (context->scene->wants_slow_k && *context->scene->model_path);
 }
 
 static enum wall_scheme wall(const struct scene *scene) {

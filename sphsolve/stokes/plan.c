@@ -63,6 +63,11 @@ cleanup:
   return status;
 }
 
+/* Wall distances of the model's own sites, kept beside a lattice of another spacing. */
+static double surface_bytes(const struct lattice *l) {
+  return l->own_surface ? sizeof(float) * (double)l->own_surface->count : 0.0;
+}
+
 enum status stokes_cost(struct plan *plan, int threads) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
@@ -72,6 +77,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
   const bool soil = l->micro_porosity != NULL;
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
   plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0));
+  plan->bytes_method += surface_bytes(l);
   plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);
   plan->bytes_fluid = fluid > 0.0
                           ? (plan->bytes_method - plan->bytes_wall * (sites - fluid)) / fluid

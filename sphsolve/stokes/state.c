@@ -10,12 +10,12 @@
 #include "sphsolve/stokes/effects/stabilisation.h"
 
 /* The Krylov basis takes the memory that MEMORY_GOAL (bytes per site) leaves; a short basis costs
- * few additional iterations. SITE_BYTES, per site: lattice 5, unpacked fields 16, coarse levels 10.
- * ACTIVE_BYTES, per active site: operator 52, kappa 4, solution 32, Krylov work vector 16, edges 4;
- * and 16 for every vector of the basis, the first of which is the residual. */
+ * few additional iterations. SITE_BYTES, per site: lattice 6, unpacked fields 16, coarse levels 10.
+ * ACTIVE_BYTES, per active site: operator 52, kappa 4, solution 32, Krylov work vector 16, edges 4,
+ * cut links 12; and 16 for every vector of the basis, the first of which is the residual. */
 #define MEMORY_GOAL 125.0
-#define SITE_BYTES 31.0
-#define ACTIVE_BYTES 108.0
+#define SITE_BYTES 32.0
+#define ACTIVE_BYTES 120.0
 #define BASIS_MIN 6
 #define BASIS_MAX 24
 /* Minimum size where there is soil or a porosity above 0.5: a short basis costs more iterations

@@ -448,7 +448,7 @@ END
   }
   refused "50 is the largest factor" --set 'micro={factors=[60.0];}'
   refused "none twice" --set 'micro={factors=[2.0,2.0];}'
-  refused "factor above 1" --set 'micro={uncertainty=0.5;}'
+  refused "above 1 to 1e+06 is possible" --set 'micro={uncertainty=0.5;}'
   sed 's/"soil.hdf"/"none.hdf"/' soil.cfg > none.cfg
   /usr/bin/python3 -c '
 import h5py

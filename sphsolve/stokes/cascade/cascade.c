@@ -29,6 +29,7 @@ void cascade_begin(const struct scene *scene, const struct plan *plan, const str
   if (cascade_is_possible(scene, plan)) {
     c->noise_scale = cascade_noise_scale(plan, base);
     c->pores_across = cascade_pores_across(plan, base);
+    for (int a = 0; a < 3; a++) c->varies[a] = base->size[a] > 1 && cascade_walls_change(base, a);
   }
   if (possible && (plan->goal.error > 0.0 || plan->goal.seconds > 0.0)) {
     c->wanted = fmax(plan->goal.error, 1e-12);
@@ -83,7 +84,8 @@ cleanup:
 /* Error of k by the position of the sites in the ways where the energy is dissipated, relative. A
  * way of N spacings is uncertain by part of a spacing, and with it k by CRITICAL_WIDTH / N; the
  * errors of independent ways side by side average. Their number is that of the sites among which a
- * plane across the flow dissipates, over N^(d - 1) with d = 2 or 3 dimensions:
+ * plane across the flow dissipates, over N^(d - 1) with d axes along which the walls change (a way
+ * that runs on along another axis is one):
  *   CRITICAL_WIDTH / sqrt(N^(3 - d) sites).
  * CRITICAL_WIDTH: fitted, see docs/errors.md. */
 #define CRITICAL_WIDTH 0.5
@@ -95,7 +97,10 @@ static double critical_width_error(const struct cascade *c, const struct lattice
                                    double spacing, double dissipating) {
   const double width = c->plan->shape.throat * c->plan->context.spacing / spacing;
   int dimensions = 0;
-  for (int a = 0; a < 3; a++) dimensions += lattice->size[a] > 1;
+  for (int a = 0; a < 3; a++) {
+    dimensions += c->varies[a];
+    if (!c->varies[a]) dissipating /= (double)lattice->size[a];
+  }
   if (!(dissipating > 0.0) || !isfinite(width)) return 0.0;
   return CRITICAL_WIDTH / sqrt(pow(width, 3 - dimensions) * dissipating);
 }

@@ -19,6 +19,7 @@ struct cascade {
   double seconds;              /* wall time to spend, s; INFINITY: no limit */
   double started;              /* clock at the start, s */
   double noise_scale;          /* cascade_noise_scale, m */
+  bool varies[3];              /* cascade_walls_change */
   double pores_across;         /* cascade_pores_across */
   int fixed;                   /* number of lattices of a cascade that ends with base; 0: open */
   int tried;                   /* lattices so far, including those without flow */

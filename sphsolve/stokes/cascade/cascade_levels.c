@@ -59,8 +59,7 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
   return coarse_spacing(plan, independent_fraction(base) * shortest);
 }
 
-/* Whether the wall distance varies along an axis; it does not along a duct or a cylinder. */
-static bool walls_change(const struct lattice *base, int axis) {
+bool cascade_walls_change(const struct lattice *base, int axis) {
   size_t step = 1;
   for (int a = 0; a < axis; a++) step *= base->size[a];
   const float least = (float)(1e-3 * base->spacing[axis]);
@@ -76,7 +75,7 @@ static bool walls_change(const struct lattice *base, int axis) {
 static double shortest_varying_length(const struct lattice *base) {
   double shortest = INFINITY;
   for (int a = 0; a < 3; a++)
-    if (base->size[a] > 1 && walls_change(base, a))
+    if (base->size[a] > 1 && cascade_walls_change(base, a))
       shortest = fmin(shortest, (double)base->size[a] * base->spacing[a]);
   return independent_fraction(base) * shortest;
 }

@@ -47,6 +47,8 @@ double cascade_first_spacing(const struct plan *plan, const struct lattice *base
  * assumes: as cascade_first_spacing, but without regard to axes along which the walls do not
  * change. */
 double cascade_noise_scale(const struct plan *plan, const struct lattice *base);
+/* Whether the walls change along an axis; they do not along a duct or a cylinder. */
+bool cascade_walls_change(const struct lattice *base, int axis);
 /* Length, in mean pores, of the shortest axis along which the walls change. */
 double cascade_pores_across(const struct plan *plan, const struct lattice *base);
 /* Number of lattices that is enough for a body that is so many pores across. */

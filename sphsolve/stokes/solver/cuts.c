@@ -20,7 +20,7 @@ struct ends {
 
 static enum status add_end(struct ends *ends, const struct stokes_operator *op, size_t row,
                            uint32_t at, uint32_t offset, size_t other,
-                           const struct link_face *face) {
+                           const struct thin_wall_side *face) {
   if (ends->count == ends->room) {
     const size_t room = ends->room ? 2 * ends->room : 256;
     const enum status status =
@@ -70,13 +70,13 @@ static enum status find_row(const struct stokes_operator *op, size_t row, struct
       const size_t other = stokes_grid_row(grid, at[1], at[2], step[1], step[2]);
       const long to = ((long)i + step[0]) % (long)nx;
       const size_t x = (size_t)(to < 0 ? to + (long)nx : to);
-      struct link_face near, far;
+      struct thin_wall_side near, far;
       if (op->lattice->kind[other * nx + x] != SITE_FLUID) continue;
       const bool both = is_solved(grid, other) && stokes_grid_is_active(grid, other, x);
       /* The offsets are symmetric: the opposite of o is as far from the end of the list. */
       const int opposite = stencil->offset_count - 1 - o;
-      if ((both && opposite < o) || link_is_open_cell(op->lattice, at, step) ||
-          !link_is_cut(op->lattice, at, step, &near, &far))
+      if ((both && opposite < o) || thin_wall_open_cell(op->lattice, at, step) ||
+          !thin_wall_cuts(op->lattice, at, step, &near, &far))
         continue;
       TRY(add_end(ends, op, row, packed, (uint32_t)o, other * grid->stride + x, &near));
       if (both)

@@ -1,11 +1,11 @@
-/* Links of the stencil that a wall thinner than the spacing cuts (geometry/link.h). The
+/* Links of the stencil that a wall thinner than the spacing cuts (geometry/thin_wall.h). The
  * convolutions sum over all active neighbours; what they add for a neighbour behind such a wall is
  * subtracted again, link by link, and the wall takes its place. Without such walls there is no
  * list. */
 #ifndef TOSUI_SPHSOLVE_STOKES_CUTS_H
 #define TOSUI_SPHSOLVE_STOKES_CUTS_H
 
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/stokes/solver/operator.h"
 
 struct stokes_cut {

@@ -5,7 +5,7 @@
 
 #include "common/interrupt.h"
 #include "common/memory.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/stokes/effects/soil_drag.h"
 #include "sphsolve/stokes/solver/darcy.h"
 #include "sphsolve/stokes/solver/sums.h"
@@ -155,7 +155,7 @@ static void add_row(struct stokes_preconditioner *pc, const float *kappa, const 
     for (int a = 0; a < op->stencil->axis_count; a++) {
       const int axis = op->stencil->axes[a];
       const bool edge = at[axis] % 2 == 1 || at[axis] + 1 == size[axis];
-      if (!edge || v->size[axis] == 1 || link_face_is_cut(op->lattice, row * nx + i, axis))
+      if (!edge || v->size[axis] == 1 || thin_wall_on_face(op->lattice, row * nx + i, axis))
         continue;
       const float t = (float)(0.5 / (op->stencil->spacing[axis] * op->stencil->spacing[axis]));
       if (grid->mirrored && axis == 2 && k + 1 == stokes_grid_planes(grid)) continue;

@@ -1,4 +1,4 @@
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 
 #include <math.h>
 #include <string.h>
@@ -107,9 +107,11 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static struct link_face face_of(const struct walk *w, double from_near, const double normal[3]) {
+static struct thin_wall_side face_of(const struct walk *w, double from_near,
+                                     const double normal[3]) {
   const double slope = fabs(dot(w->direction, normal));
-  struct link_face face = {.before = slope * from_near, .behind = slope * (w->length - from_near)};
+  struct thin_wall_side face = {.before = slope * from_near,
+                                .behind = slope * (w->length - from_near)};
   memcpy(face.normal, normal, sizeof face.normal);
   return face;
 }
@@ -155,7 +157,7 @@ static bool is_clipped(const struct walk *w, double entered, double left) {
 /* Follows the link from its first site; fills the first face of the first wall that separates the
  * sites, and the last face of the last one. An end of the link in the wall, as the interpolation at
  * a site and here may differ, belongs to the wall through which it lies. */
-static bool follow(const struct walk *w, struct link_face *near, struct link_face *far) {
+static bool follow(const struct walk *w, struct thin_wall_side *near, struct thin_wall_side *far) {
   double t = 0.0, d = distance_at(w, 0.0);
   bool found = false;
   while (t < w->length) {
@@ -185,7 +187,7 @@ static bool follow(const struct walk *w, struct link_face *near, struct link_fac
   return found;
 }
 
-bool link_is_open_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
+bool thin_wall_open_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
   size_t index[3][2];
   for (int a = 0; a < 3; a++) {
     if (step[a] > 1 || step[a] < -1) return false;
@@ -201,8 +203,8 @@ bool link_is_open_cell(const struct lattice *l, const size_t at[3], const int st
   return true;
 }
 
-bool link_is_cut(const struct lattice *l, const size_t at[3], const int step[3],
-                 struct link_face *near, struct link_face *far) {
+bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[3],
+                    struct thin_wall_side *near, struct thin_wall_side *far) {
   const struct lattice *s = l->surface ? l->surface : l;
   struct walk w = {.surface = s, .moved = l->surface_moved, .folded = l->folded};
   /* One of the two directions is always followed, so that rounding cannot make them differ. */
@@ -234,7 +236,7 @@ bool link_is_cut(const struct lattice *l, const size_t at[3], const int step[3],
   return back ? follow(&w, far, near) : follow(&w, near, far);
 }
 
-enum status link_find_cut_faces(struct lattice *l) {
+enum status thin_wall_find_faces(struct lattice *l) {
   enum status status = STATUS_OK;
   const size_t plane = l->size[0] * l->size[1];
   uint8_t *cut = NULL;
@@ -251,7 +253,7 @@ enum status link_find_cut_faces(struct lattice *l) {
         const int step[3] = {a == 0, a == 1, a == 2};
         const size_t next =
             at[a] + 1 < l->size[a] ? s + stride[a] : s - (l->size[a] - 1) * stride[a];
-        if (l->kind[next] != SITE_FLUID || !link_is_cut(l, at, step, NULL, NULL)) continue;
+        if (l->kind[next] != SITE_FLUID || !thin_wall_cuts(l, at, step, NULL, NULL)) continue;
         cut[s] |= (uint8_t)(1U << a);
         count++;
       }

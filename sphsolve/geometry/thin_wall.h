@@ -4,15 +4,15 @@
  * which the lattice was sampled (lattice.surface). A wall on it separates them if the segment
  * crosses both of its faces; if it grazes them it only cuts off a piece of a convex grain, and the
  * fluid goes around it. */
-#ifndef TOSUI_SPHSOLVE_GEOMETRY_LINK_H
-#define TOSUI_SPHSOLVE_GEOMETRY_LINK_H
+#ifndef TOSUI_SPHSOLVE_GEOMETRY_THIN_WALL_H
+#define TOSUI_SPHSOLVE_GEOMETRY_THIN_WALL_H
 
 #include <stdbool.h>
 
 #include "sphsolve/geometry/lattice.h"
 
 /* One face of the wall that separates two sites, seen from the nearer of them. */
-struct link_face {
+struct thin_wall_side {
   double before, behind; /* m: distances of the near site before, of the far site behind the face's
                           * tangent plane */
   double normal[3];      /* unit vector out of the wall, x, y, z */
@@ -21,21 +21,21 @@ struct link_face {
 /* Whether a wall separates site `at` from the one `step` further, both fluid, across periodic
  * boundaries. near, far: its faces towards the two, filled if so; they may be NULL. Both directions
  * of a link give the same answer. */
-bool link_is_cut(const struct lattice *lattice, const size_t at[3], const int step[3],
-                 struct link_face *near, struct link_face *far);
+bool thin_wall_cuts(const struct lattice *lattice, const size_t at[3], const int step[3],
+                    struct thin_wall_side *near, struct thin_wall_side *far);
 
 /* Whether a link is known to be open without following it. It lies in one cell of the lattice, and
  * the lattice is the surface itself, whose walls have sites; or the sites of the cell are all
  * fluid, and none of its faces is cut (lattice.cut): a wall on the link would end within the cell,
  * and fluid would go around. */
-bool link_is_open_cell(const struct lattice *lattice, const size_t at[3], const int step[3]);
+bool thin_wall_open_cell(const struct lattice *lattice, const size_t at[3], const int step[3]);
 
 /* Fills lattice->cut from the links over faces; it stays NULL if no wall separates two fluid sites
  * that share a face. */
-enum status link_find_cut_faces(struct lattice *lattice);
+enum status thin_wall_find_faces(struct lattice *lattice);
 
 /* Whether the face of a site towards the next one along an axis is cut. */
-static inline bool link_face_is_cut(const struct lattice *lattice, size_t site, int axis) {
+static inline bool thin_wall_on_face(const struct lattice *lattice, size_t site, int axis) {
   return lattice->cut != NULL && (lattice->cut[site] >> axis & 1) != 0;
 }
 

@@ -7,7 +7,7 @@
 #include <cmocka.h>
 
 #include "common/memory.h"
-#include "sphsolve/geometry/link.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/throat_width.h"
@@ -92,10 +92,10 @@ static void test_both_ends_of_a_link_agree(void **state) {
       size_t to[3];
       for (int a = 0; a < 3; a++) to[a] = (size_t)((long)(at[a] + n[a]) + step[a]) % n[a];
       const size_t other = (to[2] * n[1] + to[1]) * n[0] + to[0];
-      struct link_face near, far, near_back, far_back;
+      struct thin_wall_side near, far, near_back, far_back;
       if (o == 13 || coarse.kind[other] != SITE_FLUID) continue;
-      const bool cut = link_is_cut(&coarse, at, step, &near, &far);
-      assert_int_equal(cut, link_is_cut(&coarse, to, back, &near_back, &far_back));
+      const bool cut = thin_wall_cuts(&coarse, at, step, &near, &far);
+      assert_int_equal(cut, thin_wall_cuts(&coarse, to, back, &near_back, &far_back));
       if (!cut) continue;
       cuts++;
       assert_true(near.before == far_back.before && far.behind == near_back.behind);
@@ -120,7 +120,8 @@ static void test_large_grains_cut_nothing(void **state) {
     if (coarse.kind[s] != SITE_FLUID) continue;
     const int step[3] = {1, 1, 0};
     const size_t other = (at[2] * n[1] + (at[1] + 1) % n[1]) * n[0] + (at[0] + 1) % n[0];
-    if (coarse.kind[other] == SITE_FLUID) assert_false(link_is_cut(&coarse, at, step, NULL, NULL));
+    if (coarse.kind[other] == SITE_FLUID)
+      assert_false(thin_wall_cuts(&coarse, at, step, NULL, NULL));
   }
   lattice_free(&coarse);
   lattice_free(&fine);
