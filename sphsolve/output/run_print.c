@@ -147,7 +147,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
 
 /* Prints the interval of k of the image by itself, where that with its sides is wider by this
  * factor. */
-#define SIDES_TOLD 1.02
+#define SIDES_TOLD 1.05
 static void print_image(const struct run_result *result) {
   char text[32];
   double low, high;
