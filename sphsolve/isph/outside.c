@@ -118,6 +118,7 @@ enum status isph_remove_outside(struct isph *s, double dt) {
       memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
       s->pressure[kept] = s->pressure[i];
       s->mass[kept] = s->mass[i];
+      if (s->packing != NULL) memcpy(s->packing[kept], s->packing[i], sizeof *s->packing);
       s->id[kept] = s->id[i];
     }
     kept++;

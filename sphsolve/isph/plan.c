@@ -199,7 +199,8 @@ enum status isph_cost(struct plan *plan, int threads) {
   if (context->has_surface) plan->bytes_fluid += 36; /* body, packing */
   if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
   if (context->has_porous && isph_links_wanted(scene, context->has_surface))
-    plan->bytes_fluid += 12 + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
+    plan->bytes_fluid +=
+        (context->has_surface ? 12 : 4) + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
   if (isph_is_anisotropic(scene))
     plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
   if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
