@@ -112,6 +112,12 @@ static void select_nth(double *values, long n, long k) {
   }
 }
 
+enum status quantile_find(const double *values, size_t n, double q, double *result) {
+  *result = n > 0 ? quantile(values, n, q) : 0.0;
+  return n > 0 && isnan(*result) ? FAIL(STATUS_RUN, "memory is short for %zu values", n)
+                                 : STATUS_OK;
+}
+
 double quantile(const double *values, size_t n, double q) {
   double *copy;
   if (n == 0) return NAN;

@@ -33,5 +33,7 @@ void histogram(const double *values, size_t n, double low, double high, size_t b
 
 /* The q-quantile (0..1) by linear interpolation; works on a copy. NAN for n = 0 or no memory. */
 double quantile(const double *values, size_t n, double q);
+/* The same, 0 for n = 0, with an error where memory is short; the values are finite. */
+enum status quantile_find(const double *values, size_t n, double q, double *result);
 
 #endif

@@ -309,7 +309,7 @@ enum status picture_flow(const struct run *run, const struct particles *particle
     const double *v = &particles->velocity[3 * i];
     speeds[i] = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   }
-  flow.speed_high = quantile(speeds, particles->count, 0.99);
+  TRY(quantile_find(speeds, particles->count, 0.99, &flow.speed_high));
   if (flow.speed_high > 0.0) TRY(fill_lines(&flow));
   const size_t cells = flow.size[0] * flow.size[1] * flow.size[2];
   *picture = json_pack("{s:[I,I,I],s:o,s:o,s:o}", "size", (json_int_t)flow.size[0],

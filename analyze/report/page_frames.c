@@ -164,8 +164,8 @@ enum status picture_frames(const struct run *run, json_t **picture) {
     const size_t shot = n == 1 ? 0 : i * (run->snapshot_count - 1) / (n - 1);
     TRY(add_frame(&grid, shot, unsaturated, kept + i * cells, *picture));
   }
-  const double high =
-      unsaturated || grid.all_count == 0 ? 1.0 : quantile(grid.all, grid.all_count, 0.99);
+  double high = 1.0;
+  if (!unsaturated && grid.all_count > 0) TRY(quantile_find(grid.all, grid.all_count, 0.99, &high));
   for (size_t i = 0; i < n; i++)
     json_array_append_new(json_object_get(*picture, "values"),
                           encode_field(kept + i * cells, cells, 0.0, fmax(high, 1e-9)));

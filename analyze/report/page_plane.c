@@ -161,11 +161,11 @@ static enum status find_ranges(struct plane *plane, const float *count) {
   TRY(memory_allocate(&values, points_of(plane), sizeof *values, "a plane"));
   for (size_t p = 0; p < points_of(plane); p++)
     if (count[p] > 0) values[n++] = (double)plane->speed[p];
-  plane->speed_high = n > 0 ? quantile(values, n, 0.98) : 0.0;
+  TRY(quantile_find(values, n, 0.98, &plane->speed_high));
   n = 0;
   for (size_t p = 0; plane->pressure != NULL && p < points_of(plane); p++)
     if (count[p] > 0) values[n++] = fabs((double)plane->pressure[p]);
-  plane->pressure_high = n > 0 ? quantile(values, n, 0.98) : 0.0;
+  TRY(quantile_find(values, n, 0.98, &plane->pressure_high));
 cleanup:
   memory_free(&values);
   return status;

@@ -162,8 +162,9 @@ class_of_interval() { # NAME...
   page fine.html '"its class and its order of magnitude" in page["verdict"][0]["good_for"]'
   # What lessens resolution, and what lessens the largest of the other shares, whichever that is; where these alone are
   # just below what is wanted, smaller voxels are said to be no more than enough.
-  page matched.html '(lambda v, b: (lambda remedy, rest: (remedy + "; a model with smaller voxels alone takes it only just below"
-    if 0.97 * 0.05 <= rest < 0.05 else "a model with smaller voxels, and " + remedy) in v["advice"])(
+  page matched.html '(lambda v, b: (lambda remedy, rest: ("a model with voxels of about" in v["advice"] and remedy not in v["advice"])
+    if rest < 0.97 * 0.05 else (remedy + "; a model with smaller voxels alone takes it only just below"
+    if rest < 0.05 else "a model with smaller voxels, and " + remedy) in v["advice"])(
     {"scan": "a finer or sharper scan is needed", "sides": "a larger sample is needed"}[max(("scan", "sides", "void_ratio"), key=b.get)],
     (b["scan"] ** 2 + b["sides"] ** 2 + b["void_ratio"] ** 2) ** 0.5))(page["verdict"][0], page["verdict"][0]["error_budget"])'
   page plain.html '"a model with voxels of about" in page["verdict"][0]["advice"]'
