@@ -15,7 +15,7 @@
 #define SUMS 3.8              /* global sums */
 /* Bytes per site: kind and wall distance; unpacked fields; coarse multigrid levels. The second
  * level and all coarser ones are stored in full on every rank. */
-#define LATTICE_BYTES 5.0
+#define LATTICE_BYTES 6.0
 #define FIELD_BYTES 16.0
 #define COARSE_BYTES 8.0
 #define COARSER_BYTES 1.15

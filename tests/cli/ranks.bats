@@ -158,7 +158,7 @@ one_line() {
 @test "memory too short for a part of the error leaves k on 2 ranks, and says so" {
   sample_model 40x40x18 mid.hdf
   for n in 1 2; do
-    on $n sphsolve-mpi run s06.cfg --set model.file=mid.hdf --set scene.method=stokes --max-memory $((12 / n))MB --json \
+    on $n sphsolve-mpi run s06.cfg --set model.file=mid.hdf --set scene.method=stokes --max-memory $(awk "BEGIN { print 13 / $n }")MB --json \
       -o short$n > short$n.json 2> said
     [ "$(grep -c 'part of the error of k is not known' said)" -eq 1 ]
   done
