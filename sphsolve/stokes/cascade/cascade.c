@@ -87,7 +87,7 @@ cleanup:
  * plane across the flow dissipates, over N^(d - 1) with d axes along which the walls change (a way
  * that runs on along another axis is one):
  *   CRITICAL_WIDTH / sqrt(N^(3 - d) sites).
- * CRITICAL_WIDTH: fitted, see docs/errors.md. */
+ * CRITICAL_WIDTH: fitted, see docs/physics/error-of-k.md. */
 #define CRITICAL_WIDTH 0.5
 /* With a larger error a lattice shows nothing of how k converges: it may close the only way, or let
  * far too much through. It is that of a single way of one spacing. */
