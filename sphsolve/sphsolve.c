@@ -23,6 +23,7 @@
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/output/recorder.h"
@@ -113,6 +114,7 @@ static enum status prepare(const struct options *options, const char *more, stru
     TRY(lattice_build(&job->scene, method->wall_layers, &job->lattice));
     TRY(lattice_apply_spacing(&job->scene, &job->lattice));
   }
+  if (method->walls_need_sites) TRY(thin_wall_fill(&job->lattice));
   TRY(plan_make(&job->scene, &job->lattice, method, why, thread_count(), &job->plan));
 cleanup:
   return status;

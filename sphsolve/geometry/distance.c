@@ -107,7 +107,8 @@ double distance_to_boxes(const struct scene *scene, const double x[3]) {
   double d = INFINITY, limit = 2 * DISTANCE_REACH * scene->spacing;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
-    if (region->type != REGION_WALL && region->type != REGION_WATER && region->type != REGION_EMPTY)
+    if (region->type != REGION_WALL && region->type != REGION_WATER &&
+        region->type != REGION_EMPTY && region->type != REGION_POROUS)
       continue;
     double to = to_region(scene, region, x);
     d = region->type == REGION_WALL ? fmin(d, to) : fmax(d, -to);

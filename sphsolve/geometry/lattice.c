@@ -11,6 +11,8 @@
 #include "common/provenance.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/distance.h"
+#include "sphsolve/geometry/thin_wall.h"
+#include "sphsolve/scene/scene_geometry.h"
 
 /* Makes the sign of each distance agree with the kind of its site, for sites [first, end), so that
  * no method divides by a distance of the wrong sign. */
@@ -58,7 +60,7 @@ cleanup:
 static void find_mismatched_axes(const struct scene *scene, const struct voxel_model *model,
                                  struct model_facts *facts) {
   const double *force = scene->driving;
-  facts->unlike[0] = facts->unlike[1] = facts->sides_wrapped;
+  for (int a = 0; a < 2; a++) facts->unlike[a] = facts->sides_wrapped && model->size[a] > 1;
   facts->unlike[2] = model->periodic[2] && model_cut_pores(model, 2) > 0.0;
   facts->flow_cut = facts->unlike[2] && force[0] == 0.0 && force[1] == 0.0;
   for (int a = 0; a < 2; a++)
@@ -259,6 +261,20 @@ static double spacing_of_a_million(const struct scene *scene) {
   return pow(volume / sites, 1.0 / scene->dimensions);
 }
 
+/* A wall that is thinner than the spacing may have no site in it. Bodies other than boxes are made
+ * of sites. */
+static void find_thin_walls(const struct scene *scene, struct lattice *lattice) {
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    const double thickness = scene_region_thickness(scene, region);
+    if (region->type != REGION_WALL || region->is_part ||
+        !(thickness < (1.0 + 1e-6) * scene->spacing))
+      continue;
+    lattice->thinnest = lattice->boxes ? fmin(lattice->thinnest, thickness) : thickness;
+    lattice->boxes = scene;
+  }
+}
+
 static enum status from_domain(const struct scene *scene, int layers, struct lattice *lattice) {
   enum status status = STATUS_OK;
   size_t pad[3], inner[3], count = 1, *start = NULL;
@@ -289,7 +305,8 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
   TRY(divide_planes(lattice->size, &start));
   const size_t from = start[ranks_own()], to = start[ranks_own() + 1];
   const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
-  bool wall = false;
+  find_thin_walls(scene, lattice);
+  bool wall = lattice->boxes != NULL;
   /* With all soil saturated first: if that leaves no site empty, there is no free surface and soil
    * stays saturated. */
   if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_default(scene))
@@ -330,6 +347,7 @@ enum status lattice_build(const struct scene *scene, int wall_layers, struct lat
     wall += lattice->kind[i] == SITE_WALL;
   }
   lattice->fluid_count = fluid, lattice->wall_count = wall;
+  if (lattice->boxes != NULL) TRY(thin_wall_find_faces(lattice));
 cleanup:
   if (status != STATUS_OK) lattice_free(lattice);
   return status;

@@ -51,9 +51,14 @@ struct lattice {
   struct lattice *own_surface;
   double surface_moved;
   size_t folded[3];
+  /* Of a domain in which a wall region is thinner than the spacing: the scene, whose regions are
+   * the surface, and the least thickness of these walls, m. Otherwise NULL. */
+  const struct scene *boxes;
+  double thinnest;
   /* Bit a: a wall thinner than the spacing separates the site from the next one along axis a
    * (thin_wall.h). NULL if there is none. */
   uint8_t *cut;
+  bool filled; /* sites beside such walls were made wall (thin_wall_fill) */
 };
 
 /* Arrays of a lattice that are stored in a file on disk during the computation. */

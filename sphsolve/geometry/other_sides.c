@@ -13,6 +13,18 @@ static size_t mirror_source(size_t i, size_t n) {
   return i < n ? i : 2 * n - 1 - i;
 }
 
+/* Whether a wall without sites separates a site from a neighbour. */
+static bool is_beside_cut(const struct lattice *l, size_t site) {
+  if (l->cut == NULL) return false;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  bool beside = l->cut[site] != 0;
+  for (int a = 0; a < 3; a++) {
+    const size_t at = site / stride[a] % l->size[a];
+    beside |= thin_wall_on_face(l, site + (at > 0 ? 0 : l->size[a] * stride[a]) - stride[a], a);
+  }
+  return beside;
+}
+
 /* Wall distances from the inside of the sample only; the neighbourhood beyond a side is unknown. */
 static enum status distances_inside(const struct lattice *wrapped, const bool axes[3],
                                     float **distance) {
@@ -22,9 +34,13 @@ static enum status distances_inside(const struct lattice *wrapped, const bool ax
   side_distance_unwrap(wrapped->size, wrapped->spacing, axes, *distance);
   for (size_t i = 0; i < wrapped->count; i++)
     if (!isfinite((*distance)[i])) {
-      /* No wall nearby inside: keeps its distance, but at least one spacing. */
+      /* No wall site nearby inside: keeps its distance, but at least one spacing, or to a wall
+       * without sites. */
       const float old = wrapped->wall_distance[i];
-      (*distance)[i] = copysignf(fmaxf(fabsf(old), (float)wrapped->spacing[0]), old);
+      if (!is_beside_cut(wrapped, i))
+        (*distance)[i] = copysignf(fmaxf(fabsf(old), (float)wrapped->spacing[0]), old);
+      else
+        (*distance)[i] = old;
     }
 cleanup:
   return status;

@@ -5,6 +5,9 @@
 
 #include "common/interrupt.h"
 #include "common/memory.h"
+#include "common/ranks.h"
+#include "sphsolve/geometry/distance.h"
+#include "sphsolve/scene/scene_geometry.h"
 
 /* The wall distance bounds how far a point is from any wall, so that the walk may advance by it
  * (sphere tracing, Hart 1996), less the error of its interpolation; and at least by half a spacing
@@ -25,6 +28,7 @@ struct walk {
   const size_t *folded;      /* see lattice.folded */
   double start[3], along[3]; /* first site, and the way along each axis per m of the link */
   double length, unit;       /* m: of the link; shortest spacing of the surface */
+  double error;              /* m: of the distances */
   double direction[3];       /* unit vector, x, y, z */
 };
 
@@ -56,9 +60,17 @@ static void find_corners(const struct walk *w, double t, const double *aside, fl
                          index[0][c & 1]];
 }
 
-/* Wall distance (m) there, trilinear. */
+/* Wall distance (m) there: that of the regions, or between sites trilinear. */
 static double distance_beside(const struct walk *w, double t, const double *aside) {
+  const struct lattice *s = w->surface;
   float corner[8];
+  if (s->boxes != NULL) {
+    double place[3];
+    for (int a = 0; a < 3; a++)
+      place[a] =
+          s->origin[a] + (w->start[a] + t * w->along[a]) * s->spacing[a] + (aside ? aside[a] : 0.0);
+    return distance_to_boxes(s->boxes, place) + w->moved;
+  }
   double x[3], d = w->moved;
   find_corners(w, t, aside, corner, x);
   for (int c = 0; c < 8; c++)
@@ -75,14 +87,20 @@ static double distance_at(const struct walk *w, double t) {
 static void normal_at(const struct walk *w, double t, double normal[3]) {
   float corner[8];
   double x[3], length = 0.0;
-  find_corners(w, t, NULL, corner, x);
+  if (w->surface->boxes == NULL) find_corners(w, t, NULL, corner, x);
   for (int a = 0; a < 3; a++) {
     normal[a] = 0.0;
-    for (int c = 0; c < 8; c++) {
-      double weight = c >> a & 1 ? 1.0 : -1.0;
-      for (int b = 0; b < 3; b++)
-        if (b != a) weight *= c >> b & 1 ? x[b] : 1.0 - x[b];
-      normal[a] += weight * (double)corner[c] / w->surface->spacing[a];
+    if (w->surface->boxes != NULL) {
+      double up[3] = {0.0}, down[3] = {0.0};
+      up[a] = BESIDE_FACE * w->unit, down[a] = -up[a];
+      normal[a] = distance_beside(w, t, up) - distance_beside(w, t, down);
+    } else {
+      for (int c = 0; c < 8; c++) {
+        double weight = c >> a & 1 ? 1.0 : -1.0;
+        for (int b = 0; b < 3; b++)
+          if (b != a) weight *= c >> b & 1 ? x[b] : 1.0 - x[b];
+        normal[a] += weight * (double)corner[c] / w->surface->spacing[a];
+      }
     }
     length = hypot(length, normal[a]);
   }
@@ -123,7 +141,7 @@ static bool leave_wall(const struct walk *w, double from, double sign, double *f
   const double unit = w->unit;
   double t = 0.0, d = distance_at(w, from);
   while (t < w->length) {
-    const double next = t + fmax(STEP_MIN * unit, fabs(d) - INTERPOLATION_ERROR * unit);
+    const double next = t + fmax(STEP_MIN * unit, fabs(d) - w->error);
     const double ahead = distance_at(w, from + sign * next);
     if (ahead >= 0.0) {
       *face = find_face(w, from + sign * t, d, from + sign * next, ahead);
@@ -163,8 +181,7 @@ static bool follow(const struct walk *w, struct thin_wall_side *near, struct thi
   while (t < w->length) {
     double entered = t, left, entry[3], exit[3];
     if (d >= 0.0) { /* on to the next wall */
-      const double free_way = d - INTERPOLATION_ERROR * w->unit;
-      const double next = fmin(t + fmax(STEP_MIN * w->unit, free_way), w->length);
+      const double next = fmin(t + fmax(STEP_MIN * w->unit, d - w->error), w->length);
       const double ahead = distance_at(w, next);
       if (ahead < 0.0) {
         entered = find_face(w, t, d, next, ahead);
@@ -194,7 +211,7 @@ bool thin_wall_open_cell(const struct lattice *l, const size_t at[3], const int 
     index[a][0] = at[a];
     index[a][1] = wrap((long)at[a] + step[a], l->size[a], 0);
   }
-  if (l->surface == NULL) return true;
+  if (l->surface == NULL && l->boxes == NULL) return true;
   for (int c = 0; c < 8; c++) {
     const size_t s =
         (index[2][c >> 2] * l->size[1] + index[1][c >> 1 & 1]) * l->size[0] + index[0][c & 1];
@@ -228,9 +245,14 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
   }
   w.length = sqrt(square);
   w.unit = fmin(s->spacing[0], fmin(s->spacing[1], s->spacing[2]));
+  w.error = INTERPOLATION_ERROR * w.unit;
+  if (s->boxes != NULL) {
+    w.unit = fmax(s->thinnest, SCENE_WALL_THICKNESS_MIN * w.unit);
+    w.error = 0.0;
+  }
   /* The distances at the two sites leave no room for a wall. */
   if ((double)l->wall_distance[here] + (double)l->wall_distance[there] >
-      w.length + (l->surface ? INTERPOLATION_ERROR * coarsest : 0.0))
+      w.length + (l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0))
     return false;
   for (int a = 0; a < 3; a++) w.direction[a] /= w.length, w.along[a] /= w.length;
   return back ? follow(&w, far, near) : follow(&w, near, far);
@@ -263,5 +285,68 @@ enum status thin_wall_find_faces(struct lattice *l) {
   if (count > 0) l->cut = cut, cut = NULL;
 cleanup:
   memory_free(&cut);
+  return status;
+}
+
+enum status thin_wall_fill(struct lattice *l) {
+  enum status status = STATUS_OK;
+  const size_t plane = l->size[0] * l->size[1];
+  uint8_t *wall = NULL;
+  if (l->cut == NULL) return STATUS_OK;
+  TRY(memory_allocate(&wall, l->count, 1, "walls between sites"));
+  for (size_t s = 0; s < l->count; s++) {
+    const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], s / plane};
+    const size_t stride[3] = {1, l->size[0], plane};
+    for (int a = 0; a < 3; a++) {
+      if (!thin_wall_on_face(l, s, a)) continue;
+      const size_t next = at[a] + 1 < l->size[a] ? s + stride[a] : s - (l->size[a] - 1) * stride[a];
+      wall[l->wall_distance[next] < l->wall_distance[s] ? next : s] = 1;
+    }
+  }
+  /* The ranks of a machine share these arrays, and write the same values. */
+  ranks_wait();
+  for (size_t s = 0; s < l->count; s++) {
+    if (!wall[s]) continue;
+    l->kind[s] = SITE_WALL;
+    l->wall_distance[s] = -fabsf(l->wall_distance[s]);
+    l->fluid_count--, l->wall_count++;
+  }
+  ranks_wait();
+  l->filled = true;
+  memory_free(&l->cut);
+cleanup:
+  memory_free(&wall);
+  return status;
+}
+
+enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
+  enum status status = STATUS_OK;
+  const size_t plane = l->size[0] * l->size[1];
+  size_t count = 0;
+  *closed = NULL;
+  if (l->wall_distance == NULL) return STATUS_OK;
+  TRY(memory_allocate(closed, l->count, 1, "walls between sites"));
+  if (l->cut != NULL) memcpy(*closed, l->cut, l->count);
+  for (size_t s = 0; s < l->count; s++) {
+    const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], s / plane};
+    const size_t stride[3] = {1, l->size[0], plane};
+    count += (*closed)[s] != 0;
+    for (int a = 0; a < 3 && l->kind[s] == SITE_WALL; a++) {
+      const size_t all = l->size[a] * stride[a];
+      const size_t last = at[a] > 0 ? s - stride[a] : s + all - stride[a];
+      const size_t next = at[a] + 1 < l->size[a] ? s + stride[a] : s + stride[a] - all;
+      size_t from[3] = {at[0], at[1], at[2]};
+      const int step[3] = {a == 0 ? 2 : 0, a == 1 ? 2 : 0, a == 2 ? 2 : 0};
+      from[a] = at[a] > 0 ? at[a] - 1 : l->size[a] - 1;
+      if (l->kind[last] != SITE_FLUID || l->kind[next] != SITE_FLUID ||
+          !thin_wall_cuts(l, from, step, NULL, NULL))
+        continue;
+      (*closed)[last] |= (uint8_t)(1U << a);
+      (*closed)[s] |= (uint8_t)(1U << a);
+      count++;
+    }
+  }
+cleanup:
+  if (status == STATUS_OK && count == 0) memory_free(closed);
   return status;
 }

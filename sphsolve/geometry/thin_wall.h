@@ -1,7 +1,8 @@
 /* Walls between neighbouring sites. A wall thinner than the spacing may have no site in it; the
  * sites on its two sides are then both fluid, and only the surface between them tells that they are
  * not neighbours. The segment between two sites is followed through the surface of the model from
- * which the lattice was sampled (lattice.surface). A wall on it separates them if the segment
+ * which the lattice was sampled (lattice.surface), or through the wall regions of a domain
+ * (lattice.boxes). A wall on it separates them if the segment
  * crosses both of its faces; if it grazes them it only cuts off a piece of a convex grain, and the
  * fluid goes around it. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_THIN_WALL_H
@@ -33,6 +34,17 @@ bool thin_wall_open_cell(const struct lattice *lattice, const size_t at[3], cons
 /* Fills lattice->cut from the links over faces; it stays NULL if no wall separates two fluid sites
  * that share a face. */
 enum status thin_wall_find_faces(struct lattice *lattice);
+
+/* Faces that no water passes, for finite volumes whose cells are cut by the walls: those of
+ * lattice.cut, and the two of a wall site between fluid sites along an axis, where the wall is
+ * thinner than two spacings and such a cell would be open on either side. Bits as in lattice.cut;
+ * NULL if there are none. Free with memory_free. */
+enum status thin_wall_closed_faces(const struct lattice *lattice, uint8_t **closed);
+
+/* For methods that know sites alone, no links: of two sites that a cut face separates, the one
+ * nearer to the wall becomes wall, as far behind its surface as it was before it. The wall is
+ * thicker then than it is, by up to a spacing. Lattice->cut is NULL afterwards. Collective. */
+enum status thin_wall_fill(struct lattice *lattice);
 
 /* Whether the face of a site towards the next one along an axis is cut. */
 static inline bool thin_wall_on_face(const struct lattice *lattice, size_t site, int axis) {

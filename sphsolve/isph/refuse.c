@@ -29,6 +29,11 @@ static enum status check_walls(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
+  if (l->cut != NULL)
+    return FAIL(STATUS_INPUT,
+                "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
+                "m thick, two spacings, or domain.spacing %g m",
+                scene->path, l->thinnest, least, l->thinnest / WALL_THICKNESS_MIN);
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {

@@ -7,6 +7,7 @@
 #include "common/output_guard.h"
 #include "common/snapshot_file.h"
 #include "sphsolve/geometry/soil.h"
+#include "sphsolve/geometry/thin_wall.h"
 
 struct field {
   const char *name, *unit, *description;
@@ -52,6 +53,23 @@ cleanup:
   return status;
 }
 
+static enum status write_thin_walls(struct h5_file *file, const struct lattice *lattice) {
+  enum status status = STATUS_OK;
+  uint8_t *closed = NULL;
+  static const char path[] = "/VTKHDF/PointData/thin_walls";
+  const size_t dims[3] = {lattice->size[2], lattice->size[1], lattice->size[0]};
+  TRY(thin_wall_closed_faces(lattice, &closed));
+  if (closed == NULL) return STATUS_OK;
+  TRY(h5_write(file, path, H5_U8, 3, dims, closed, true));
+  TRY(h5_write_attribute_text(file, path, "unit", "1"));
+  TRY(h5_write_attribute_text(file, path, "description",
+                              "1 + 2 + 4: a thin wall closes the face between this site and the "
+                              "next one along x, y, z"));
+cleanup:
+  memory_free(&closed);
+  return status;
+}
+
 enum status image_write(const char *prefix, const struct lattice *lattice, double viscosity,
                         double time, int64_t step, uint64_t flow, size_t count,
                         const uint64_t *site, const float *velocity, const float *pressure) {
@@ -81,6 +99,7 @@ enum status image_write(const char *prefix, const struct lattice *lattice, doubl
   }
   if (lattice->wall_distance != NULL)
     TRY(write_field(file, lattice, &fields[2], lattice->wall_distance));
+  TRY(write_thin_walls(file, lattice));
   if (lattice->micro_porosity != NULL)
     TRY(write_soil(file, lattice, viscosity, count, site, velocity));
   status = h5_commit(file);

@@ -32,6 +32,7 @@ struct method {
   bool moves_walls;          /* walls may be displaced, not only move along themselves */
   bool has_turbulence;       /* it has a turbulence model */
   int wall_layers;           /* layers of wall sites that it needs outside a closed domain */
+  bool walls_need_sites;     /* it knows no walls between sites: thin_wall_fill makes them sites */
   const char *const *fields; /* snapshot fields of this method alone, ended by NULL; or NULL */
 
   /* Whether "auto" selects it for the scene described by `context`; `why` receives the reason.

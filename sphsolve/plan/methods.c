@@ -84,7 +84,7 @@ static enum status refuse_contradictions(const struct scene *scene,
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow; give a gravity, body_acceleration or "
                        "pressure_gradient, or a region that moves");
-  if (lattice->wall_count == 0 && lattice->micro_porosity == NULL && method->resolves_pores &&
+  if (lattice->wall_count == 0 && lattice->cut == NULL && lattice->micro_porosity == NULL && method->resolves_pores &&
       (!method->marches || !isfinite(scene->end_time)))
     return scene_error(
         scene, AT_METHOD,

@@ -136,7 +136,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
     pore_shape_find(scene, lattice, &plan->shape);
-    if (context->driving > 0.0 && *scene->model_path) {
+    if (context->driving > 0.0 && (*scene->model_path || lattice->boxes != NULL)) {
       TRY(throat_width_find(lattice, scene->driving, &plan->shape.throat));
       plan->shape.throat /= context->spacing;
     }

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/richards/balance.h"
 #include "sphsolve/richards/constants.h"
 #include "sphsolve/richards/edges.h"
@@ -102,6 +103,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
   double x[3] = {0}, share = 0;
   if (next != l->count && l->kind[next] == SITE_WALL) return;
+  if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
     if (low || next == at) return; /* each only once */
     if (!count)

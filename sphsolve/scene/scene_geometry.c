@@ -6,8 +6,7 @@ static bool axis_is_used(const struct scene *scene, int axis) {
   return scene->dimensions == 3 || axis != 1;
 }
 
-/* Smallest extent of a region, m. */
-static double thickness(const struct scene *scene, const struct region *region) {
+double scene_region_thickness(const struct scene *scene, const struct region *region) {
   double least = INFINITY;
   for (int a = 0; a < 3; a++)
     if (axis_is_used(scene, a)) least = fmin(least, region->box[a + 3] - region->box[a]);
@@ -17,6 +16,11 @@ static double thickness(const struct scene *scene, const struct region *region) 
 /* Whether a site of the lattice lies between two positions along an axis. */
 static bool holds_site(double low, double high, double spacing) {
   return floor(high / spacing - 0.5 - 1e-9) >= ceil(low / spacing - 0.5 + 1e-9);
+}
+
+/* A polygon or body that is not cut yet; its box is only its extent. */
+static bool is_polygon(const struct region *region) {
+  return (region->polygon != NULL || region->stl != NULL) && !region->is_part;
 }
 
 static enum status check_extent(struct config *config, config_node *group,
@@ -30,6 +34,13 @@ static enum status check_extent(struct config *config, config_node *group,
                           "%g to %g m in %c is narrower than the spacing (%g m) and holds no "
                           "particle; use a smaller domain.spacing or a wider box",
                           region->box[a], region->box[a + 3], 'x' + a, scene->spacing);
+  const double thick = scene_region_thickness(scene, region);
+  if (region->type == REGION_WALL && !is_polygon(region) && !region->is_part &&
+      thick < SCENE_WALL_THICKNESS_MIN * scene->spacing)
+    return config_error(config, box,
+                        "a wall %g m thick is thinner than a thousandth of the spacing (%g m) and "
+                        "could be missed; %g m is enough to be found",
+                        thick, scene->spacing, SCENE_WALL_THICKNESS_MIN * scene->spacing);
   if (region->type != REGION_INFLOW) return STATUS_OK;
   const int side = scene_inflow_axis(scene, region, &at_low);
   if (side < 0)
@@ -37,17 +48,12 @@ static enum status check_extent(struct config *config, config_node *group,
                         "an inflow region is a thin box on one side of the domain that is not "
                         "periodic; this box touches none, or two opposite ones");
   const double depth = region->box[side + 3] - region->box[side];
-  if (depth > 2 * scene->spacing && depth > thickness(scene, region))
+  if (depth > 2 * scene->spacing && depth > thick)
     return config_error(config, box,
                         "an inflow region is a thin box on a side; this one reaches %g m into "
                         "the domain from its side in %c, farther than it is wide; make it thinner",
                         depth, 'x' + side);
   return STATUS_OK;
-}
-
-/* A polygon or body that is not cut yet; its box is only its extent. */
-static bool is_polygon(const struct region *region) {
-  return (region->polygon != NULL || region->stl != NULL) && !region->is_part;
 }
 
 /* A later region that covers an earlier one completely is treated as a mistake, except that water

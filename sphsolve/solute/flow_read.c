@@ -41,6 +41,31 @@ cleanup:
   return status;
 }
 
+/* Closes the faces that thin walls close. */
+static enum status close_thin_walls(struct h5_file *file, struct solute_flow *f) {
+  enum status status = STATUS_OK;
+  uint8_t *cut = NULL;
+  size_t size[3], at = 0;
+  if (!h5_exists(file, IMAGE "thin_walls")) return STATUS_OK;
+  TRY(h5_read(file, IMAGE "thin_walls", H5_U8, 3, size, &cut));
+  for (int a = 0; a < 3; a++)
+    if (size[a] != (size_t)f->n[2 - a])
+      TRY_FAIL(STATUS_INPUT, "%s: thin_walls and wall_distance are not of one lattice",
+               h5_path(file));
+  for (int k = 0; k < f->n[2]; k++)
+    for (int j = 0; j < f->n[1]; j++)
+      for (int i = 0; i < f->n[0]; i++, at++)
+        for (int a = 0; a < 3; a++) {
+          if (!(cut[at] >> a & 1)) continue;
+          const size_t next = solute_flow_at(f, i + (a == 0), j + (a == 1), k + (a == 2));
+          f->aperture[a][next] = 0;
+          f->thin_walls |= f->distance[at] > 0 && f->distance[next] > 0;
+        }
+cleanup:
+  memory_free(&cut);
+  return status;
+}
+
 static enum status read_flow(const char *run_file, bool whole, struct solute_flow *f) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
@@ -89,6 +114,7 @@ static enum status read_flow(const char *run_file, bool whole, struct solute_flo
   memcpy(f->distance, distance, f->count * sizeof *distance);
   memory_free(&distance);
   solute_flow_cut(f);
+  TRY(close_thin_walls(file, f));
   solute_flow_fluxes(f, velocity);
   memory_free(&velocity);
   solute_flow_measure(f);

@@ -111,6 +111,12 @@ static enum status run_on_flow(const struct scene *scene, const char *prefix, bo
   TRY(solute_state_begin(scene, prefix, resume, state));
   interrupt_start("what was done is kept, and --resume goes on from it; once more ends at once");
   TRY(solute_add_location(scene, solute_flow_read(scene->flow_path, &flow)));
+  if (flow.thin_walls && scene->solute.way != SOLUTE_CLOSURE)
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: the flow's lattice has walls thinner than its spacing, through which walkers would "
+        "go; write solute.way = \"closure\", or run the flow on the model's own voxels",
+        scene->path);
   TRY(set_peclet(scene, &flow, &result));
   if (flow.mirrored)
     log_warning("%s: the sample is its own mirror image along the flow, which brings every "

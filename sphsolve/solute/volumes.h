@@ -32,6 +32,7 @@ struct solute_flow {
   bool image[3];           /* the box is its own mirror image along x, y, z */
   bool mirrored;     /* the same along the main direction of the flow: creeping flow then brings
                         every streamline back to its place */
+  bool thin_walls;   /* some are thinner than the spacing: the distances do not show them */
   double correction; /* change by the projection: rms over faces, relative to the rms flux */
   double viscosity, density; /* of the run; NAN where unknown */
 };

@@ -255,6 +255,7 @@ const struct method method_wcsph = {
     .resolves_pores = true,
     .marches = true,
     .wall_layers = 4,
+    .walls_need_sites = true,
     .takes = takes,
     .scales = wcsph_scales,
     .cost = wcsph_cost,

@@ -82,15 +82,16 @@ cleanup:
 }
 
 /* Error of k by the position of the sites in the ways where the energy is dissipated, relative. A
- * way of N spacings is uncertain by part of a spacing, and with it k by CRITICAL_WIDTH / N; the
+ * way of N spacings is uncertain by half a spacing, and with it k by CRITICAL_WIDTH / N; the
  * errors of independent ways side by side average. Their number is that of the sites among which a
  * plane across the flow dissipates, over N^(d - 1) with d axes along which the walls change (a way
  * that runs on along another axis is one):
  *   CRITICAL_WIDTH / sqrt(N^(3 - d) sites).
- * CRITICAL_WIDTH: fitted, see docs/physics/error-of-k.md. */
-#define CRITICAL_WIDTH 0.5
+ * CRITICAL_WIDTH: derived for a slit in a thin wall, k ~ N^2 (Hasimoto 1958), its edges half a
+ * spacing off; see docs/physics/error-of-k.md. */
+#define CRITICAL_WIDTH 1.0
 /* With a larger error a lattice shows nothing of how k converges: it may close the only way, or let
- * far too much through. It is that of a single way of one spacing. */
+ * far too much through. It is that of a single way of two spacings. */
 #define CRITICAL_ERROR_MAX 0.5
 
 static double critical_width_error(const struct cascade *c, const struct lattice *lattice,
@@ -186,7 +187,14 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
   const char *why;
   double spacing, k_base = NAN;
   const struct uncertainty given = *u;
+  struct lattice unfilled = {0};
   if (!cascade_is_possible(scene, plan)) return STATUS_OK;
+  /* Walls that the method made thicker than they are: k of those that are meant. */
+  if (base->filled) {
+    TRY(lattice_build(scene, plan->context.method->wall_layers, &unfilled));
+    TRY(lattice_apply_spacing(scene, &unfilled));
+    base = &unfilled;
+  }
   cascade_begin(scene, plan, base, &c);
   c.fixed = CASCADE_FIXED;
   c.wanted = 0.0;
@@ -232,6 +240,7 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     if (cascade_sides_copies(base) > 1.0) u->sides_unknown = 1.0;
   }
 cleanup:
+  lattice_free(&unfilled);
   cascade_end(&c);
   return status;
 }
