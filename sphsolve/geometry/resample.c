@@ -6,8 +6,9 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/geometry/thin_wall.h"
+#include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/soil.h"
+#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/geometry/throats.h"
 
 /* If no whole number of sites comes within this relative error of the requested spacing, several
@@ -273,8 +274,24 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
                        "%g m makes too many sites (%.1g); lattice.spacing = \"%.4g um\", that of "
                        "the model's voxels, fits, and finer sites tell nothing new",
                        scene->lattice_spacing, sites, 1e6 * lattice->spacing[0]);
-  const enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
+  enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
+  bool leads = true, still = true;
+  const double *force = scene->driving;
+  if (force[0] != 0.0 || force[1] != 0.0 || force[2] != 0.0) {
+    status = percolation_find(lattice, force, false, NULL, &leads);
+    if (status == STATUS_OK && leads) status = percolation_find(&wanted, force, true, NULL, &still);
+    if (status == STATUS_OK && leads && !still)
+      status =
+          scene_error(scene, AT_LATTICE,
+                      "sites %.4g um apart close every way through the model, which its voxels "
+                      "of %.4g um leave open: k would be 0; finer sites are needed",
+                      1e6 * scene->lattice_spacing, 1e6 * lattice->spacing[0]);
+    if (status != STATUS_OK) {
+      lattice_free(&wanted);
+      return status;
+    }
+  }
   struct throats throats;
   const enum status compared = throats_compare(lattice, &wanted, &throats);
   struct lattice *surface = NULL;
