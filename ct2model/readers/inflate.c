@@ -37,6 +37,21 @@ enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
   return STATUS_OK;
 }
 
+static enum status open_store(struct inflated *inflated) {
+  inflated->unpacked = tmpfile();
+  if (inflated->unpacked == NULL)
+    return FAIL(STATUS_RUN, "%s: cannot be unpacked: no temporary file: %s", inflated->path,
+                strerror(errno));
+  return STATUS_OK;
+}
+
+enum status inflate_store(const char *path, struct inflated **inflated, FILE **unpacked) {
+  enum status status = inflate_start(path, 0, 0, inflated);
+  if (status == STATUS_OK) status = open_store(*inflated);
+  if (status == STATUS_OK) *unpacked = (*inflated)->unpacked;
+  return status;
+}
+
 void inflate_end(struct inflated *inflated) {
   if (inflated == NULL) return;
   if (inflated->unpacked != NULL) fclose(inflated->unpacked);
@@ -108,10 +123,7 @@ static enum status unpack(struct inflated *inflated) {
     TRY_FAIL(STATUS_INPUT, "%s: cannot be read", inflated->path);
   started = inflateInit2(&stream, 15 + 32) == Z_OK; /* + 32: gzip or zlib, by the first bytes */
   if (!started) TRY_FAIL(STATUS_RUN, "out of memory");
-  inflated->unpacked = tmpfile();
-  if (inflated->unpacked == NULL)
-    TRY_FAIL(STATUS_RUN, "%s: cannot be unpacked: no temporary file: %s", inflated->path,
-             strerror(errno));
+  TRY(open_store(inflated));
   TRY(unpack_stream(inflated, packed, &stream));
 cleanup:
   if (started) inflateEnd(&stream);

@@ -1,9 +1,10 @@
 /* Compressed pixels (gzip or zlib) after a header: unpacked once, into a temporary file, when the
- * first slice is read. */
+ * first slice is read; or pixels that a reader has decoded itself. */
 #ifndef TOSUI_CT2MODEL_READERS_INFLATE_H
 #define TOSUI_CT2MODEL_READERS_INFLATE_H
 
 #include <stdint.h>
+#include <stdio.h>
 
 #include "common/error.h"
 
@@ -13,6 +14,8 @@ struct inflated;
  * with inflate_end. */
 enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
                           struct inflated **inflated);
+/* An empty temporary file, to which the caller writes all unpacked bytes and which he flushes. */
+enum status inflate_store(const char *path, struct inflated **inflated, FILE **unpacked);
 void inflate_end(struct inflated *inflated);
 /* Reads the unpacked bytes offset .. offset + size - 1; may be called from several threads. */
 enum status inflate_read(struct inflated *inflated, uint64_t offset, uint64_t size, void *out);
