@@ -193,7 +193,7 @@ bool image_is_screen_resolution(double pixels_per_metre) {
   for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
     if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
   }
-  return pixels_per_metre < 1000.0; /* no scan has voxels of over a millimetre */
+  return 1e-3 * pixels_per_metre < 1.0; /* no scan has voxels of over a millimetre */
 }
 
 enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size) {

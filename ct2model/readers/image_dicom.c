@@ -14,6 +14,7 @@
  * positions or numbers. */
 
 enum { PREAMBLE = 128, NESTED_MOST = 16 };
+enum { EVEN = 10 }; /* steps from frame to frame are alike to a tenth of them */
 #define UNDEFINED 0xffffffffu
 
 struct dicom {
@@ -145,7 +146,7 @@ static void take_position(struct dicom *d, const double p[3]) {
     length += d->step[a] * d->step[a];
     d->position[a] = p[a];
   }
-  if (d->places > 0) d->uneven |= !(change <= 0.01 * length) || length == 0.0;
+  if (d->places > 0) d->uneven |= !(EVEN * EVEN * change <= length) || length == 0.0;
   d->places++;
 }
 

@@ -8,6 +8,9 @@
 
 #include "common/error.h"
 
+/* Deflate expands to at most so many times its length. */
+#define INFLATE_MOST 1032.0
+
 struct inflated;
 
 /* Stores the position of the packed bytes and their number when unpacked; nothing is read yet. Free

@@ -124,8 +124,7 @@ static enum status unpack_blocks(const struct vti_data *data, const char *path,
   uint64_t most = 0;
   for (uint64_t i = 0; i < count; i++) {
     TRY(take_number(data, path, source, &lengths[i]));
-    if (lengths[i] > bytes)
-      TRY_FAIL(STATUS_INPUT, "%s: ends within its array" EXPORT_AGAIN, path);
+    if (lengths[i] > bytes) TRY_FAIL(STATUS_INPUT, "%s: ends within its array" EXPORT_AGAIN, path);
     if (lengths[i] > most) most = lengths[i];
   }
   TRY(memory_allocate(&in, most, 1, "a compressed block"));
@@ -216,14 +215,16 @@ enum status vti_data_unpack(const struct vti_data *data, struct image *image) {
   TRY(image_file_size(path, &bytes));
   const double numbers = (double)image->size[0] * (double)image->size[1] * (double)image->pages;
   const double wanted = numbers * (double)image_stored_size(image);
-  /* A number of text takes two bytes at least; deflate expands to at most 1032 times its length. */
-  const double most = data->form == VTI_TEXT ? (double)bytes / 2.0 * (double)image_stored_size(image)
-                      : data->packed         ? 1032.0 * (double)bytes
-                                             : (double)bytes;
+  /* A number of text takes two bytes at least; base64 has no more bytes than characters. */
+  const double most = data->form == VTI_TEXT
+                          ? (double)(bytes / 2) * (double)image_stored_size(image)
+                      : data->packed ? INFLATE_MOST * (double)bytes
+                                     : (double)bytes;
   if (!(wanted <= most))
-    TRY_FAIL(STATUS_INPUT,
-             "%s: its extent promises %.0f bytes of numbers, but it can hold at most %.0f" EXPORT_AGAIN,
-             path, wanted, most);
+    TRY_FAIL(
+        STATUS_INPUT,
+        "%s: its extent promises %.0f bytes of numbers, but it can hold at most %.0f" EXPORT_AGAIN,
+        path, wanted, most);
   if (fseeko(data->file, (off_t)data->start, SEEK_SET) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: ends before its array" EXPORT_AGAIN, path);
   TRY(inflate_store(path, &image->inflated, &to));

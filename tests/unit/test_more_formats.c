@@ -95,6 +95,8 @@ struct bmp {
   enum { GREYS, INVERTED, COLOURS } palette;
 };
 
+static unsigned bmp_resolution = 171527; /* pixels per metre */
+
 static void write_bmp(size_t z, const struct bmp *bmp) {
   char name[40];
   snprintf(name, sizeof name, "rec%04zu.bmp", z);
@@ -115,8 +117,8 @@ static void write_bmp(size_t z, const struct bmp *bmp) {
   if (!core) {
     put(file, bmp->compression, 4);
     put(file, 0, 4);
-    put(file, 171527, 4);
-    put(file, 171527, 4);
+    put(file, bmp_resolution, 4);
+    put(file, bmp_resolution, 4);
     put(file, 0, 8);
     for (unsigned i = 40; i < bmp->header; i++) fputc(0, file);
   }
@@ -162,6 +164,10 @@ static void test_bmp(void **state) {
     holds(1, 1, 255, 1, 0, others[i].header == 12 ? untold : told,
           others[i].bits > 8 ? "stored in colour" : NULL);
   }
+  bmp_resolution = 39; /* 1 dpi, as ImageMagick writes it where nobody told */
+  write_bmp(0, &skyscan);
+  holds(1, 1, 255, 1, 0, untold, NULL);
+  bmp_resolution = 171527;
   write_bmp(0, &(struct bmp){8, 40, 0, 0, false, INVERTED});
   holds(1, 1, 255, -1, 255, told, NULL);
   for (unsigned bits = 1; bits <= 8; bits *= bits == 1 ? 4 : 2) {
