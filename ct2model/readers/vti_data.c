@@ -81,10 +81,10 @@ static enum status store(const char *path, const void *bytes, size_t n, FILE *to
               strerror(errno));
 }
 
-static enum status wrong_size(const char *path, uint64_t told, uint64_t wanted) {
+static enum status wrong_size(const char *path, double told, uint64_t wanted) {
   return FAIL(STATUS_INPUT,
-              "%s: its array has %llu bytes, but its extent promises %llu" EXPORT_AGAIN, path,
-              (unsigned long long)told, (unsigned long long)wanted);
+              "%s: its array has %.0f bytes, but its extent promises %llu" EXPORT_AGAIN, path, told,
+              (unsigned long long)wanted);
 }
 
 static enum status copy(const struct vti_data *data, const char *path, struct source *source,
@@ -93,7 +93,7 @@ static enum status copy(const struct vti_data *data, const char *path, struct so
   unsigned char bytes[COPIED];
   uint64_t told;
   TRY(take_number(data, path, source, &told));
-  if (told != wanted) TRY(wrong_size(path, told, wanted));
+  if (told != wanted) TRY(wrong_size(path, (double)told, wanted));
   for (uint64_t done = 0; done < wanted;) {
     const size_t n = wanted - done < COPIED ? (size_t)(wanted - done) : COPIED;
     if (!take(source, bytes, n))
@@ -119,7 +119,7 @@ static enum status unpack_blocks(const struct vti_data *data, const char *path,
     TRY_FAIL(STATUS_INPUT, "%s: its array does not begin with its compressed blocks" EXPORT_AGAIN,
              path);
   const double told = (double)(count - 1) * (double)size + (double)(rest > 0 ? rest : size);
-  if (told != (double)wanted) TRY(wrong_size(path, (uint64_t)told, wanted));
+  if (told != (double)wanted) TRY(wrong_size(path, told, wanted));
   TRY(memory_allocate(&lengths, count, sizeof *lengths, "the blocks of an array"));
   uint64_t most = 0;
   for (uint64_t i = 0; i < count; i++) {
