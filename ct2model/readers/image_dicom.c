@@ -57,7 +57,7 @@ static bool dicom_claims(const char *path, const unsigned char *head, size_t n) 
 }
 
 static enum status damaged(const struct dicom *dicom) {
-  return FAIL(STATUS_INPUT, "%s: ends within its header" EXPORT_AGAIN, dicom->path);
+  return FAIL(STATUS_INPUT, "%s: its header cannot be read" EXPORT_AGAIN, dicom->path);
 }
 
 static bool read_number(FILE *file, int bytes, uint32_t *value) {
