@@ -198,11 +198,13 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->placed = read_decimals(text, 3, position);
     if (dicom->placed) take_position(dicom, position);
   } else if (tag == 0x00200037) {
-    double turned[6];
+    double turned[6] = {0.0};
     const bool told = read_decimals(text, 6, turned);
-    dicom->varied |= dicom->oriented && memcmp(turned, dicom->orientation, sizeof turned) != 0;
+    for (int i = 0; i < 6; i++) {
+      dicom->varied |= dicom->oriented && turned[i] != dicom->orientation[i];
+      dicom->orientation[i] = turned[i];
+    }
     dicom->oriented = told;
-    memcpy(dicom->orientation, turned, sizeof turned);
   } else if (tag == 0x00281052 || tag == 0x00281053) {
     double *factor = tag == 0x00281052 ? &dicom->intercept : &dicom->slope, value;
     if (!read_decimals(text, 1, &value)) return damaged(dicom);

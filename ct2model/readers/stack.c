@@ -217,7 +217,7 @@ static enum status check_agreement(const struct image *first, const struct image
                 "%s: greys of 0 to %d, but the first slice has 0 to %d; save all as "
                 "one type",
                 image->path, image->top > 0 ? image->top : 255, first->top > 0 ? first->top : 255);
-  if (memcmp(image->rescale, first->rescale, sizeof first->rescale) != 0)
+  if (image->rescale[0] != first->rescale[0] || image->rescale[1] != first->rescale[1])
     return FAIL(STATUS_INPUT,
                 "%s: its greys are to be scaled by %g and %g, those of the first slice by %g "
                 "and %g: the same number means other densities; export all alike",

@@ -111,7 +111,7 @@ static enum status read_shape(const char *path, const char *description, const s
   if (!agrees) return STATUS_OK; /* of another series */
   const size_t named = axes != NULL ? strcspn(axes, "\"") : 0;
   for (int i = 0; i < rank - of_page; i++) {
-    const char axis = named == (size_t)rank ? axes[i] : 'Z';
+    const char axis = axes != NULL && named == (size_t)rank ? axes[i] : 'Z';
     all = all < UINT32_MAX ? all * n[i] : all;
     if (n[i] > 1) longer++;
     if (n[i] > 1 && (axis == 'C' || axis == 'T'))

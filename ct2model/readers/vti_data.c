@@ -216,10 +216,10 @@ enum status vti_data_unpack(const struct vti_data *data, struct image *image) {
   const double numbers = (double)image->size[0] * (double)image->size[1] * (double)image->pages;
   const double wanted = numbers * (double)image_stored_size(image);
   /* A number of text takes two bytes at least; base64 has no more bytes than characters. */
-  const double most = data->form == VTI_TEXT
-                          ? (double)(bytes / 2) * (double)image_stored_size(image)
-                      : data->packed ? INFLATE_MOST * (double)bytes
-                                     : (double)bytes;
+  const uint64_t words = bytes / 2;
+  const double most = data->form == VTI_TEXT ? (double)words * (double)image_stored_size(image)
+                      : data->packed         ? INFLATE_MOST * (double)bytes
+                                             : (double)bytes;
   if (!(wanted <= most))
     TRY_FAIL(
         STATUS_INPUT,
