@@ -37,18 +37,9 @@ enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
   return STATUS_OK;
 }
 
-static enum status open_store(struct inflated *inflated) {
-  inflated->unpacked = tmpfile();
-  if (inflated->unpacked == NULL)
-    return FAIL(STATUS_RUN, "%s: cannot be unpacked: no temporary file: %s", inflated->path,
-                strerror(errno));
-  return STATUS_OK;
-}
-
-enum status inflate_store(const char *path, struct inflated **inflated, FILE **unpacked) {
-  enum status status = inflate_start(path, 0, 0, inflated);
-  if (status == STATUS_OK) status = open_store(*inflated);
-  if (status == STATUS_OK) *unpacked = (*inflated)->unpacked;
+enum status inflate_adopt(const char *path, FILE *unpacked, struct inflated **inflated) {
+  const enum status status = inflate_start(path, 0, 0, inflated);
+  if (status == STATUS_OK) (*inflated)->unpacked = unpacked;
   return status;
 }
 
@@ -123,7 +114,10 @@ static enum status unpack(struct inflated *inflated) {
     TRY_FAIL(STATUS_INPUT, "%s: cannot be read", inflated->path);
   started = inflateInit2(&stream, 15 + 32) == Z_OK; /* + 32: gzip or zlib, by the first bytes */
   if (!started) TRY_FAIL(STATUS_RUN, "out of memory");
-  TRY(open_store(inflated));
+  inflated->unpacked = tmpfile();
+  if (inflated->unpacked == NULL)
+    TRY_FAIL(STATUS_RUN, "%s: cannot be unpacked: no temporary file: %s", inflated->path,
+             strerror(errno));
   TRY(unpack_stream(inflated, packed, &stream));
 cleanup:
   if (started) inflateEnd(&stream);

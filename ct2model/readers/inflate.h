@@ -17,8 +17,9 @@ struct inflated;
  * with inflate_end. */
 enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
                           struct inflated **inflated);
-/* An empty temporary file, to which the caller writes all unpacked bytes and which he flushes. */
-enum status inflate_store(const char *path, struct inflated **inflated, FILE **unpacked);
+/* The same of bytes that the caller has unpacked into an unnamed temporary file, which is closed
+ * with inflate_end. */
+enum status inflate_adopt(const char *path, FILE *unpacked, struct inflated **inflated);
 void inflate_end(struct inflated *inflated);
 /* Reads the unpacked bytes offset .. offset + size - 1; may be called from several threads. */
 enum status inflate_read(struct inflated *inflated, uint64_t offset, uint64_t size, void *out);

@@ -227,7 +227,9 @@ enum status vti_data_unpack(const struct vti_data *data, struct image *image) {
         path, wanted, most);
   if (fseeko(data->file, (off_t)data->start, SEEK_SET) != 0)
     TRY_FAIL(STATUS_INPUT, "%s: ends before its array" EXPORT_AGAIN, path);
-  TRY(inflate_store(path, &image->inflated, &to));
+  to = tmpfile();
+  if (to == NULL)
+    TRY_FAIL(STATUS_RUN, "%s: cannot be unpacked: no temporary file: %s", path, strerror(errno));
   if (data->form == VTI_TEXT)
     TRY(read_numbers(path, image, data->file, (uint64_t)numbers, to));
   else if (data->packed)
@@ -237,8 +239,11 @@ enum status vti_data_unpack(const struct vti_data *data, struct image *image) {
   if (fflush(to) != 0)
     TRY_FAIL(STATUS_RUN, "%s: no room to unpack it in the temporary folder: %s", path,
              strerror(errno));
+  TRY(inflate_adopt(path, to, &image->inflated));
+  to = NULL;
   image->data_offset = 0;
   image->swap = data->big && data->form != VTI_TEXT;
 cleanup:
+  if (to != NULL) fclose(to);
   return status;
 }
