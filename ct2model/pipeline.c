@@ -16,6 +16,7 @@
 #include "ct2model/misfit.h"
 #include "ct2model/model_size.h"
 #include "ct2model/model/sides.h"
+#include "ct2model/readers/byte_order.h"
 #include "ct2model/scan.h"
 #include "ct2model/scanner/narrow_scanner.h"
 #include "ct2model/scanner/porod.h"
@@ -390,6 +391,8 @@ enum status pipeline_run(const struct request *request, const char *const *paths
       .coarse = {.step = 1},
       .restored = {.scan = {.step = 1}, .scan_void_ratio = NAN, .scan_void_ratio_error = NAN}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
+  if (!request->raw.given)
+    TRY(byte_order_check_sign(&pipeline->stack.files[pipeline->stack.file_count / 2]));
   TRY(check_output(pipeline));
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */

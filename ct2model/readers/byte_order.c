@@ -162,3 +162,23 @@ cleanup:
   memory_free(&pixels);
   return status;
 }
+
+enum status byte_order_check_sign(const struct image *image) {
+  enum status status = STATUS_OK;
+  const size_t n = image->size[0] * image->size[1];
+  void *stored = NULL;
+  float *pixels = NULL;
+  if (!image->plain || (image->type != PIXEL_I8 && image->type != PIXEL_I16)) return STATUS_OK;
+  TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
+  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
+  TRY(image->reader->read(image, image->pages / 2, stored));
+  if (are_unsigned(stored, image->size[0], n, image->type, pixels))
+    log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
+                "without a sign: unsigned greys that were stored as signed ones (BigDataViewer "
+                "does)? save them as unsigned",
+                image->path);
+cleanup:
+  memory_free(&stored);
+  memory_free(&pixels);
+  return status;
+}

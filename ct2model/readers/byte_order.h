@@ -10,5 +10,7 @@
  * alike with the bytes of each pixel reversed, without a sign, or at another width, or if pixels of
  * 16 bits are pairs of 8. */
 enum status byte_order_check(const struct image *image);
+/* The same of the sign alone, for files that describe themselves. */
+enum status byte_order_check_sign(const struct image *image);
 
 #endif

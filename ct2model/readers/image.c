@@ -135,7 +135,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
   for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
-  image->place = NAN;
+  image->place = image->number = NAN;
   TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));
@@ -193,7 +193,7 @@ bool image_is_screen_resolution(double pixels_per_metre) {
   for (size_t i = 0; i < sizeof DPI / sizeof *DPI; i++) {
     if (fabs(pixels_per_metre - DPI[i] / 0.0254) < 1.0) return true;
   }
-  return false;
+  return 1e-3 * pixels_per_metre < 1.0; /* no scan has voxels of over a millimetre */
 }
 
 enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size) {

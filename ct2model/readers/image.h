@@ -51,8 +51,10 @@ struct image {
   size_t palette_size;    /* number of colours */
   unsigned used_bits;     /* of a DICOM pixel; 0: all */
   double place;           /* along the normal of the slice, m; NAN if the file does not tell */
-  double rescale[2];      /* slope and intercept that make other numbers of the greys */
-  bool plain;             /* every pixel is a value of `type` */
+  double number;          /* of the slice in its series; NAN if the file does not tell */
+  char series[65];   /* to which the slice belongs, as of DICOM; "" if the file does not tell */
+  double rescale[2]; /* slope and intercept that make other numbers of the greys */
+  bool plain;        /* every pixel is a value of `type` */
 };
 
 struct image_reader {
@@ -96,8 +98,8 @@ bool image_name_known(const char *name);
 
 /* For readers: bytes of a contiguous pixel in the file, which may be widened when it is read. */
 size_t image_stored_size(const struct image *image);
-/* For readers: screen resolutions (pixels per metre), which programs write by default, are no voxel
- * sizes. */
+/* For readers: screen resolutions (pixels per metre), which programs write by default, and coarser
+ * ones are no voxel sizes. */
 bool image_is_screen_resolution(double pixels_per_metre);
 /* For readers: what is told about images in colour. */
 #define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"

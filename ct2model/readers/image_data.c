@@ -121,11 +121,11 @@ cleanup:
   return status;
 }
 
-/* Pixels that are compressed: a deflate stream expands to at most 1032 times its length. */
+/* Pixels that are compressed. */
 static enum status claim_packed(struct image *image, const char *path, uint64_t bytes,
                                 double wanted) {
   const double skipped = (double)image->data_offset;
-  const double most = 1032.0 * ((double)bytes - (double)image->packed_offset);
+  const double most = INFLATE_MOST * ((double)bytes - (double)image->packed_offset);
   if (image->data_offset == PIXELS_AT_END)
     return FAIL(STATUS_INPUT, "%s: compressed pixels need a header of known size", image->path);
   if (image->data_file_count > 1)

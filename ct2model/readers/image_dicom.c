@@ -8,11 +8,13 @@
 #include "common/input_file.h"
 #include "common/memory.h"
 
-/* DICOM (PS3.5, PS3.10): files with a preamble, little-endian and uncompressed, of one grey a
- * pixel; one slice, or frames one behind the other. stack.c puts the slices of a series in order by
- * their positions. */
+/* DICOM (PS3.5, PS3.10): little-endian and uncompressed, of one grey a pixel; one slice, or frames
+ * one behind the other; with a preamble or, as older programs write, without, and with or without
+ * the group that names the transfer syntax. stack.c puts the slices of a series in order by their
+ * positions or numbers. */
 
 enum { PREAMBLE = 128, NESTED_MOST = 16 };
+enum { EVEN = 10 }; /* steps from frame to frame are alike to a tenth of them */
 #define UNDEFINED 0xffffffffu
 
 struct dicom {
@@ -22,18 +24,40 @@ struct dicom {
   unsigned rows, columns, allocated, stored, high, is_signed, samples, frames;
   bool white_is_zero;
   double spacing[2], position[3], orientation[6], slope, intercept;
-  bool placed, oriented;
+  double number, thickness, distance; /* of the series; of slices, mm; NAN if not told */
+  bool placed, oriented, varied;      /* varied: frames are turned or scaled each in its own way */
+  char series[65];
+  size_t places;  /* positions that were told: one a frame */
+  double step[3]; /* from the first to the second of them, mm */
+  bool uneven;    /* other steps follow */
   uint64_t pixels;
   uint32_t length;
 };
 
+/* Whether two letters are a kind of value. */
+static bool is_kind(const unsigned char *at) {
+  return at[0] >= 'A' && at[0] <= 'Z' && at[1] >= 'A' && at[1] <= 'Z';
+}
+
+/* Whether the bytes begin a set of elements: groups 2 or 8, which all of them begin with, and a
+ * length as short as those of its first elements are. */
+static bool begins_elements(const unsigned char *head, size_t n) {
+  static const unsigned char FIRST[] = {0x00, 0x01, 0x05, 0x06, 0x08, 0x12,
+                                        0x13, 0x14, 0x16, 0x18, 0x20, 0x60};
+  if (n < 16 || head[1] != 0 || head[3] != 0) return false;
+  const unsigned length = head[4] + 256u * head[5];
+  if (head[0] == 2) return is_kind(head + 4);
+  return head[0] == 8 && memchr(FIRST, head[2], sizeof FIRST) != NULL &&
+         (is_kind(head + 4) || (head[6] == 0 && head[7] == 0 && length <= 128));
+}
+
 static bool dicom_claims(const char *path, const unsigned char *head, size_t n) {
   (void)path;
-  return n >= PREAMBLE + 4 && memcmp(head + PREAMBLE, "DICM", 4) == 0;
+  return (n >= PREAMBLE + 4 && memcmp(head + PREAMBLE, "DICM", 4) == 0) || begins_elements(head, n);
 }
 
 static enum status damaged(const struct dicom *dicom) {
-  return FAIL(STATUS_INPUT, "%s: ends within its header" EXPORT_AGAIN, dicom->path);
+  return FAIL(STATUS_INPUT, "%s: its header cannot be read" EXPORT_AGAIN, dicom->path);
 }
 
 static bool read_number(FILE *file, int bytes, uint32_t *value) {
@@ -45,19 +69,22 @@ static bool read_number(FILE *file, int bytes, uint32_t *value) {
 
 struct element {
   uint32_t group, number, length;
+  bool unknown; /* of kind UN: what it holds is implicit (PS3.5, 6.2.2) */
 };
 
 /* Reads the tag and the length of an element. */
 static bool read_element(struct dicom *dicom, struct element *element) {
-  char kind[2];
+  unsigned char kind[2];
+  element->unknown = false;
   if (!read_number(dicom->file, 2, &element->group) ||
       !read_number(dicom->file, 2, &element->number))
     return false;
   if (element->group == 0xfffe || (dicom->implicit && element->group != 2))
     return read_number(dicom->file, 4, &element->length);
-  if (fread(kind, 1, 2, dicom->file) != 2) return false;
+  if (fread(kind, 1, 2, dicom->file) != 2 || !is_kind(kind)) return false;
   static const char LONG[][3] = {"OB", "OW", "OF", "OD", "OL", "OV", "SQ",
                                  "UC", "UN", "UR", "UT", "SV", "UV"};
+  element->unknown = memcmp(kind, "UN", 2) == 0;
   for (size_t i = 0; i < sizeof LONG / sizeof *LONG; i++)
     if (memcmp(kind, LONG[i], 2) == 0)
       return fseeko(dicom->file, 2, SEEK_CUR) == 0 && read_number(dicom->file, 4, &element->length);
@@ -65,13 +92,23 @@ static bool read_element(struct dicom *dicom, struct element *element) {
 }
 
 /* Skips a sequence or an item of undefined length. */
-static bool skip_undefined(struct dicom *dicom, int depth) {
+static bool skip_items(struct dicom *dicom, int depth);
+
+static bool skip_undefined(struct dicom *dicom, const struct element *element, int depth) {
+  const bool implicit = dicom->implicit;
+  dicom->implicit |= element->unknown;
+  const bool whole = skip_items(dicom, depth);
+  dicom->implicit = implicit;
+  return whole;
+}
+
+static bool skip_items(struct dicom *dicom, int depth) {
   struct element element;
   while (depth < NESTED_MOST && read_element(dicom, &element)) {
     if (element.group == 0xfffe && (element.number == 0xe0dd || element.number == 0xe00d))
       return true;
     if (element.length == UNDEFINED) {
-      if (!skip_undefined(dicom, depth + 1)) return false;
+      if (!skip_undefined(dicom, &element, depth + 1)) return false;
     } else if (fseeko(dicom->file, (off_t)element.length, SEEK_CUR) != 0) {
       return false;
     }
@@ -91,6 +128,28 @@ static bool read_decimals(const char *text, int count, double *values) {
   return true;
 }
 
+/* The place along the normal of the slice, m; NAN if it is not told. */
+static double place_along_normal(const struct dicom *d) {
+  const double *r = d->orientation, *c = d->orientation + 3, *p = d->position;
+  if (!d->placed || !d->oriented) return NAN;
+  return 1e-3 * (p[0] * (r[1] * c[2] - r[2] * c[1]) + p[1] * (r[2] * c[0] - r[0] * c[2]) +
+                 p[2] * (r[0] * c[1] - r[1] * c[0]));
+}
+
+/* Takes the position of a slice, or of one frame after the other. */
+static void take_position(struct dicom *d, const double p[3]) {
+  double change = 0.0, length = 0.0;
+  for (int a = 0; a < 3; a++) {
+    const double step = p[a] - d->position[a];
+    if (d->places == 1) d->step[a] = step;
+    change += (step - d->step[a]) * (step - d->step[a]);
+    length += d->step[a] * d->step[a];
+    d->position[a] = p[a];
+  }
+  if (d->places > 0) d->uneven |= !(EVEN * EVEN * change <= length) || length == 0.0;
+  d->places++;
+}
+
 static enum status take_element(struct dicom *dicom, const struct element *element) {
   const uint32_t tag = element->group << 16 | element->number;
   unsigned *whole = tag == 0x00280010   ? &dicom->rows
@@ -108,16 +167,17 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     *whole = value;
     return STATUS_OK;
   }
-  const bool is_text = tag == 0x00020010 || tag == 0x00280004 || tag == 0x00280008 ||
-                       tag == 0x00280030 || tag == 0x00200032 || tag == 0x00200037 ||
-                       tag == 0x00281052 || tag == 0x00281053;
+  static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x0020000e,
+                                   0x00200013, 0x00200032, 0x00200037, 0x00280004,
+                                   0x00280008, 0x00280030, 0x00281052, 0x00281053};
+  bool is_text = false;
+  for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++) is_text |= tag == TEXTS[i];
   if (!is_text || element->length >= sizeof text)
     return fseeko(dicom->file, (off_t)element->length, SEEK_CUR) == 0 ? STATUS_OK : damaged(dicom);
   if (fread(text, 1, element->length, dicom->file) != element->length) return damaged(dicom);
   for (size_t n = strlen(text); n > 0 && text[n - 1] == ' ';) text[--n] = '\0';
   if (tag == 0x00020010) {
-    dicom->implicit = strcmp(text, "1.2.840.10008.1.2") == 0;
-    if (!dicom->implicit && strcmp(text, "1.2.840.10008.1.2.1") != 0)
+    if (strcmp(text, "1.2.840.10008.1.2") != 0 && strcmp(text, "1.2.840.10008.1.2.1") != 0)
       return FAIL(STATUS_INPUT,
                   "%s: transfer syntax %s (compressed or big-endian) is not read; save it "
                   "uncompressed, little-endian",
@@ -129,46 +189,126 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                   text);
   } else if (tag == 0x00280008) {
     dicom->frames = (unsigned)atoi(text);
+  } else if (tag == 0x0020000e) {
+    snprintf(dicom->series, sizeof dicom->series, "%.64s", text);
   } else if (tag == 0x00280030) {
     if (!read_decimals(text, 2, dicom->spacing)) dicom->spacing[0] = NAN;
   } else if (tag == 0x00200032) {
-    dicom->placed = read_decimals(text, 3, dicom->position);
+    double position[3];
+    dicom->placed = read_decimals(text, 3, position);
+    if (dicom->placed) take_position(dicom, position);
   } else if (tag == 0x00200037) {
-    dicom->oriented = read_decimals(text, 6, dicom->orientation);
-  } else if (!read_decimals(text, 1, tag == 0x00281052 ? &dicom->intercept : &dicom->slope)) {
-    return damaged(dicom);
+    double turned[6] = {0.0};
+    const bool told = read_decimals(text, 6, turned);
+    for (int i = 0; i < 6; i++) {
+      dicom->varied |= dicom->oriented && turned[i] != dicom->orientation[i];
+      dicom->orientation[i] = turned[i];
+    }
+    dicom->oriented = told;
+  } else if (tag == 0x00281052 || tag == 0x00281053) {
+    double *factor = tag == 0x00281052 ? &dicom->intercept : &dicom->slope, value;
+    if (!read_decimals(text, 1, &value)) return damaged(dicom);
+    dicom->varied |= isfinite(*factor) && value != *factor;
+    *factor = value;
+  } else {
+    double *told = tag == 0x00200013   ? &dicom->number
+                   : tag == 0x00180050 ? &dicom->thickness
+                                       : &dicom->distance;
+    if (!read_decimals(text, 1, told)) *told = NAN;
   }
   return STATUS_OK;
 }
 
+/* Whether what an element of frames holds is read on, one element after the other: the positions,
+ * orientations, measures and scales of frames, of each or shared by all (PS3.3, C.7.6.16). */
+static bool holds_frames(const struct element *element) {
+  static const uint32_t TAGS[] = {0x52009229, 0x52009230, 0x00209113,
+                                  0x00209116, 0x00289110, 0x00289145};
+  for (size_t i = 0; i < sizeof TAGS / sizeof *TAGS; i++)
+    if ((element->group << 16 | element->number) == TAGS[i]) return true;
+  return element->group == 0xfffe; /* their items, and the ends of these */
+}
+
+/* Whether the elements behind group 2 name the kinds of their values, whatever the transfer syntax,
+ * if there is one, says: some programs write another than they name. */
+static bool find_kinds(struct dicom *dicom) {
+  unsigned char head[6];
+  const off_t at = ftello(dicom->file);
+  while (fread(head, 1, 6, dicom->file) == 6 && head[0] == 2 && head[1] == 0) {
+    struct element element;
+    if (fseeko(dicom->file, -6, SEEK_CUR) != 0 || !read_element(dicom, &element) ||
+        fseeko(dicom->file, (off_t)element.length, SEEK_CUR) != 0)
+      return false;
+  }
+  dicom->implicit = !is_kind(head + 4);
+  return fseeko(dicom->file, at, SEEK_SET) == 0;
+}
+
 static enum status read_header(const char *path, struct dicom *dicom) {
   enum status status = STATUS_OK;
+  unsigned char head[PREAMBLE + 4];
   struct element element;
-  *dicom =
-      (struct dicom){.path = path, .frames = 1, .samples = 1, .slope = 1.0, .spacing = {NAN, NAN}};
+  *dicom = (struct dicom){.path = path,
+                          .frames = 1,
+                          .samples = 1,
+                          .slope = NAN,
+                          .intercept = NAN,
+                          .spacing = {NAN, NAN},
+                          .number = NAN,
+                          .thickness = NAN,
+                          .distance = NAN};
   TRY(input_open(path, &dicom->file));
-  if (fseeko(dicom->file, PREAMBLE + 4, SEEK_SET) != 0) TRY(damaged(dicom));
+  const bool marked = fread(head, 1, sizeof head, dicom->file) == sizeof head &&
+                      memcmp(head + PREAMBLE, "DICM", 4) == 0;
+  if (fseeko(dicom->file, marked ? PREAMBLE + 4 : 0, SEEK_SET) != 0 || !find_kinds(dicom))
+    TRY(damaged(dicom));
   for (;;) {
-    if (!read_element(dicom, &element)) TRY(damaged(dicom));
+    if (!read_element(dicom, &element)) {
+      if (!feof(dicom->file)) TRY(damaged(dicom));
+      TRY_FAIL(STATUS_INPUT,
+               "%s: ends before any pixels: cut short, or a list of slices (DICOMDIR): give the "
+               "slices themselves",
+               path);
+    }
     if (element.group == 0x7fe0 && element.number == 0x0010) break;
+    if (holds_frames(&element)) continue;
     if (element.length == UNDEFINED) {
-      if (!skip_undefined(dicom, 0)) TRY(damaged(dicom));
+      if (!skip_undefined(dicom, &element, 0)) TRY(damaged(dicom));
     } else {
       TRY(take_element(dicom, &element));
     }
   }
   dicom->pixels = (uint64_t)ftello(dicom->file);
   dicom->length = element.length;
+  if (isnan(dicom->slope)) dicom->slope = 1.0;
+  if (isnan(dicom->intercept)) dicom->intercept = 0.0;
 cleanup:
   return status;
 }
 
-/* The place along the normal of the slice, m; NAN if it is not told. */
-static double place_along_normal(const struct dicom *d) {
-  const double *r = d->orientation, *c = d->orientation + 3, *p = d->position;
-  if (!d->placed || !d->oriented) return NAN;
-  return 1e-3 * (p[0] * (r[1] * c[2] - r[2] * c[1]) + p[1] * (r[2] * c[0] - r[0] * c[2]) +
-                 p[2] * (r[0] * c[1] - r[1] * c[0]));
+/* Frames are slices one behind the other, of one kind. */
+static enum status check_frames(const struct dicom *d) {
+  if (d->frames > 1 && d->places > 1 && (d->places != d->frames || d->uneven))
+    return FAIL(STATUS_INPUT,
+                "%s: its %u frames are not slices one behind the other at even distances, as their "
+                "%zu positions tell; save them as single slices",
+                d->path, d->frames, d->places);
+  if (d->varied)
+    return FAIL(STATUS_INPUT,
+                "%s: its frames are turned or scaled each in its own way; save them as single "
+                "slices of one kind",
+                d->path);
+  return STATUS_OK;
+}
+
+/* The distance of slices, m: from frame to frame by their positions, or as told. */
+static double slice_distance(const struct dicom *d) {
+  const double *s = d->step;
+  const double step = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
+  const double mm = d->frames > 1 && d->places > 1 ? step
+                    : d->distance > 0.0            ? d->distance
+                                                   : d->thickness;
+  return mm > 0.0 ? 1e-3 * mm : NAN;
 }
 
 static enum status dicom_open(const char *path, struct image *image) {
@@ -180,6 +320,7 @@ static enum status dicom_open(const char *path, struct image *image) {
   if (d.rows == 0 || d.columns == 0 || d.frames == 0 || d.frames > INT32_MAX)
     TRY_FAIL(STATUS_INPUT, "%s: %u x %u pixels, %u frames" EXPORT_AGAIN, path, d.columns, d.rows,
              d.frames);
+  TRY(check_frames(&d));
   if (d.samples != 1)
     TRY_FAIL(STATUS_INPUT, "%s: %u samples a pixel; one is read: save as grey", path, d.samples);
   if (!pixel_type_of((int)d.allocated, d.is_signed ? 'i' : 'u', &image->type) || d.stored < 1 ||
@@ -202,11 +343,14 @@ static enum status dicom_open(const char *path, struct image *image) {
   image->used_bits = d.stored < d.allocated ? d.stored : 0;
   image->plain = true;
   image->place = place_along_normal(&d);
+  image->number = d.number;
+  memcpy(image->series, d.series, sizeof d.series);
   image->rescale[0] = d.slope;
   image->rescale[1] = d.intercept;
   if (d.spacing[0] > 0.0 && d.spacing[1] > 0.0) {
     image->voxel[0] = 1e-3 * d.spacing[1];
     image->voxel[1] = 1e-3 * d.spacing[0];
+    image->voxel[2] = slice_distance(&d);
     image->voxel_source = "DICOM pixel spacing";
   }
   if (d.slope != 1.0 || d.intercept != 0.0)

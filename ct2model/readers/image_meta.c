@@ -43,7 +43,7 @@ static bool element_type(const char *name, struct image *image) {
 struct meta_header {
   int dimensions;
   char sizes[200];
-  bool sized, typed, placed, compressed;
+  bool sized, typed, placed, compressed, ordered;
 };
 
 static enum status read_sizes(const char *path, const struct meta_header *header,
@@ -94,7 +94,7 @@ static enum status place_pixels(const char *value, FILE *file, int number,
 
 static enum status read_key(const char *path, const char *key, const char *value, int number,
                             struct meta_header *header, struct image *image) {
-  const bool truth = strcasecmp(value, "True") == 0 || strcmp(value, "1") == 0;
+  const bool truth = strchr("Tt1", value[0]) != NULL && value[0] != '\0'; /* as MetaIO reads it */
   if (strcmp(key, "NDims") == 0) {
     header->dimensions = atoi(value);
     if (header->dimensions < 2 || header->dimensions > AXES_MOST)
@@ -120,7 +120,17 @@ static enum status read_key(const char *path, const char *key, const char *value
     return FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read: save as grey", path, number, value);
   } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
              strcmp(key, "ElementByteOrderMSB") == 0) {
+    if (header->ordered && image->swap != truth)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: %s = %s, but another line has the other order; which is it?", path,
+                  number, key, value);
+    header->ordered = true;
     image->swap = truth;
+  } else if (strcmp(key, "ElementToIntensityFunctionSlope") == 0 ||
+             strcmp(key, "ElementToIntensityFunctionOffset") == 0) {
+    const bool slope = strstr(key, "Slope") != NULL;
+    if (strtod(value, NULL) != (slope ? 1.0 : 0.0))
+      image_note(image, "greys as stored, before its %s %.30s", slope ? "slope" : "offset", value);
   } else if (strcmp(key, "HeaderSizePerSlice") == 0 && atoi(value) != 0) {
     return FAIL(STATUS_INPUT, "%s:%d: a header before every slice is not read; save one volume",
                 path, number);

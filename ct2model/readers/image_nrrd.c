@@ -243,15 +243,16 @@ static enum status read_shape(const char *path, struct nrrd_header *header, stru
 
 /* Axes of colours, vectors or times are not those of a volume. */
 static enum status check_kinds(const char *path, const struct nrrd_header *header) {
-  static const char *const OF_SPACE[] = {"domain", "space",  "list", "none",
-                                         "???",    "scalar", "stub"};
+  static const char *const OF_SPACE[] = {"domain", "space", "none", "???", "scalar", "stub"};
   const char *at = header->value[KINDS];
   for (int a = 0; at != NULL && a < header->dimension; a++) {
     char kind[40] = "";
     at += strspn(at, " \t");
     (void)sscanf(at, "%39s", kind);
     at += strlen(kind);
-    bool known = kind[0] == '\0' || header->sizes[a] == 1;
+    /* The slowest may be a list: of slices, by programs that have no word for them. */
+    bool known = kind[0] == '\0' || header->sizes[a] == 1 ||
+                 (a + 1 == header->dimension && strcasecmp(kind, "list") == 0);
     for (size_t i = 0; i < sizeof OF_SPACE / sizeof *OF_SPACE; i++)
       known |= strcasecmp(kind, OF_SPACE[i]) == 0;
     if (!known)

@@ -51,6 +51,7 @@ static enum status session_start(struct png_session *session, const char *path) 
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
                               1);
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_ALWAYS, (png_const_bytep) "acTL", 1);
   return STATUS_OK;
 }
 
@@ -86,6 +87,16 @@ static enum status palette_to_grey(struct png_session *session, const struct ima
   return STATUS_OK;
 }
 
+/* The number of pictures of an animation, of which the first alone would be read (APNG, acTL). */
+static uint32_t count_pictures(struct png_session *session) {
+  png_unknown_chunkp chunks;
+  const int count = png_get_unknown_chunks(session->png, session->info, &chunks);
+  for (int i = 0; i < count; i++)
+    if (memcmp(chunks[i].name, "acTL", 4) == 0 && chunks[i].size >= 4)
+      return png_get_uint_32(chunks[i].data);
+  return 1;
+}
+
 static enum status png_open(const char *path, struct image *image) {
   struct png_session session;
   enum status status = session_start(&session, path);
@@ -99,6 +110,12 @@ static enum status png_open(const char *path, struct image *image) {
   image->size[0] = png_get_image_width(session.png, session.info);
   image->size[1] = png_get_image_height(session.png, session.info);
   image->pages = 1;
+  const uint32_t pictures = count_pictures(&session);
+  if (pictures > 1) {
+    status = FAIL(STATUS_INPUT, "%s: an animation of %u pictures; save each as a file of its own",
+                  path, pictures);
+    goto cleanup;
+  }
   image->plain = true;
   image->type = png_get_bit_depth(session.png, session.info) == 16 ? PIXEL_U16 : PIXEL_U8;
   const int colour = png_get_color_type(session.png, session.info);

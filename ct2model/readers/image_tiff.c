@@ -143,6 +143,8 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
   char format = layout->format == SAMPLEFORMAT_IEEEFP ? 'f'
                 : layout->format == SAMPLEFORMAT_INT  ? 'i'
                                                       : 'u';
+  if (layout->format > SAMPLEFORMAT_VOID)
+    return FAIL(STATUS_INPUT, "%s: complex numbers are not read; save greys", path);
   bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* samples of less than
                                                                                a byte */
   if (whole && layout->samples == 1 && format == 'u') {
@@ -154,6 +156,21 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
                 path, format == 'f' ? "floats" : "pixels", layout->bits,
                 format == 'f' ? ", floats as 32" : "");
   return STATUS_OK;
+}
+
+/* By what the colours of a palette are those of 8 bits: 257 by the definition, 256 as some programs
+ * write them, 1 as old ones do; 0: they are none of 8 bits. */
+static unsigned palette_step(uint16_t *const channels[3], size_t size) {
+  static const unsigned STEPS[] = {257, 256, 1};
+  for (size_t s = 0; s < sizeof STEPS / sizeof *STEPS; s++) {
+    bool all = true;
+    for (size_t i = 0; i < 3 * size && all; i++) {
+      const unsigned colour = channels[i % 3][i / 3];
+      all = colour % STEPS[s] == 0 && colour / STEPS[s] < 256;
+    }
+    if (all) return STEPS[s];
+  }
+  return 0;
 }
 
 /* Keeps the palette of a page where it has colours (image_keep_palette); *whole is false where its
@@ -173,8 +190,7 @@ static enum status read_palette(TIFF *tiff, const struct tiff_layout *layout, st
   TRY(memory_allocate(&colours, 3 * size, sizeof *colours, "a palette"));
   for (size_t i = 0; i < 3 * size; i++) colours[i] = channels[i % 3][i / 3];
   TRY(image_keep_palette(image, colours, size));
-  for (size_t i = 0; i < size && layout->bits <= 8 && image->palette == NULL; i++)
-    *whole &= colours[3 * i] % 257 == 0;
+  if (layout->bits <= 8 && image->palette == NULL) *whole = palette_step(channels, size) > 0;
 cleanup:
   memory_free(&colours);
   return status;
@@ -190,40 +206,66 @@ static void read_resolution(TIFF *tiff, const char *description, struct image *i
   tiff_voxel_size(description, resolution, metres, image->voxel, &image->voxel_source);
 }
 
-/* ImageJ writes stacks of more than 4 GB with a single directory, and the other slices after the
- * first. */
-static bool imagej_contiguous(TIFF *tiff, const char *description, const struct tiff_layout *layout,
-                              struct image *image) {
-  char text[40];
+/* ImageJ's calibration of greys: value = c0 + c1 * grey (cf=0). */
+static void tell_calibration(const char *description, struct image *image) {
+  char c0[40], c1[40];
+  if (description != NULL && tiff_description_value(description, "c0", c0, sizeof c0) &&
+      tiff_description_value(description, "c1", c1, sizeof c1))
+    image_note(image, "greys as stored, before ImageJ's calibration (%s + %s times the grey)", c0,
+               c1);
+}
+
+/* MetaMorph's stacks: one directory, whose tag UIC2 has a value for each slice. */
+static unsigned long long count_metamorph(TIFF *tiff) {
+  enum { UIC2 = 33629 };
+  uint32_t count = 0;
+  void *values = NULL;
+  return TIFFGetField(tiff, UIC2, &count, &values) ? count : 0;
+}
+
+/* ImageJ, of stacks of more than 4 GB, tifffile if asked to, and MetaMorph write a single
+ * directory, and the other slices after the first. */
+static bool slices_follow(TIFF *tiff, unsigned long long slices, const struct tiff_layout *layout,
+                          struct image *image) {
   uint64_t bytes, *offsets = NULL;
-  if (description == NULL || strncmp(description, "ImageJ=", 7) != 0 ||
-      !tiff_description_value(description, "images", text, sizeof text) ||
-      layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
+  if (layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
       layout->photometric == PHOTOMETRIC_PALETTE || !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
       !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
-  unsigned long long images = strtoull(text, NULL, 10);
   size_t page;
   if (!size_multiply((size_t)layout->width * layout->height, pixel_size(image->type), &page) ||
-      text[0] == '-' || images < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
+      slices < 2 || image_file_size(image->path, &bytes) != STATUS_OK)
     return false;
   if (offsets[0] == 0 || offsets[0] > bytes) return false;
-  image->pages = (size_t)images;
+  image->pages = (size_t)slices;
   image->data_offset = offsets[0];
   image->swap = TIFFIsByteSwapped(tiff) != 0;
-  if ((bytes - image->data_offset) / page < images) {
+  if ((bytes - image->data_offset) / page < slices) {
     image->pages = (size_t)((bytes - image->data_offset) / page);
-    image_note(image, "cut short: %zu of %llu slices are there", image->pages, images);
+    image_note(image, "cut short: %zu of %llu slices are there", image->pages, slices);
   }
   return image->pages > 0;
 }
 
-/* The number of slices that ImageJ says it wrote; 0: it does not. */
-static unsigned long long count_imagej(const char *description) {
-  char text[40];
-  const bool told = description != NULL && strncmp(description, "ImageJ=", 7) == 0 &&
-                    tiff_description_value(description, "images", text, sizeof text);
-  return told ? strtoull(text, NULL, 10) : 0;
+/* A page that is the only one of a file which holds as much again: slices that no directory tells
+ * of, as of programs whose texts got lost. */
+static void look_for_others(TIFF *tiff, const struct tiff_layout *layout, const char *description,
+                            struct image *image) {
+  const uint32_t count = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  enum { TAGS = 8192 }; /* bytes that may be of tags */
+  const double own = TAGS + (description != NULL ? (double)strlen(description) : 0.0);
+  uint64_t bytes;
+  uint16_t others = 0;
+  void *offsets = NULL;
+  double page = 0.0;
+  if (layout->compression != COMPRESSION_NONE || !TIFFLastDirectory(tiff) ||
+      TIFFGetField(tiff, TIFFTAG_SUBIFD, &others, &offsets) ||
+      image_file_size(image->path, &bytes) != STATUS_OK)
+    return;
+  for (uint32_t i = 0; i < count; i++) page += (double)TIFFGetStrileByteCount(tiff, i);
+  if (page > 0.0 && (double)bytes - page - own >= page)
+    image_note(image, "%.0f bytes of it are of no page: slices that it does not tell of?",
+               (double)bytes - page);
 }
 
 /* Whether the present directory is of another kind than a slice: a thumbnail or a mask of
@@ -367,9 +409,16 @@ static enum status tiff_open(const char *path, struct image *image) {
   if (layout.samples >= 3) image_note(image, IMAGE_STORED_IN_COLOUR);
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
   read_resolution(tiff, description, image);
-  TRY(tiff_refuse_hyperstack(path, description));
-  if (imagej_contiguous(tiff, description, &layout, image)) goto cleanup;
-  const unsigned long long images = count_imagej(description); /* a text of this directory alone */
+  unsigned long long slices;
+  bool follow;
+  TRY(tiff_told_slices(path, description,
+                       (const size_t[]){layout.width, layout.height, layout.samples}, &slices,
+                       &follow)); /* a text of this directory alone */
+  tell_calibration(description, image);
+  const unsigned long long metamorph = count_metamorph(tiff);
+  if (slices_follow(tiff, metamorph > 1 ? metamorph : follow ? slices : 0, &layout, image))
+    goto cleanup;
+  look_for_others(tiff, &layout, description, image);
   image->data_offset = 0;
   image->pages = 0;
   tiff_message[0] = '\0';
@@ -380,9 +429,10 @@ static enum status tiff_open(const char *path, struct image *image) {
     image_note(image, IMAGE_STORED_IN_COLOUR);
     image->top = 0; /* greys of the palette, of 8 bits */
   }
-  if (images > 0 && images != image->pages)
-    image_note(image, "its text says %llu images, but %zu are there: slices lost?", images,
-               image->pages);
+  if (slices > 0 && slices != image->pages)
+    image_note(image, "its text says %llu images, but %zu are there: %s?", slices, image->pages,
+               slices > image->pages ? "slices lost, or in other files"
+                                     : "those of several images");
 cleanup:
   if (tiff != NULL) TIFFClose(tiff);
   return status;
@@ -394,7 +444,8 @@ struct row_decoder {
   const struct image *image;
   struct tiff_layout layout;
   uint16_t *palette[3];
-  bool alpha; /* the first sample beyond grey or colours is transparency */
+  unsigned step; /* of the palette (palette_step) */
+  bool alpha;    /* the first sample beyond grey or colours is transparency */
 };
 
 /* Maps entries of a palette of greys, which stand in `out` where they fit in 8 bits. */
@@ -407,9 +458,9 @@ static void map_palette(const struct row_decoder *decoder, const unsigned char *
     if (!bytes) memcpy(&entry, in + 2 * x, 2);
     const uint16_t grey = decoder->palette[0][entry];
     if (!image->plain)
-      ((float *)out)[x] = (float)(grey / 257.0);
+      ((float *)out)[x] = (float)(grey / (decoder->step > 0 ? (double)decoder->step : 257.0));
     else if (bytes)
-      ((unsigned char *)out)[x] = (unsigned char)(grey / 257);
+      ((unsigned char *)out)[x] = (unsigned char)(grey / decoder->step);
     else
       ((uint16_t *)out)[x] = grey;
   }
@@ -590,6 +641,11 @@ static enum status page_open(const struct image *image, size_t page, struct row_
   if (layout->photometric == PHOTOMETRIC_PALETTE &&
       !TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
                     &decoder->palette[2]))
+    TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
+  if (layout->photometric == PHOTOMETRIC_PALETTE && layout->bits <= 8)
+    decoder->step = palette_step(decoder->palette, (size_t)1 << layout->bits);
+  if (image->plain && image->palette == NULL && image->type == PIXEL_U8 &&
+      layout->photometric == PHOTOMETRIC_PALETTE && decoder->step == 0)
     TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
 cleanup:
   return status;

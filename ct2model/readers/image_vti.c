@@ -8,9 +8,11 @@
 
 #include "common/input_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/vti_data.h"
 
-/* ImageData of VTK in XML: one piece with one array of numbers, appended raw and uncompressed
- * ("VTK XML Formats"). The XML is scanned for its elements; all else is refused. */
+/* ImageData of VTK in XML: one piece with one array of numbers, appended or within the text, as
+ * bytes, base64 or text, plain or compressed with zlib ("VTK XML Formats"). The XML is scanned for
+ * its elements; all else is refused. */
 
 enum { XML_MOST = 1 << 20 };
 
@@ -76,13 +78,15 @@ static bool read_type(const char *name, struct image *image) {
   return false;
 }
 
-/* Reads the text before the pixels, comments blanked out. *start is the place of the first byte of
- * the appended data. */
+/* Reads the text before the pixels, comments blanked out: to the head of the appended data, or as
+ * much of it as the head of an array within it may take. *start: the place of the first byte of the
+ * appended data; 0: there are none. */
 static enum status read_xml(const char *path, FILE *file, char **xml, uint64_t *start) {
   enum status status = STATUS_OK;
   TRY(memory_allocate(xml, XML_MOST + 1, 1, "the head of a VTI file"));
   const size_t got = fread(*xml, 1, XML_MOST, file);
   char *end = NULL;
+  *start = 0;
   for (char *c = *xml; c + 13 < *xml + got && end == NULL; c++) {
     if (strncmp(c, "<!--", 4) == 0) {
       char *over = strstr(c, "-->");
@@ -91,18 +95,15 @@ static enum status read_xml(const char *path, FILE *file, char **xml, uint64_t *
     }
     if (strncmp(c, "<AppendedData", 13) == 0) end = strchr(c, '>');
   }
-  if (end == NULL)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: has no appended data; save it with the data mode Appended, not encoded, not "
-             "compressed",
-             path);
-  const size_t room = (size_t)(*xml + got - end);
-  const char *mark = memchr(end, '_', room);
-  if (mark == NULL || strspn(end + 1, " \t\r\n") != (size_t)(mark - end - 1))
-    TRY_FAIL(STATUS_INPUT, "%s: no _ before its appended data" EXPORT_AGAIN, path);
-  *start = (uint64_t)(mark + 1 - *xml);
-  end[1] = '\0';
-  if (strlen(*xml) != (size_t)(end + 1 - *xml))
+  if (end != NULL) {
+    const size_t room = (size_t)(*xml + got - end);
+    const char *mark = memchr(end, '_', room);
+    if (mark == NULL || strspn(end + 1, " \t\r\n") != (size_t)(mark - end - 1))
+      TRY_FAIL(STATUS_INPUT, "%s: no _ before its appended data" EXPORT_AGAIN, path);
+    *start = (uint64_t)(mark + 1 - *xml);
+    end[1] = '\0';
+  }
+  if (strlen(*xml) != (end != NULL ? (size_t)(end + 1 - *xml) : got))
     TRY_FAIL(STATUS_INPUT, "%s: its head is no text" EXPORT_AGAIN, path);
 cleanup:
   return status;
@@ -145,71 +146,117 @@ static enum status find_array(const char *path, const char *piece, const char **
   return STATUS_OK;
 }
 
+/* In which form the numbers stand, and where. */
+static enum status place_array(const char *path, const char *xml, const char *array, uint64_t start,
+                               struct vti_data *data) {
+  const char *vtk = next_element(xml, "VTKFile"), *appended = next_element(xml, "AppendedData");
+  char text[120], other[120];
+  data->wide = attribute(vtk, "header_type", text, sizeof text) && strcmp(text, "UInt64") == 0;
+  data->big = attribute(vtk, "byte_order", text, sizeof text) && strcmp(text, "BigEndian") == 0;
+  if (!attribute(array, "format", text, sizeof text)) text[0] = '\0';
+  data->packed = attribute(vtk, "compressor", other, sizeof other) && strcmp(text, "ascii") != 0;
+  if (data->packed && strcmp(other, "vtkZLibDataCompressor") != 0)
+    return FAIL(STATUS_INPUT, "%s: compressed by %.60s, which is not read; save it with zlib", path,
+                other);
+  if (strcmp(text, "appended") == 0) {
+    char *end = NULL;
+    if (appended == NULL || start == 0)
+      return FAIL(STATUS_INPUT, "%s: has no appended data" EXPORT_AGAIN, path);
+    if (!attribute(appended, "encoding", other, sizeof other) ||
+        (strcmp(other, "raw") != 0 && strcmp(other, "base64") != 0))
+      return FAIL(STATUS_INPUT, "%s: encoding '%.60s' of its data is not read; save as raw", path,
+                  other);
+    data->form = strcmp(other, "raw") == 0 ? VTI_BYTES : VTI_BASE64;
+    errno = 0;
+    const long long offset =
+        attribute(array, "offset", text, sizeof text) ? strtoll(text, &end, 10) : -1;
+    if (offset < 0 || errno != 0 || *end != '\0')
+      return FAIL(STATUS_INPUT, "%s: offset %s of its array is no number" EXPORT_AGAIN, path, text);
+    data->start = start + (uint64_t)offset;
+    return STATUS_OK;
+  }
+  if (strcmp(text, "ascii") != 0 && strcmp(text, "binary") != 0)
+    return FAIL(STATUS_INPUT, "%s: format '%.60s' of its array is not read; save it appended", path,
+                text);
+  data->form = strcmp(text, "ascii") == 0 ? VTI_TEXT : VTI_BASE64;
+  const char *body = strchr(array, '>');
+  if (body == NULL || body[-1] == '/')
+    return FAIL(STATUS_INPUT, "%s: its array is empty" EXPORT_AGAIN, path);
+  data->start = (uint64_t)(body + 1 - xml);
+  return STATUS_OK;
+}
+
+/* Appended bytes are read where they stand. */
+static enum status claim_bytes(const char *path, const struct vti_data *data, struct image *image) {
+  unsigned char head[8];
+  const size_t width = data->wide ? 8 : 4;
+  uint64_t bytes;
+  if (fseeko(data->file, (off_t)data->start, SEEK_SET) != 0 ||
+      fread(head, 1, width, data->file) != width)
+    return FAIL(STATUS_INPUT, "%s: ends before its array" EXPORT_AGAIN, path);
+  const uint64_t told = vti_head_number(data, head);
+  const double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
+                        (double)image_stored_size(image);
+  if ((double)told != wanted)
+    return FAIL(STATUS_INPUT,
+                "%s: its array has %llu bytes, but its extent promises %.0f" EXPORT_AGAIN, path,
+                (unsigned long long)told, wanted);
+  image->swap = data->big;
+  image->data_offset = data->start + width;
+  const enum status status = image_file_size(path, &bytes);
+  if (status == STATUS_OK && (double)bytes < (double)image->data_offset + wanted)
+    return FAIL(STATUS_INPUT, "%s: ends within its array" EXPORT_AGAIN, path);
+  return status;
+}
+
+/* Behind an array within the text: whether there are others. */
+static enum status check_rest(const char *path, FILE *file) {
+  static const char OTHER[] = "<DataArray";
+  size_t alike = 0;
+  for (int c = getc(file); c != EOF; c = getc(file)) {
+    alike = c == OTHER[alike] ? alike + 1 : c == '<';
+    if (alike + 1 == sizeof OTHER)
+      return FAIL(STATUS_INPUT, "%s: has several arrays; save the one that is the scan", path);
+  }
+  return STATUS_OK;
+}
+
 static enum status vti_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   char *xml = NULL, text[120];
   const char *array;
-  unsigned char head[8];
   uint64_t start = 0;
   bool cells;
-  FILE *file = NULL;
-  TRY(input_open(path, &file));
-  TRY(read_xml(path, file, &xml, &start));
+  struct vti_data data = {0};
+  TRY(input_open(path, &data.file));
+  TRY(read_xml(path, data.file, &xml, &start));
   const char *vtk = next_element(xml, "VTKFile"), *grid = next_element(xml, "ImageData");
-  const char *piece = next_element(xml, "Piece"), *data = next_element(xml, "AppendedData");
-  if (vtk == NULL || grid == NULL || piece == NULL || data == NULL ||
-      !attribute(vtk, "type", text, sizeof text) || strcmp(text, "ImageData") != 0)
+  const char *piece = next_element(xml, "Piece");
+  if (vtk == NULL || grid == NULL || piece == NULL || !attribute(vtk, "type", text, sizeof text) ||
+      strcmp(text, "ImageData") != 0)
     TRY_FAIL(STATUS_INPUT, "%s: no ImageData of VTK; save it as that", path);
   if (next_element(piece, "Piece") != NULL)
     TRY_FAIL(STATUS_INPUT, "%s: several pieces are not read; save one", path);
-  if (attribute(vtk, "compressor", text, sizeof text) ||
-      !attribute(data, "encoding", text, sizeof text) || strcmp(text, "raw") != 0)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: compressed or encoded data are not read; save with the data mode Appended, not "
-             "encoded, not compressed",
-             path);
   TRY(find_array(path, piece, &array, &cells));
-  if (!attribute(array, "format", text, sizeof text) || strcmp(text, "appended") != 0)
-    TRY_FAIL(STATUS_INPUT, "%s: its array is not appended; save with the data mode Appended", path);
   if (attribute(array, "NumberOfComponents", text, sizeof text) && strcmp(text, "1") != 0)
     TRY_FAIL(STATUS_INPUT, "%s: %s numbers a voxel; one is read: save the grey alone", path, text);
   if (!attribute(array, "type", text, sizeof text) || !read_type(text, image))
     TRY_FAIL(STATUS_INPUT, "%s: an array of type %s is not read; save integers or floats", path,
              text);
   TRY(read_extent(path, grid, piece, cells, image));
-  const bool wide = attribute(vtk, "header_type", text, sizeof text) && strcmp(text, "UInt64") == 0;
-  image->swap = attribute(vtk, "byte_order", text, sizeof text) && strcmp(text, "BigEndian") == 0;
-  char *end = NULL;
-  errno = 0;
-  const long long offset =
-      attribute(array, "offset", text, sizeof text) ? strtoll(text, &end, 10) : -1;
-  if (offset < 0 || errno != 0 || *end != '\0')
-    TRY_FAIL(STATUS_INPUT, "%s: offset %s of its array is no number" EXPORT_AGAIN, path, text);
-  const size_t width = wide ? 8 : 4;
-  uint64_t told = 0;
-  if (fseeko(file, (off_t)(start + (uint64_t)offset), SEEK_SET) != 0 ||
-      fread(head, 1, width, file) != width)
-    TRY_FAIL(STATUS_INPUT, "%s: ends before its array" EXPORT_AGAIN, path);
-  for (size_t i = 0; i < width; i++)
-    told |= (uint64_t)head[i] << 8 * (image->swap ? width - 1 - i : i);
-  const double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
-                        (double)image_stored_size(image);
-  if ((double)told != wanted)
-    TRY_FAIL(STATUS_INPUT,
-             "%s: its array has %llu bytes, but its extent promises %.0f" EXPORT_AGAIN, path,
-             (unsigned long long)told, wanted);
+  TRY(place_array(path, xml, array, start, &data));
+  if (data.form == VTI_BYTES && !data.packed)
+    TRY(claim_bytes(path, &data, image));
+  else
+    TRY(vti_data_unpack(&data, image));
+  if (start == 0) TRY(check_rest(path, data.file));
   if (attribute(grid, "Direction", text, sizeof text) && strcmp(text, "1 0 0 0 1 0 0 0 1") != 0)
     image_note(image, "its axes are turned (Direction): read as stored");
   if (attribute(grid, "Spacing", text, sizeof text))
     image_note(image, "Spacing = %.60s has no unit; --voxel-size decides", text);
-  image->data_offset = start + (uint64_t)offset + width;
   image->plain = true;
-  uint64_t bytes;
-  TRY(image_file_size(path, &bytes));
-  if ((double)bytes < (double)image->data_offset + wanted)
-    TRY_FAIL(STATUS_INPUT, "%s: ends within its array" EXPORT_AGAIN, path);
 cleanup:
-  if (file != NULL) fclose(file);
+  if (data.file != NULL) fclose(data.file);
   memory_free(&xml);
   return status;
 }

@@ -37,6 +37,12 @@ enum status inflate_start(const char *path, uint64_t offset, uint64_t size,
   return STATUS_OK;
 }
 
+enum status inflate_adopt(const char *path, FILE *unpacked, struct inflated **inflated) {
+  const enum status status = inflate_start(path, 0, 0, inflated);
+  if (status == STATUS_OK) (*inflated)->unpacked = unpacked;
+  return status;
+}
+
 void inflate_end(struct inflated *inflated) {
   if (inflated == NULL) return;
   if (inflated->unpacked != NULL) fclose(inflated->unpacked);

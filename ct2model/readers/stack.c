@@ -72,9 +72,8 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
   }
   if (list->count == before)
     TRY_FAIL(STATUS_INPUT,
-             "%s: no .tif, .png, .bmp, .dcm, .mhd, .nrrd, .vti or .npy files in this folder; for "
-             "headerless "
-             "files give "
+             "%s: no .tif, .png, .bmp, .dcm, .mhd, .nrrd, .vti or .npy files in this folder; name "
+             "files with other endings or none, as of DICOM, by FOLDER/*; for headerless ones give "
              "--raw",
              folder);
   if (ignored > 0) log_verbose("%s: %zu other files left out", folder, ignored);
@@ -218,7 +217,7 @@ static enum status check_agreement(const struct image *first, const struct image
                 "%s: greys of 0 to %d, but the first slice has 0 to %d; save all as "
                 "one type",
                 image->path, image->top > 0 ? image->top : 255, first->top > 0 ? first->top : 255);
-  if (memcmp(image->rescale, first->rescale, sizeof first->rescale) != 0)
+  if (image->rescale[0] != first->rescale[0] || image->rescale[1] != first->rescale[1])
     return FAIL(STATUS_INPUT,
                 "%s: its greys are to be scaled by %g and %g, those of the first slice by %g "
                 "and %g: the same number means other densities; export all alike",
@@ -241,14 +240,16 @@ static int by_place(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* Slices that tell where they are, as of DICOM, stand in that order, whatever their names; their
- * distance is that of the slices. */
+static int by_number(const void *a, const void *b) {
+  const double x = ((const struct image *)a)->number, y = ((const struct image *)b)->number;
+  return x < y ? -1 : x > y;
+}
+
+/* Puts slices that tell where they are in that order; their distance is that of the slices. */
 static enum status order_by_place(struct stack *stack) {
   enum status status = STATUS_OK;
   struct image *files = stack->files;
   const size_t n = stack->file_count;
-  for (size_t i = 0; i < n; i++)
-    if (!isfinite(files[i].place) || files[i].pages > 1 || n < 2) return STATUS_OK;
   qsort(files, n, sizeof *files, by_place);
   const double step = (files[n - 1].place - files[0].place) / (double)(n - 1);
   for (size_t i = 1; i < n; i++)
@@ -262,10 +263,50 @@ static enum status order_by_place(struct stack *stack) {
                "%s is %g mm behind %s, but slices are %g mm apart in the mean: are some missing?",
                files[i].path, 1e3 * here, base_name(files[i - 1].path), 1e3 * step);
   }
-  stack->ordered = true;
   for (size_t i = 0; i < n; i++) files[i].voxel[2] = step;
 cleanup:
   return status;
+}
+
+/* Puts slices that tell their number in its order. */
+static enum status order_by_number(struct stack *stack) {
+  struct image *files = stack->files;
+  const size_t n = stack->file_count;
+  qsort(files, n, sizeof *files, by_number);
+  for (size_t i = 1; i < n; i++)
+    if (files[i].number == files[i - 1].number)
+      return FAIL(STATUS_INPUT, "%s and %s are both slice %g of their series; give one series",
+                  files[i - 1].path, base_name(files[i].path), files[i].number);
+  const double step = (files[n - 1].number - files[0].number) / (double)(n - 1);
+  for (size_t i = 1; i < n; i++)
+    if (files[i].number - files[i - 1].number != step) {
+      log_warning("the numbers of the slices jump from %g (%s) to %g: slices missing?",
+                  files[i - 1].number, base_name(files[i - 1].path), files[i].number);
+      break;
+    }
+  return STATUS_OK;
+}
+
+/* Slices of DICOM stand in the order that they tell, whatever their names. */
+static enum status order_slices(struct stack *stack) {
+  const size_t n = stack->file_count;
+  size_t placed = 0, numbered = 0;
+  for (size_t i = 0; i < n; i++) {
+    const struct image *image = &stack->files[i];
+    placed += isfinite(image->place) && image->pages == 1;
+    numbered += isfinite(image->number) && image->pages == 1;
+  }
+  for (size_t i = 1; i < n; i++)
+    if (strcmp(stack->files[i].series, stack->files[0].series) != 0) {
+      log_warning("%s is of another series than %s: if they are of two scans, give one",
+                  stack->files[i].path, base_name(stack->files[0].path));
+      break;
+    }
+  stack->ordered = n > 1 && (placed == n || numbered == n);
+  if (n > 1 && !stack->ordered && placed + numbered > 0)
+    log_warning("not all of the slices tell their place or their number: they are taken in the "
+                "order of their names");
+  return !stack->ordered ? STATUS_OK : placed == n ? order_by_place(stack) : order_by_number(stack);
 }
 
 static enum status open_files(const struct name_list *list, const struct raw_layout *raw,
@@ -285,7 +326,7 @@ static enum status open_files(const struct name_list *list, const struct raw_lay
       log_warning("%s: %s%s", image->path, image->note,
                   list->count > 1 ? " (and perhaps others)" : "");
   }
-  TRY(order_by_place(stack));
+  TRY(order_slices(stack));
   const struct image *first = &stack->files[0];
   stack->size[0] = first->size[0];
   stack->size[1] = first->size[1];

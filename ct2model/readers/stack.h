@@ -18,7 +18,7 @@ struct stack {
   size_t file_count;
   struct image *files;
   size_t *first_slice; /* first slice of each file; file_count + 1 values */
-  bool ordered;        /* slices stand in the order of their places, not of their names */
+  bool ordered;        /* slices stand in the order that they tell, not in that of their names */
   long long stride;    /* difference of the numbers in successive file names; 0: none, or not
                           uniform */
 };

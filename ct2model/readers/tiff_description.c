@@ -1,6 +1,7 @@
 #include "ct2model/readers/tiff_description.h"
 
 #include <math.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -70,22 +71,80 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
   if (!isfinite(voxel[0])) *source = NULL;
 }
 
-enum status tiff_refuse_hyperstack(const char *path, const char *description) {
+/* The text after `key`; NULL if it is not there. */
+static const char *after(const char *text, const char *key) {
+  const char *at = strstr(text, key);
+  return at != NULL ? at + strlen(key) : NULL;
+}
+
+static enum status refuse_hyperstack(const char *path, unsigned long long count, const char *kind) {
+  return FAIL(STATUS_INPUT,
+              "%s: a hyperstack of %llu %s; save one of them as a stack, or if they are slices "
+              "say so (Fiji: Image > Properties) and save again",
+              path, count, kind);
+}
+
+/* The array of tifffile, {"shape": [57, 1, 256, 256], "axes": "ZCYX"}: pages are of its last axes,
+ * the samples among them; those before are slices, or something else. */
+static enum status read_shape(const char *path, const char *description, const size_t page[3],
+                              unsigned long long *slices) {
+  enum { MOST = 8 };
+  unsigned long long n[MOST + 3], all = 1;
+  int rank = 0, of_page = 2, longer = 0;
+  const char *at = after(description, "\"shape\": ["), *axes = after(description, "\"axes\": \"");
+  while (at != NULL && rank < MOST + 3) {
+    char *end;
+    n[rank] = strtoull(at, &end, 10);
+    if (end == at || n[rank] == 0 || n[rank] > UINT32_MAX) return STATUS_OK;
+    rank++;
+    if (*end == ']') break;
+    at = end + strspn(end, ", ");
+  }
+  if (page[2] > 1) of_page = 3;
+  if (at == NULL || rank > MOST || rank <= of_page)
+    return STATUS_OK; /* one page: of one appended */
+  const unsigned long long *last = n + rank - of_page;
+  const bool agrees = of_page == 2
+                          ? last[0] == page[1] && last[1] == page[0]
+                          : (last[0] == page[1] && last[1] == page[0] && last[2] == page[2]) ||
+                                (last[0] == page[2] && last[1] == page[1] && last[2] == page[0]);
+  if (!agrees) return STATUS_OK; /* of another series */
+  const size_t named = axes != NULL ? strcspn(axes, "\"") : 0;
+  for (int i = 0; i < rank - of_page; i++) {
+    const char axis = axes != NULL && named == (size_t)rank ? axes[i] : 'Z';
+    all = all < UINT32_MAX ? all * n[i] : all;
+    if (n[i] > 1) longer++;
+    if (n[i] > 1 && (axis == 'C' || axis == 'T'))
+      return refuse_hyperstack(path, n[i], axis == 'C' ? "channels" : "frames");
+  }
+  if (longer > 1)
+    return FAIL(STATUS_INPUT,
+                "%s: an array of %d axes, %llu x %llu ... pages; 3 are read: save one volume", path,
+                rank, n[0], n[1]);
+  *slices = all;
+  return STATUS_OK;
+}
+
+enum status tiff_told_slices(const char *path, const char *description, const size_t page[3],
+                             unsigned long long *slices, bool *follow) {
   static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=\"", "SizeT=\""};
   char text[40];
+  *slices = 0;
+  *follow = false;
   if (description == NULL) return STATUS_OK;
-  bool imagej = strncmp(description, "ImageJ=", 7) == 0;
-  bool ome = strstr(description, "<OME") != NULL;
+  const bool imagej = strncmp(description, "ImageJ=", 7) == 0;
+  const bool ome = strstr(description, "<OME") != NULL;
   for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
-    const char *at = ome ? strstr(description, OME[i]) : NULL;
-    int count = at != NULL ? atoi(at + strlen(OME[i])) : 1;
+    const char *at = ome ? after(description, OME[i]) : NULL;
+    unsigned long long count = at != NULL ? strtoull(at, NULL, 10) : 1;
     if (imagej && tiff_description_value(description, KEYS[i], text, sizeof text))
-      count = atoi(text);
-    if (count > 1)
-      return FAIL(STATUS_INPUT,
-                  "%s: a hyperstack of %d %s; save one of them as a stack, or if they are slices "
-                  "say so (Fiji: Image > Properties) and save again",
-                  path, count, KEYS[i]);
+      count = strtoull(text, NULL, 10);
+    if (count > 1) return refuse_hyperstack(path, count, KEYS[i]);
   }
-  return STATUS_OK;
+  const char *ome_slices = ome ? after(description, "SizeZ=\"") : NULL;
+  if (ome_slices != NULL) *slices = strtoull(ome_slices, NULL, 10);
+  *follow = imagej || description[0] == '{';
+  if (imagej && tiff_description_value(description, "images", text, sizeof text) && text[0] != '-')
+    *slices = strtoull(text, NULL, 10);
+  return description[0] == '{' ? read_shape(path, description, page, slices) : STATUS_OK;
 }

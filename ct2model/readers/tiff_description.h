@@ -1,5 +1,5 @@
-/* The voxel size in a TIFF: from the texts that ImageJ and OME write into its description, and from
- * its resolution tags. */
+/* What the texts that ImageJ, OME and tifffile write into a TIFF's description tell: the voxel
+ * size, which its resolution tags may tell too, and the slices. */
 #ifndef TOSUI_CT2MODEL_READERS_TIFF_DESCRIPTION_H
 #define TOSUI_CT2MODEL_READERS_TIFF_DESCRIPTION_H
 
@@ -16,7 +16,10 @@ bool tiff_description_value(const char *description, const char *key, char *valu
  * size was found; it and the voxel are unchanged if there is none. */
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
                      double voxel[3], const char **source);
-/* Refuses (STATUS_INPUT) channels and time steps, which are no slices. */
-enum status tiff_refuse_hyperstack(const char *path, const char *description);
+/* The number of slices; 0 if it is not told. *follow: they may follow the first without directories
+ * of their own. Refuses (STATUS_INPUT) channels, time steps and arrays of more than three axes,
+ * which are no slices. `page`: width, height and samples of a page; `description` may be NULL. */
+enum status tiff_told_slices(const char *path, const char *description, const size_t page[3],
+                             unsigned long long *slices, bool *follow);
 
 #endif

@@ -147,6 +147,12 @@ P
   [[ "$(said far.raw u8)" == *"1 of 12 slices are copies"*"first: far.raw[9] of far.raw[2]"* ]]
   [[ "$(said black.raw u8)" == *"1 of 12 slices are of one grey (first: black.raw[5])"* ]] || false
   [[ "$(said noise.raw i8)" == *"is u8 meant in --raw?"* ]] || false
+  # The same in a file that says so itself, as BigDataViewer's HDF5 files do of all greys above 32767.
+  { printf 'NRRD0004\ntype: int8\ndimension: 3\nsizes: 24 24 12\nencoding: raw\n\n'; cat noise.raw; } > signed.nrrd
+  sed s/int8/uint8/ signed.nrrd > unsigned.nrrd
+  for file in signed unsigned; do "$CT" sweep $file.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $file.log; done
+  grep -q "signed.nrrd: neighbouring pixels leap .*: unsigned greys that were stored as signed ones" signed.log
+  run ! grep leap unsigned.log
   [[ "$(said noise.raw u8)" != *slices* ]] || false
   # Slabs without noise, as a program draws them: all slices are alike, and one is empty.
   awk 'BEGIN { for (i = 0; i < 6912; i++) printf "%c", (int(i / 576) == 5 ? 0 : i % 8 < 4 ? 60 : i % 8 < 6 ? 150 : 140) }' > drawn.raw

@@ -194,6 +194,7 @@ np.save("tens.npy", (v // 16).astype("f4")), np.save("half.npy", np.asfortranarr
 np.save("labels.npy", np.where(v > 20000, 1, 0))
 np.save("constant.npy", np.full((20, 20, 20), 3, "u1")), np.save("small.npy", v[:2, :3, :3])
 open("far.npy", "wb").write(open("v.npy", "rb").read().replace(b"(20, 24, 28), }        ", b"(99999999999, 9, 9), } "))
+np.save("ones.npy", v[None, :, None]), np.save("last.npy", np.asfortranarray(v[None, ..., None])), np.save("times.npy", v.reshape(2, 10, 24, 28))
 np.save("float.npy", v.astype("f4")), np.save("one.npy", v[0, 0]), np.save("truth.npy", v > 20000)
 with h5py.File("v.h5", "w") as file:
     file["group/v"] = v
@@ -207,7 +208,7 @@ with open("v.mat", "r+b") as file:
 END
   threshold() { ct2model build "$@" --void-ratio 0.8 --voxel-size 5um --json -o n.hdf --quiet | grep '"threshold_original"'; }
   raw=$(threshold v.raw --raw 28x24x20:u16le)
-  for image in v.npy big.npy columns.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
+  for image in v.npy big.npy columns.npy ones.npy last.npy v.h5:/group/v v.h5:group/v v.h5:/packed v.mat:/v "v.h5:/packed --threads 4"; do
     [ "$raw" = "$(threshold $image)" ] || { echo "$image"; false; }
   done
   for image in float.npy wide.npy wider.npy v.h5:/double; do
@@ -219,7 +220,7 @@ END
   ct2model build labels.npy --segmented 1 --voxel-size 5um -o labels.hdf --quiet
   /usr/bin/python3 -c 'import h5py; truth, labels = (h5py.File(f)["model/solid"][()] for f in ("truth.hdf", "labels.hdf")); assert (truth == labels).all()'
   [[ "$(ct2model info v.h5:/packed)" == *"28x24x20"*"16-bit unsigned"* ]]
-  for words in "constant.npy one.value,.3:" "small.npy 3.x.3.x.2.voxels.are.too.few" "one.npy axes" "far.npy over.2.32.long" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
+  for words in "constant.npy one.value,.3:" "small.npy 3.x.3.x.2.voxels.are.too.few" "one.npy axes" "times.npy axes" "far.npy over.2.32.long" "complex.npy type..<c8.*float32" "v.h5 /packed" "v.h5:/nothing no.dataset./nothing..it.has./double" "v.h5:/toward link.into.another" "v.h5:/group /group/v" "truth.hdf a.model.already" "v.h5: /packed" "v.npy:/x no.HDF5"; do
     given="--void-ratio 0.8"
     [[ $words != constant* && $words != small* ]] || given="" # nothing to ask a void ratio for
     run --separate-stderr ct2model build ${words% *} $given --voxel-size 5um -o wrong.hdf

@@ -1,15 +1,15 @@
 #!/usr/bin/python3
 """same_run.py A.hdf B.hdf [C.hdf D.hdf ...] [NAME...]: exit 1 unless A and B, C and D, ... hold the same bytes in every
-dataset and attribute but timings, provenance and those whose names (GROUP/NAME, GROUP@ATTRIBUTE) begin with NAME; with @
-attributes are left out, as those of runs on other ranks, whose error is of other sums."""
+dataset and attribute but what was measured on the machine, the time and the command line, and those whose names
+(GROUP/NAME, GROUP@ATTRIBUTE) begin with NAME; with @ attributes are left out, as those of runs on other ranks, whose error
+is of other sums."""
 import sys
 
 import h5py
 
 paths = [argument for argument in sys.argv[1:] if argument.endswith(".hdf")]
-# A resumed run makes its lists of neighbours anew, which counts.
-free = ("run/timing", "run@list_rebuilds", "run/effects/share", "provenance", "run/snapshots/name",
-        "run/scene", *sys.argv[len(paths) + 1:])
+# What a clock or this machine's memory gave, and what the user typed.
+free = ("run/timing", "provenance@time", "provenance@command_line", *sys.argv[len(paths) + 1:])
 
 
 def plain(value):
@@ -17,12 +17,14 @@ def plain(value):
 
 
 def contents(file):
-    """Every dataset and attribute, by name."""
-    found = {}
+    """Every dataset and attribute, by name; the run's own name, with which those of its snapshots begin, left out."""
+    found, own = {}, file.filename.rpartition("/")[2][:-len(".hdf")]
 
     def visit(name, item):
         if isinstance(item, h5py.Dataset) and not name.startswith(free):
             found[name] = plain(item[()])
+            if name == "run/snapshots/name":
+                found[name] = found[name].replace(f"b'{own}-", "b'-").split()
         for attribute, value in item.attrs.items():
             if "@" not in free and not name.startswith(free) and not f"{name}@{attribute}".startswith(free):
                 found[f"{name}@{attribute}"] = plain(value)

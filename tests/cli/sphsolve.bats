@@ -43,6 +43,18 @@ END
   [[ "$stderr" == *"--tensor is an option of run, not of explain"* ]]
 }
 
+@test "threads that wait for each other most of the time are told of, before the work" {
+  slit
+  local processors
+  processors=$(nproc)
+  run --separate-stderr "$SPH" explain slit.cfg --threads $((4 * processors + 1))
+  [ "$status" -eq 0 ]
+  [[ "$stderr" == "sphsolve: warning: $((4 * processors + 1)) threads on $processors processor"*": --threads $processors is faster" ]] ||
+    { echo "$stderr"; false; }
+  run --separate-stderr "$SPH" explain slit.cfg --threads $((4 * processors))
+  [ "$status" -eq 0 ] && [[ "$stderr" != *"threads on"* ]]
+}
+
 @test "overrides beyond those that are possible are refused, not dropped" {
   slit
   many=()

@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <zlib.h>
 
 #include "common/error.h"
 #include "common/log.h"
@@ -94,6 +95,8 @@ struct bmp {
   enum { GREYS, INVERTED, COLOURS } palette;
 };
 
+static unsigned bmp_resolution = 171527; /* pixels per metre */
+
 static void write_bmp(size_t z, const struct bmp *bmp) {
   char name[40];
   snprintf(name, sizeof name, "rec%04zu.bmp", z);
@@ -114,8 +117,8 @@ static void write_bmp(size_t z, const struct bmp *bmp) {
   if (!core) {
     put(file, bmp->compression, 4);
     put(file, 0, 4);
-    put(file, 171527, 4);
-    put(file, 171527, 4);
+    put(file, bmp_resolution, 4);
+    put(file, bmp_resolution, 4);
     put(file, 0, 8);
     for (unsigned i = 40; i < bmp->header; i++) fputc(0, file);
   }
@@ -161,6 +164,10 @@ static void test_bmp(void **state) {
     holds(1, 1, 255, 1, 0, others[i].header == 12 ? untold : told,
           others[i].bits > 8 ? "stored in colour" : NULL);
   }
+  bmp_resolution = 39; /* 1 dpi, as ImageMagick writes it where nobody told */
+  write_bmp(0, &skyscan);
+  holds(1, 1, 255, 1, 0, untold, NULL);
+  bmp_resolution = 171527;
   write_bmp(0, &(struct bmp){8, 40, 0, 0, false, INVERTED});
   holds(1, 1, 255, -1, 255, told, NULL);
   for (unsigned bits = 1; bits <= 8; bits *= bits == 1 ? 4 : 2) {
@@ -238,7 +245,11 @@ static void test_vti(void **state) {
       {{"ImageData", " compressor=\"vtkZLibDataCompressor\"",
         "<PointData>" ARRAY("UInt8", "") "</PointData>", 1, false, 0},
        false,
-       "compressed or encoded"},
+       "does not begin with its compressed blocks"},
+      {{"ImageData", " compressor=\"vtkLZ4DataCompressor\"",
+        "<PointData>" ARRAY("UInt8", "") "</PointData>", 1, false, 0},
+       false,
+       "vtkLZ4DataCompressor, which is not read; save it with zlib"},
       {{"ImageData", "", "<PointData>" ARRAY("UInt8", "") ARRAY("UInt8", "") "</PointData>", 1,
         false, 0},
        false,
@@ -270,6 +281,177 @@ static void test_vti(void **state) {
   }
 }
 
+/* The greys as text, in base64 or in compressed blocks. */
+struct vti_form {
+  enum { APPENDED, ENCODED, INLINE, TEXT } form;
+  size_t block;                   /* bytes of a compressed block; 0: plain */
+  bool apart, wide;               /* the head is encoded apart from the numbers, as VTK does it */
+  int size;                       /* bytes a number; < 0: big-endian */
+  const char *type, *more, *text; /* of VTKFile; instead of the numbers */
+  size_t lost;                    /* bytes missing at the end of what is encoded */
+};
+
+static unsigned char body[20 * N];
+static size_t body_length;
+
+static void add_number(uint64_t value, int bytes, bool big) {
+  for (int i = 0; i < bytes; i++)
+    body[body_length++] = (unsigned char)(value >> 8 * (big ? bytes - 1 - i : i) & 255);
+}
+
+static void put_base64(FILE *file, const unsigned char *bytes, size_t n) {
+  static const char DIGITS[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  for (size_t i = 0; i < n; i += 3) {
+    uint32_t bits = 0;
+    for (size_t k = 0; k < 3; k++) bits = bits << 8 | (i + k < n ? bytes[i + k] : 0);
+    for (size_t k = 0; k < 4; k++)
+      fputc(i + k <= n ? DIGITS[bits >> (18 - 6 * k) & 63] : '=', file);
+    if (i % 60 == 57) fputs("\n  ", file);
+  }
+}
+
+/* Fills `body` with the array; returns the length of its head. */
+static size_t make_body(const struct vti_form *f) {
+  static unsigned char packed[20 * N];
+  const bool big = f->size < 0;
+  const int size = abs(f->size), width = f->wide ? 8 : 4;
+  body_length = 0;
+  for (size_t i = 0; i < N; i++) add_number(grey(i % NX, i / NX % NY, i / NX / NY), size, big);
+  const size_t whole = body_length;
+  const size_t count = f->block > 0 ? (whole + f->block - 1) / f->block : 0;
+  size_t lengths[64], used = 0;
+  assert_true(count <= 64);
+  for (size_t i = 0; i < count; i++) {
+    uLongf room = sizeof packed - used;
+    const size_t n = i + 1 < count ? f->block : whole - i * f->block;
+    assert_int_equal(compress(packed + used, &room, body + i * f->block, n), Z_OK);
+    lengths[i] = room;
+    used += room;
+  }
+  memmove(body + 1024, body, whole);
+  body_length = 0;
+  add_number(f->block > 0 ? count : whole, width, big);
+  if (f->block > 0) add_number(f->block, width, big), add_number(whole % f->block, width, big);
+  for (size_t i = 0; i < count; i++) add_number(lengths[i], width, big);
+  const size_t head = body_length;
+  if (f->block > 0)
+    memcpy(body + head, packed, used);
+  else
+    memmove(body + head, body + 1024, whole);
+  body_length += (f->block > 0 ? used : whole) - f->lost;
+  return head;
+}
+
+static void write_vti_form(const struct vti_form *f) {
+  FILE *file = begin(0, "scan.vti");
+  const bool appended = f->form == APPENDED || f->form == ENCODED;
+  const size_t head = make_body(f);
+  fprintf(file,
+          "<VTKFile type='ImageData' byte_order='%s' header_type='%s'%s%s><ImageData "
+          "WholeExtent='0 %d 0 %d 0 %d'>\n<FieldData><DataArray type='Float64' format='ascii'> 1.5 "
+          "</DataArray></FieldData><Piece>\n<PointData><DataArray type='%s' format='%s' "
+          "offset='0'>\n ",
+          f->size < 0 ? "BigEndian" : "LittleEndian", f->wide ? "UInt64" : "UInt32",
+          f->block > 0 ? " compressor='vtkZLibDataCompressor'" : "", f->more, NX - 1, NY - 1,
+          NZ - 1, f->type,
+          appended            ? "appended"
+          : f->form == INLINE ? "binary"
+                              : "ascii");
+  if (appended)
+    fprintf(file, "</DataArray></PointData></Piece></ImageData><AppendedData encoding='%s'>_",
+            f->form == APPENDED ? "raw" : "base64");
+  if (f->form == TEXT && f->text == NULL) {
+    const bool floats = f->type[0] == 'F';
+    for (size_t i = 0; i < N; i++)
+      fprintf(file, floats ? "%u.0e0 " : "%u\n", grey(i % NX, i / NX % NY, i / NX / NY));
+  } else if (f->text != NULL) {
+    fputs(f->text, file);
+  } else if (f->form == APPENDED) {
+    fwrite(body, 1, body_length, file);
+  } else {
+    put_base64(file, body, f->apart ? head : 0);
+    put_base64(file, body + (f->apart ? head : 0), body_length - (f->apart ? head : 0));
+  }
+  fputs(appended ? "\n</AppendedData></VTKFile>" : "\n</DataArray></PointData>", file);
+  if (!appended) fputs(f->lost == 1 ? "<CellData><DataArray/>" : "<CellData/>", file);
+  fclose(file);
+}
+
+static void test_vti_forms(void **state) {
+  (void)state;
+  const double untold[] = {NAN, NAN};
+  static const struct {
+    const char *type;
+    int size;
+  } TYPES[] = {{"UInt8", 1}, {"UInt16", -2}, {"Int32", 4}, {"UInt64", -8}};
+  for (int form = ENCODED; form <= INLINE; form++)
+    for (size_t t = 0; t < 4; t++)
+      for (int k = 0; k < 4; k++) {
+        write_vti_form(
+            &(struct vti_form){form, 0, k % 2, k / 2, TYPES[t].size, TYPES[t].type, "", NULL, 0});
+        holds(1, NZ, 255, 1, 0, untold, NULL);
+      }
+  /* Blocks of which the last is shorter, whole (NX NY NZ = 1170 = 2 x 585), or the only one. */
+  static const size_t BLOCKS[] = {400, 585, 32768};
+  for (int form = APPENDED; form <= INLINE; form++)
+    for (size_t b = 0; b < 3; b++)
+      for (int k = 0; k < 4; k++) {
+        write_vti_form(&(struct vti_form){form, BLOCKS[b], k % 2, k / 2, TYPES[k].size,
+                                          TYPES[k].type, "", NULL, 0});
+        holds(1, NZ, 255, 1, 0, untold, NULL);
+      }
+  static const char *const TEXTS[] = {"UInt8",   "Int16", "UInt32", "Float32",
+                                      "Float64", "Int64", "UInt64"};
+  for (size_t t = 0; t < sizeof TEXTS / sizeof *TEXTS; t++) {
+    write_vti_form(&(struct vti_form){TEXT, 0, false, false, -1, TEXTS[t],
+                                      " compressor='vtkLZ4DataCompressor'", NULL, 0});
+    holds(1, NZ, 255, 1, 0, untold, NULL);
+  }
+  const struct {
+    struct vti_form form;
+    const char *refused;
+  } wrong[] = {
+      {{INLINE, 0, true, false, 1, "UInt8", "", NULL, 7}, "ends within its array"},
+      {{INLINE, 0, true, false, 2, "UInt8", "", NULL, 0},
+       "has 2340 bytes, but its extent promises"},
+      {{INLINE, 0, true, false, 1, "UInt8", "", NULL, 2}, "ends within its array"},
+      {{APPENDED, 400, true, false, 1, "UInt8", "", NULL, 7}, "block 2 of its array"},
+      {{INLINE, 400, true, false, 1, "UInt16", "", NULL, 0}, "has 1170 bytes, but its extent"},
+      {{INLINE, 0, true, true, 1, "UInt8", " compressor='vtkLZMADataCompressor'", NULL, 0},
+       "vtkLZMADataCompressor, which is not read"},
+      {{TEXT, 0, true, false, 1, "UInt8", "", "1 2 3", 0}, "can hold at most"},
+      {{TEXT, 0, true, false, 1, "Bit", "", "1 2 3", 0}, "type Bit"},
+  };
+  for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
+    write_vti_form(&wrong[i].form);
+    refused(1, wrong[i].refused);
+  }
+  static char text[8 * N];
+  static const char *const NONE[] = {"AA*A", "=AAA", "AA=A", "A==="};
+  for (size_t i = 0; i < 4; i++) {
+    memset(text, 'A', 3 * N); /* a head of zeros would be another length */
+    memcpy(text, NONE[i], 4);
+    write_vti_form(&(struct vti_form){INLINE, 0, false, false, 1, "UInt8", "", text, 0});
+    refused(1, "no base64");
+  }
+  /* Text whose numbers are too few, too many, or none of the type. */
+  static const char *const ENDS[][2] = {
+      {"", "1169 numbers, but"},      {" 7 7", "more than the 1170 numbers"},
+      {" 256", "'256' is no number"}, {" -1", "'-1' is no number"},
+      {" 1.5", "'1.5' is no number"}, {" x", "'x' is no number"}};
+  for (size_t e = 0; e < sizeof ENDS / sizeof *ENDS; e++) {
+    text[0] = '\0';
+    for (size_t i = 0, used = 0; i + 1 < N; i++)
+      used += (size_t)sprintf(text + used, " %zu", i % 9);
+    strcat(text, ENDS[e][0]);
+    write_vti_form(&(struct vti_form){TEXT, 0, false, false, 1, "UInt8", "", text, 0});
+    refused(1, ENDS[e][1]);
+  }
+  /* A second array behind the first. */
+  write_vti_form(&(struct vti_form){TEXT, 0, false, false, 1, "UInt8", "", NULL, 1});
+  refused(1, "several arrays");
+}
+
 struct dicom {
   const char *syntax, *photometric, *slope;
   bool implicit, is_signed, nested;
@@ -286,7 +468,7 @@ static void put_head(FILE *file, unsigned group, unsigned element, const char *k
     return;
   }
   fputs(kind, file);
-  if (strcmp(kind, "OW") == 0 || strcmp(kind, "SQ") == 0) {
+  if (strcmp(kind, "OW") == 0 || strcmp(kind, "SQ") == 0 || strcmp(kind, "UN") == 0) {
     put(file, 0, 2);
     put(file, length, 4);
   } else {
@@ -307,15 +489,63 @@ static void put_whole(FILE *file, unsigned element, unsigned value, bool implici
   put(file, value, 2);
 }
 
+/* What else a file may have or lack. */
+static struct {
+  bool no_preamble, no_group, unturned; /* unturned: no orientation with the position */
+  int number;                           /* of the slice; 0: none */
+  const char *series, *distance, *thickness;
+  const int *places;  /* of frames, in tenths of a mm */
+  const char *scaled; /* slope of the last frame */
+} extra;
+
+static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsigned element) {
+  if (begin) {
+    put_head(file, group, element, "SQ", 0xffffffff, implicit);
+    put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
+  } else {
+    put(file, 0xe00dfffe, 4), put(file, 0, 4);
+    put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+  }
+}
+
+/* The functional groups of frames: what all share, and the position of each. */
+static void put_frames(FILE *file, const struct dicom *d) {
+  const bool implicit = d->implicit;
+  char text[80];
+  put_item(file, true, implicit, 0x5200, 0x9229);
+  put_item(file, true, implicit, 0x20, 0x9116);
+  put_text(file, 0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0", implicit);
+  put_item(file, false, implicit, 0, 0);
+  put_item(file, true, implicit, 0x28, 0x9110);
+  put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
+  put_item(file, false, implicit, 0, 0);
+  put_item(file, false, implicit, 0, 0);
+  put_head(file, 0x5200, 0x9230, "SQ", 0xffffffff, implicit);
+  for (unsigned f = 0; f < d->frames; f++) {
+    put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
+    put_item(file, true, implicit, 0x20, 0x9113);
+    snprintf(text, sizeof text, "-10.5\\20\\%g", 0.1 * extra.places[f]);
+    put_text(file, 0x20, 0x32, "DS", text, implicit);
+    put_item(file, false, implicit, 0, 0);
+    put_item(file, true, implicit, 0x28, 0x9145);
+    put_text(file, 0x28, 0x1053, "DS",
+             extra.scaled != NULL && f + 1 == d->frames ? extra.scaled : "1", implicit);
+    put_item(file, false, implicit, 0, 0);
+    put(file, 0xe00dfffe, 4), put(file, 0, 4);
+  }
+  put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+}
+
 /* Slices from z on into one file. */
 static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   char text[80];
   snprintf(text, sizeof text, "IM%zu.dcm", i);
   FILE *file = begin(i, text);
   const bool implicit = d->implicit;
-  for (int k = 0; k < 128; k++) fputc(0, file);
-  fputs("DICM", file);
-  put_text(file, 2, 0x10, "UI", d->syntax, false);
+  for (int k = 0; k < 128 && !extra.no_preamble; k++) fputc(0, file);
+  if (!extra.no_preamble) fputs("DICM", file);
+  if (!extra.no_group) put_text(file, 2, 0x10, "UI", d->syntax, false);
+  put_text(file, 8, 5, "CS", "ISO_IR 100", implicit);
   if (d->nested) { /* a sequence of undefined length with an item of one, which has pixels of its
                       own */
     put_head(file, 0x08, 0x1140, "SQ", 0xffffffff, implicit);
@@ -324,11 +554,25 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
     put(file, 0x01020304, 4);
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
     put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+    /* One of unknown kind, whose items are implicit (PS3.5, 6.2.2). */
+    put_head(file, 0x09, 0x1001, "UN", 0xffffffff, implicit);
+    put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
+    put_head(file, 0x09, 0x1002, "", 4, true);
+    put(file, 0x61626364, 4);
+    put(file, 0xe00dfffe, 4), put(file, 0, 4);
+    put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+  }
+  if (extra.thickness != NULL) put_text(file, 0x18, 0x50, "DS", extra.thickness, implicit);
+  if (extra.distance != NULL) put_text(file, 0x18, 0x88, "DS", extra.distance, implicit);
+  if (extra.series != NULL) put_text(file, 0x20, 0x0e, "UI", extra.series, implicit);
+  if (extra.number != 0) {
+    snprintf(text, sizeof text, "%d", extra.number);
+    put_text(file, 0x20, 0x13, "IS", text, implicit);
   }
   if (d->place != 0) {
     snprintf(text, sizeof text, "-10.5\\20\\%g", 0.1 * d->place);
     put_text(file, 0x20, 0x32, "DS", text, implicit);
-    put_text(file, 0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0", implicit);
+    if (!extra.unturned) put_text(file, 0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0", implicit);
   }
   put_whole(file, 2, 1, implicit);
   put_text(file, 0x28, 4, "CS", d->photometric, implicit);
@@ -338,12 +582,13 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   }
   put_whole(file, 0x10, NY, implicit);
   put_whole(file, 0x11, NX, implicit);
-  put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
+  if (extra.places == NULL) put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
   put_whole(file, 0x100, 16, implicit);
   put_whole(file, 0x101, d->stored, implicit);
   put_whole(file, 0x102, d->stored - 1, implicit);
   put_whole(file, 0x103, d->is_signed, implicit);
   if (d->slope != NULL) put_text(file, 0x28, 0x1053, "DS", d->slope, implicit);
+  if (extra.places != NULL) put_frames(file, d);
   put_head(file, 0x7fe0, 0x10, "OW", 2 * NX * NY * d->frames, implicit);
   for (size_t k = 0; k < NX * NY * d->frames; k++) {
     const int value = (int)grey(k % NX, k / NX % NY, z + k / NX / NY) - (d->is_signed ? 100 : 0);
@@ -411,11 +656,110 @@ static void test_dicom(void **state) {
   refused(2, "the same number means other densities");
 }
 
+/* Files without preamble, without the group that names their syntax, or that name the other one. */
+static void test_dicom_without_its_beginning(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  for (int k = 0; k < 8; k++) {
+    const bool implicit = k % 2;
+    extra.no_preamble = k / 2 % 2;
+    extra.no_group = k / 4;
+    const struct dicom d = {implicit ? "1.2.840.10008.1.2" : EXPLICIT,
+                            "MONOCHROME2",
+                            NULL,
+                            implicit,
+                            false,
+                            true,
+                            16,
+                            NZ,
+                            0,
+                            0};
+    write_dicom(0, 0, &d);
+    holds(1, NZ, 255, 1, 0, flat, NULL);
+    snprintf(names[1], sizeof names[1], "%s/IM0001", folder); /* a name without an ending */
+    assert_int_equal(rename(names[0], names[1]), 0);
+    memcpy(names[0], names[1], sizeof names[0]);
+    holds(1, NZ, 255, 1, 0, flat, NULL);
+  }
+  memset(&extra, 0, sizeof extra);
+  for (int implicit = 0; implicit < 2; implicit++) {
+    write_dicom(0, 0,
+                &(struct dicom){implicit ? EXPLICIT : "1.2.840.10008.1.2", "MONOCHROME2", NULL,
+                                implicit, false, true, 16, NZ, 0, 0});
+    holds(1, NZ, 255, 1, 0, flat, NULL);
+  }
+  /* A list of slices (DICOMDIR) has no pixels. */
+  FILE *file = begin(0, "DICOMDIR");
+  for (int k = 0; k < 128; k++) fputc(0, file);
+  fputs("DICM", file);
+  put_text(file, 2, 0x10, "UI", EXPLICIT, false);
+  put_text(file, 8, 5, "CS", "ISO_IR 100", false);
+  fclose(file);
+  refused(1, "a list of slices (DICOMDIR)");
+}
+
+/* Slices whose names are in another order than their numbers. */
+static void test_dicom_numbers(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN}, thick[] = {10, 70};
+  const size_t order[NZ] = {3, 0, 4, 1, 2};
+  struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, 1, 0, 0};
+  for (int k = 0; k < 3; k++) { /* without a place, with one that no orientation explains, twice */
+    extra.unturned = k > 0;
+    extra.thickness = k > 1 ? "0.07" : NULL;
+    for (size_t i = 0; i < NZ; i++) {
+      d.place = k > 0 ? 5 * (int)order[i] - 7 : 0;
+      extra.number = 2 * (int)order[i] + 1;
+      write_dicom(i, order[i], &d);
+    }
+    holds(NZ, NZ, 255, 1, 0, k > 1 ? thick : flat, NULL);
+  }
+  extra.number = 5;
+  write_dicom(0, 3, &d);
+  refused(NZ, "are both slice 5");
+  memset(&extra, 0, sizeof extra);
+}
+
+/* Frames that tell their places are slices only in their order, at even distances. */
+static void test_dicom_frames(void **state) {
+  (void)state;
+  const double deep[] = {10, 500}, apart[] = {10, 60}, thick[] = {10, 70};
+  static const int places[][NZ] = {{-7, -2, 3, 8, 13}, {13, 8, 3, -2, -7}, {-7, 3, -2, 8, 13},
+                                   {0, 5, 0, 5, 0},    {1, 1, 1, 1, 1},    {-7, -2, 3, 8, 16}};
+  struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  for (int k = 0; k < 12; k++) {
+    extra.places = places[k / 2];
+    d.implicit = k % 2;
+    d.syntax = d.implicit ? "1.2.840.10008.1.2" : EXPLICIT;
+    write_dicom(0, 0, &d);
+    if (k < 4)
+      holds(1, NZ, 255, 1, 0, deep, NULL);
+    else
+      refused(1, "not slices one behind the other");
+  }
+  extra.places = places[0];
+  extra.scaled = "2";
+  write_dicom(0, 0, &d);
+  refused(1, "turned or scaled each in its own way");
+  memset(&extra, 0, sizeof extra);
+  extra.thickness = "0.07";
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, thick, NULL);
+  extra.distance = "0.06"; /* of slices that overlap */
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, apart, NULL);
+  memset(&extra, 0, sizeof extra);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bmp),
       cmocka_unit_test(test_vti),
+      cmocka_unit_test(test_vti_forms),
       cmocka_unit_test(test_dicom),
+      cmocka_unit_test(test_dicom_without_its_beginning),
+      cmocka_unit_test(test_dicom_numbers),
+      cmocka_unit_test(test_dicom_frames),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -13,6 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <tiffio.h>
+#include <zlib.h>
 
 #include "common/error.h"
 #include "common/log.h"
@@ -48,10 +49,12 @@ struct page {
   uint16_t (*colour)(int channel, unsigned entry);
   size_t shrunk;  /* a thumbnail: so many pixels less */
   uint32_t depth; /* slices in a page; 0: no tag */
+  uint16_t format;
 };
 
 static const struct page PLAIN = {
-    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0};
+    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0,
+    0, SAMPLEFORMAT_UINT};
 
 /* Packs the samples of a row; a second sample is another pattern. */
 static void put_row(unsigned char *row, const struct page *page, size_t y, size_t nx) {
@@ -75,6 +78,7 @@ static void add_page(TIFF *tiff, const struct page *page) {
   TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, page->photometric);
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, page->compression);
+  TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, page->format);
   if (page->samples > 1) {
     uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
@@ -236,10 +240,37 @@ static void test_lost_slices(void **state) {
   for (unsigned i = 0; i < 3; i++) pages[i].number = i;
   pages[0].description = "ImageJ=1.53t\nimages=5\nslices=5\n";
   write_pages("w", pages, 3);
-  holds(slices, 3, 8, NULL, 0, 0, "5 images, but 3 are there");
+  holds(slices, 3, 8, NULL, 0, 0, "5 images, but 3 are there: slices lost, or in other files?");
+  static const char *const OTHERS[][2] = {
+      {"<OME><Pixels SizeX=\"14\" SizeY=\"18\" SizeZ=\"5\" SizeC=\"1\" SizeT=\"1\"/></OME>",
+       "5 images, but 3"},
+      {"{\"shape\": [5, 18, 14]}", "5 images, but 3"},
+      {"{\"shape\": [2, 18, 14]}", "2 images, but 3 are there: those of several images?"},
+      {"{\"shape\": [5, 9, 14]}", NULL}}; /* of others than these pages */
+  for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++) {
+    pages[0].description = OTHERS[i][0];
+    write_pages("w", pages, 3);
+    holds(slices, 3, 8, NULL, 0, 0, OTHERS[i][1]);
+  }
+  pages[0].description = "ImageJ=1.53t\nimages=3\ncf=0\nc0=-32768.0\nc1=1.0\n";
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, "ImageJ's calibration (-32768.0 + 1.0 times the grey)");
   pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\n";
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, NULL);
+}
+
+/* A file that holds more than its one page, as of programs whose text got lost. */
+static void test_slices_without_a_directory(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (size_t more = 0; more < 20000; more += 5000) {
+    write_pages("w", &PLAIN, 1);
+    FILE *end = fopen(file, "ab");
+    for (size_t i = 0; i < more; i++) fputc((int)(i % 200), end);
+    fclose(end);
+    holds(&first, 1, 8, NULL, 0, 0, more > 8000 ? "bytes of it are of no page" : NULL);
+  }
 }
 
 static void test_undeclared_samples(void **state) {
@@ -253,6 +284,10 @@ static void test_undeclared_samples(void **state) {
   page.extra = EXTRASAMPLE_UNSPECIFIED;
   write_pages("w", &page, 1);
   refused("2 samples a pixel, of which number 2 is neither grey nor transparency");
+  page = PLAIN;
+  page.format = SAMPLEFORMAT_COMPLEXINT;
+  write_pages("w", &page, 1);
+  refused("complex numbers");
   page = PLAIN;
   page.depth = 3;
   write_pages("w", &page, 1);
@@ -353,6 +388,31 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
   fclose(out);
 }
 
+/* An animation: libpng shows its first picture. */
+static void test_animated_png(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  static unsigned char bytes[8000], chunk[20] = {0, 0, 0, 8, 'a', 'c', 'T', 'L'};
+  for (unsigned pictures = 1; pictures <= 2; pictures++) {
+    write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
+    FILE *in = fopen(file, "rb");
+    const size_t size = fread(bytes, 1, sizeof bytes, in);
+    fclose(in);
+    chunk[11] = (unsigned char)pictures;
+    const uint32_t sum = (uint32_t)crc32(0, chunk + 4, 12);
+    for (int i = 0; i < 4; i++) chunk[16 + i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
+    FILE *out = fopen(file, "wb");
+    fwrite(bytes, 1, 33, out); /* signature and IHDR */
+    fwrite(chunk, 1, sizeof chunk, out);
+    fwrite(bytes + 33, 1, size - 33, out);
+    fclose(out);
+    if (pictures == 1)
+      holds(&first, 1, 8, NULL, 0, 0, NULL);
+    else
+      refused("an animation of 2 pictures");
+  }
+}
+
 static void test_png_labels(void **state) {
   (void)state;
   const unsigned first = 0;
@@ -387,10 +447,12 @@ int main(void) {
       cmocka_unit_test(test_strip_of_a_wrong_length),
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
+      cmocka_unit_test(test_slices_without_a_directory),
       cmocka_unit_test(test_undeclared_samples),
       cmocka_unit_test(test_samples_of_less_than_a_byte),
       cmocka_unit_test(test_tiff_palettes),
       cmocka_unit_test(test_png_labels),
+      cmocka_unit_test(test_animated_png),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -161,6 +161,20 @@ def imagej_large(name):
         file.truncate(4096 + slices * 2 * side * side)
 
 
+def together(name, kind, order, more, factor=1):
+    """One directory, behind all slices."""
+    size = struct.calcsize(CODES[kind])
+    pixels = volume(kind, order, factor, 0)
+    entries = [(256, 4, [NX]), (257, 4, [NY]), (258, 3, [8 * size]), (259, 3, [1]), (262, 3, [1]), (273, 4, [8]),
+               (277, 3, [1]), (278, 4, [NY]), (279, 4, [NX * NY * size]), *more]
+    at = 8 + len(pixels) + len(pixels) % 2
+    directory, extra, _ = ifd(entries, order, False, at)
+    with open(os.path.join(FOLDER, name), "wb") as file:
+        file.write((b"II" if order == "<" else b"MM") + struct.pack(order + "HI", 42, at))
+        file.write(pixels + b"\0" * (len(pixels) % 2) + directory + bytes(4) + extra)
+    say(name, kind, factor, 0)
+
+
 def png(name, bits, colour, interlace=0):
     """Filter 0 rows; colour 0 grey, 2 RGB, 3 palette, 4 grey with alpha. Pattern of slice 0."""
     size, channels = bits // 8, {0: 1, 2: 3, 3: 1, 4: 2}[colour]
@@ -224,7 +238,9 @@ def main():
     tiff("rgb16.tif", "u16", ">", samples=3, photometric=2, compression=5, factor=256)
     tiff("grey_alpha.tif", "u8", samples=2, beyond=[2])
     tiff("palette.tif", "u8", photometric=3)
-    tiff("palette_fractions.tif", "u8", photometric=3, palette=256, expect=(256 / 257, 0))
+    tiff("palette_shifted.tif", "u8", photometric=3, palette=256)
+    tiff("palette_of_bytes.tif", "u8", photometric=3, palette=1)
+    tiff("palette_fractions.tif", "u8", photometric=3, palette=131, expect=(131 / 257, 0))
     tiff("palette_tiled.tif", "u8", photometric=3, tile=16, compression=5)
     tiff("white_is_zero_signed.tif", "i16", photometric=0, factor=100, expect=(-100, -1))
     tiff("white_is_zero_float.tif", "f32", photometric=0, factor=0.5, expect=(-0.5, 0))
@@ -275,6 +291,14 @@ def main():
     headed("last.nhdr", nrrd % ("double", "raw", "endian: big\nbyte skip: -1\ndata file: last2.img\n"),
            b"header" + volume("f64", ">", 0.5, 0), "f64", 0.5, 0, beside="last2.img")
     imagej_large("imagej_large.tif")
+    together("tifffile_truncated.tif", "u16", "<", [(270, 2, '{"shape": [3, 21, 37], "truncated": true}')], 256)
+    together("metamorph.stk.tif", "u16", ">", [(33629, 5, [1, 1] * 3)], 256)
+    for name, text in (("shape", '{"shape": [3, 21, 37]}'), ("axes", '{"shape": [3, 21, 37], "axes": "ZYX"}'),
+                       ("ones", '{"shape": [1, 3, 1, 21, 37], "axes": "TZCYX"}'), ("appended", '{"shape": [21, 37]}')):
+        tiff("tifffile_%s.tif" % name, "u8", description=text)
+    tiff("tifffile_rgb.tif", "u8", samples=3, photometric=2, description='{"shape": [3, 21, 37, 3]}')
+    tiff("refuse_tifffile.tif", "u8", description='{"shape": [3, 21, 37], "axes": "CYX"}')
+    tiff("refuse_shape.tif", "u8", description='{"shape": [3, 2, 21, 37]}')
 
 
 main()
