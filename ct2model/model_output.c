@@ -182,6 +182,8 @@ static enum status write_quality(struct h5_file *file, const struct pipeline *pi
                                                         : "none"));
   static const char *const SIDES[] = {"periodic", "closed", "mirrored"};
   TRY(h5_write_attribute_text(file, "/model", "sides", SIDES[pipeline->request->sides]));
+  const int32_t stated = pipeline->request->sides_stated;
+  TRY(h5_write_attribute(file, "/model", "sides_stated", H5_I32, 1, &stated));
   TRY(h5_write_attribute(file, "/model", "percolates", H5_I32, 3, percolates));
 cleanup:
   return status;

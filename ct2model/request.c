@@ -54,9 +54,9 @@ static const struct option_entry ENTRIES[] = {
     {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
      "axis of the model along which n layers become 2n-1, so that it is periodic (default z)"},
     {"sides", 0, "periodic|closed|mirrored", SWEEP | BUILD,
-     "the faces along the flow: periodic (default: the sample again), closed (walls, as in a tube) "
-     "or "
-     "mirrored (in all axes; pores fit, as in a larger sample)"},
+     "the faces along the flow: closed (walls, as in a tube), mirrored (in all axes; pores fit, as in "
+     "a larger sample), or periodic: the sample again (default; given, it states that the image "
+     "repeats itself, and k has no error by its sides)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
     {"threshold", 0, "auto|otsu|VALUE", SWEEP | BUILD,
@@ -240,6 +240,7 @@ static enum status parse_choices(const struct options *options, struct request *
   TRY(options_choice(options, "mirror", MIRRORS, &mirror));
   TRY(options_choice(options, "sides", SIDES, &sides));
   request->sides = (enum sides)sides;
+  request->sides_stated = request->sides == SIDES_PERIODIC && options_given(options, "sides");
   if (request->sides == SIDES_CLOSED && mirror < 2)
     TRY_FAIL(
         STATUS_USAGE,

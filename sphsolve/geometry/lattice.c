@@ -60,6 +60,7 @@ cleanup:
 static void find_mismatched_axes(const struct scene *scene, const struct voxel_model *model,
                                  struct model_facts *facts) {
   const double *force = scene->driving;
+  if (facts->sides_stated) return;
   for (int a = 0; a < 2; a++) facts->unlike[a] = facts->sides_wrapped && model->size[a] > 1;
   facts->unlike[2] = model->periodic[2] && model_cut_pores(model, 2) > 0.0;
   facts->flow_cut = facts->unlike[2] && force[0] == 0.0 && force[1] == 0.0;

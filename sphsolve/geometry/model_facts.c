@@ -164,6 +164,7 @@ enum status model_facts_read(const char *path, struct model_facts *facts) {
   TRY(h5_read_attribute_text(file, "/model", "sides", &sides));
   facts->sides_wrapped = !strcmp(sides, "periodic");
   facts->sides_mirrored = !strcmp(sides, "mirrored");
+  facts->sides_stated = h5_attribute_or_nan(file, "/model", "sides_stated") > 0.0;
 cleanup:
   h5_close(file);
   memory_free(&sides);

@@ -125,3 +125,20 @@ EOF
   [ "$status" -eq 3 ]
   [[ "$output" == *"walls thinner than its spacing, through which walkers would go"* ]]
 }
+
+@test "sides that the user states to be periodic cost k no error; as a default they do" {
+  membrane
+  /usr/bin/python3 -c 'import numpy as np; a = np.load("membrane.npy"); a[20:40, 0, :9] = 1; np.save("step.npy", a)'
+  for sides in "" "--sides periodic"; do
+    ct2model build step.npy --segmented 0 --mirror none $sides --voxel-size 2um --size 44x1x60 -o membrane.hdf --quiet --force
+    flow stokes
+    sphsolve run flow.cfg -o flow --force --quiet --json > "flow$sides.json"
+  done
+  rm membrane.hdf
+  /usr/bin/python3 - <<'EOF'
+import json
+default, stated = (json.load(open(f"flow{n}.json")) for n in ("", "--sides periodic"))
+assert default["k"] == stated["k"] and default["error"]["sides"] > 0.01, default["error"]
+assert stated["error"]["sides"] is None and stated["k_high"] < default["k_high"], stated["error"]
+EOF
+}
