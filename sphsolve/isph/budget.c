@@ -43,6 +43,9 @@
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/vector.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/soil.h"
+#include "sphsolve/isph/wall.h"
 
 static double porosity_of(const struct isph *s, size_t i) {
   return s->on.soil ? s->porosity[i] : 1;

@@ -5,6 +5,11 @@
 #include "common/memory.h"
 #include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
 
 enum { ARRAYS = 12 };
 

@@ -1,4 +1,4 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/energy.h"
 
 #include <math.h>
 #include <string.h>

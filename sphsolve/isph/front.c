@@ -5,6 +5,7 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/wall.h"
 
 #define FRONT_FROM 0.9     /* o from which on a particle is part of a front */
 #define FRONT_WEIGHT 0.1   /* surface weight at o = 1 */

@@ -15,6 +15,10 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/watch.h"
 #include "sphsolve/output/recorder.h"
+#include "sphsolve/isph/create.h"
+#include "sphsolve/isph/snapshot.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
 
 enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) {
   *on = (struct isph_switches){.budget = plan_budget(plan), .dt_most = INFINITY};

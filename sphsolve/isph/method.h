@@ -16,8 +16,6 @@ static inline bool isph_scene_uses_axis(const struct effect_context *context, in
 }
 /* isph/refuse.c: returns an error for scenes whose results could not be right. */
 enum status isph_refuse(const struct effect_context *context);
-/* Mean of a region's table of time up to the end of the run; `steady` if it has none. */
-double isph_mean_given(const struct scene *scene, const struct region *region, double steady);
 /* isph/refuse_sources.c: the checks of wells, drains, rain and absorbing sides. */
 enum status isph_refuse_wells(const struct effect_context *context);
 enum status isph_refuse_rain(const struct effect_context *context);

@@ -1,8 +1,11 @@
+#include "sphsolve/isph/moment.h"
+
 #include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/near_surface.h"
 
 #include <math.h>
 

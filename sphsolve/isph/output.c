@@ -12,6 +12,11 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/plan/reynolds.h"
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
 
 static double domain_volume(const struct isph *s) {
   return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);

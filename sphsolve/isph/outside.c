@@ -1,6 +1,6 @@
 /* Removes particles that have left the domain: through a window of an open side, or, which should
  * not happen, through a wall. */
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/outside.h"
 
 #include <math.h>
 #include <string.h>
@@ -11,6 +11,7 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/window.h"
 
 /* Relative difference in bulk volume below which particles have the same spacing as those of a
  * column. */
@@ -68,7 +69,7 @@ static void add_passed(struct isph *s, double *sum, double mass) {
 
 static void count_removed(struct isph *s, const struct isph_removed *gone, double dt) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
-  int side = isph_open_side_behind(s, x);
+  int side = isph_window_behind(s, x);
   isph_budget_removed(s, side >= 0 || gone->pumped ? BUDGET_LEFT : BUDGET_LOST, gone);
   if (gone->pumped) {
     s->left_count++, add_passed(s, &s->passed.left, mass);

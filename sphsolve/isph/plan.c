@@ -12,6 +12,7 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/threads.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/soil.h"
 
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;

@@ -1,4 +1,4 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/pressure.h"
 
 #include <math.h>
 #include <string.h>
@@ -13,6 +13,10 @@
 #include "sphsolve/isph/strain.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/enclosed.h"
+#include "sphsolve/isph/mobility.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
 
 #define ITERATIONS_MAX 2000
 
@@ -99,7 +103,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         double r[3], slope = chunk->wall_slope[p];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
-          double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+          double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
           double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
           if (relative != NULL) {
             a *= relative[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]];

@@ -16,6 +16,8 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/soil.h"
 
 /* Most places tried in a step for a drop that finds no room. */
 #define PLACES_MAX 64

@@ -126,7 +126,7 @@ enum status isph_refuse_rain(const struct effect_context *context) {
                   "%s:%d: rain of %g m/s comes faster than water falls out of its way, %g m/s at "
                   "this spacing; for a jet use an inflow region",
                   scene->path, rain->line, rain->rate, fastest);
-    const double brings = isph_mean_given(scene, rain, rain->rate) * scene->end_time,
+    const double brings = scene_mean_given(scene, rain, rain->rate) * scene->end_time,
                  area = isph_rain_area(scene, rain);
     const double least = pow(dx, scene->dimensions);
     if (brings > 0 && brings * area < least)

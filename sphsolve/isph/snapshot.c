@@ -1,9 +1,10 @@
 /* A snapshot lists the particles in the order of their ids, so that snapshots can be compared line
  * by line; each rank writes a contiguous range of lines. */
+#include "sphsolve/isph/snapshot.h"
+
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 
 /* Which lines this rank writes, and where its particles have to be sent. */

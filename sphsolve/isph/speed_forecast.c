@@ -49,7 +49,7 @@ double isph_prescribed_speed(const struct scene *scene) {
   return fastest;
 }
 
-/* The g to which heads refer (isph_open_pressure). */
+/* The g to which heads refer (isph_window_pressure). */
 static double gravity_of_heads(const struct scene *scene) {
   const double g = size(scene->gravity);
   return g > 0 ? g : GRAVITY_STANDARD;

@@ -1,4 +1,4 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/step.h"
 
 #include <math.h>
 #include <omp.h>
@@ -23,47 +23,17 @@
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/threads.h"
 #include "sphsolve/isph/well.h"
-
-#define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
-
-/* Updates porosity, volume and support at the particles' places. */
-static void update_volumes(struct isph *s) {
-  double ratio = s->scene->isph.support_ratio;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
-    double eps = 1;
-    if (s->on.soil) {
-      struct soil_point soil;
-      isph_soil_at(s, s->position[i], 0, &soil);
-      eps = soil.porosity;
-      s->porosity[i] = eps;
-      s->soil_fraction[i] = soil.fraction;
-      s->inertia[i] = soil.inertia;
-      s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
-      s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
-      if (s->on.interfaces) {
-        struct isph_interface *interface = &s->interface[i];
-        memcpy(interface->normal, soil.normal, sizeof soil.normal);
-        interface->drag_a = s->on.drag_linear ? soil.along_a : 0;
-        interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
-        interface->plane = soil.plane;
-      }
-      if (s->on.anisotropy) isph_anisotropy_at(s, i, &soil);
-      if (s->on.links) s->ground[i] = isph_ground(s, s->position[i]);
-      if (s->on.moving_soil) {
-        struct soil_point later;
-        isph_soil_at(s, s->position[i], RATE_INTERVAL, &later);
-        s->porosity_rate[i] = (later.porosity - eps) / RATE_INTERVAL;
-        memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
-      }
-    }
-    s->volume[i] = s->mass[i] / (eps * s->density);
-    s->support[i] = fmin(ratio * isph_size_of(s, s->volume[i]), s->support_max);
-  }
-  s->support_now = 0;
-  for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);
-  s->support_now = ranks_max(s->support_now);
-}
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/enclosed.h"
+#include "sphsolve/isph/energy.h"
+#include "sphsolve/isph/mobility.h"
+#include "sphsolve/isph/motion.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/outside.h"
+#include "sphsolve/isph/pressure.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
 
 /* Adds up g = grad v of particle i, without its correction. */
 ROW void velocity_gradient(enum isph_images images, const struct isph *s,
@@ -313,7 +283,7 @@ static void correct(struct isph *s) {
                 s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
           continue;
         }
-        double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+        double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
         double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
         double drop = pressure - held * s->boundary_pressure[j];
         double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
@@ -409,17 +379,6 @@ static enum status check_finite(const struct isph *s) {
             STATUS_NUMERIC, "velocity of particle %llu at (%.4g, %.4g, %.4g) m is no number",
             (unsigned long long)s->id[i], s->position[i][0], s->position[i][1], s->position[i][2]);
   return STATUS_OK;
-}
-
-enum status isph_refresh(struct isph *s) {
-  enum status status = STATUS_OK;
-  double start = clock_seconds();
-  TRY(isph_sort(s));
-  update_volumes(s);
-  TRY(isph_find_neighbours(s));
-  s->seconds_lists += clock_seconds() - start;
-cleanup:
-  return status;
 }
 
 enum status isph_advance(struct isph *s, double dt) {

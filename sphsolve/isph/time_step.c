@@ -1,15 +1,10 @@
-/* The largest stable time step, and how the remaining time is divided into steps. */
+#include "sphsolve/isph/time_step.h"
+
 #include <math.h>
 
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
-#include "sphsolve/isph/state.h"
-
-bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
-  for (int a = 0; a < 3; a++)
-    if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
-  return true;
-}
+#include "sphsolve/isph/wall.h"
 
 static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);

@@ -10,6 +10,8 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
 
 /* The watchdog's bound on the kernel sum (sum of V W, 1 in the bulk). The other bounds are one
  * spacing per step, and the pressure solve's own bound on its residual. */
@@ -92,7 +94,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
       double eps = s->porosity != NULL ? s->porosity[i] : 1;
       double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
       const double dense = s->kernel_sum[i];
-      const bool pressed = dense > leaders[PRESSED].value && !isph_is_at_window(s, x);
+      const bool pressed = dense > leaders[PRESSED].value && !isph_window_is_near(s, x);
       const double values[LEADERS] = {dense, square, pressed ? dense : 0};
       sum += square;
       for (int k = 0; k < LEADERS; k++)

@@ -12,6 +12,12 @@
 
 #include "tests/unit/isph_scene.h"
 
+#include "sphsolve/isph/energy.h"
+#include "sphsolve/isph/pressure.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+
 /* A column falls, wets soil and sloshes: its energy, as the history has it, rises in no step (in
  * 347 of 2000, by 1.1 % of the first in all, without isph_energy). */
 static void energy_does_not_rise(void **state) {
