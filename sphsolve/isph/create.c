@@ -7,6 +7,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/packing.h"
@@ -46,11 +47,6 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->scene = scene;
   s->threads_most = omp_get_max_threads();
   s->on = *switches;
-  s->on.interfaces = isph_soils_differ(scene);
-  s->on.links = isph_links_wanted(scene, switches->surface) && s->on.soil;
-  s->on.mean_of_ends = s->on.surface && !s->on.anisotropy && !s->on.links;
-  s->on.own_mobilities = !s->on.surface && !s->on.links && !s->on.anisotropy;
-  s->on.fading = s->on.interfaces && !s->on.anisotropy;
   s->relaxation_factor = s->crowd_factor = 1;
   s->dimensions = scene->dimensions;
   s->density = scene->fluid.density;
@@ -112,71 +108,16 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].wall);
     memory_free(&s->chunks[c].wall_slope);
   }
-  void *blocks[] = {&s->id,
-                    &s->position,
-                    &s->velocity,
-                    &s->pressure,
-                    &s->packing,
-                    &s->mass,
-                    &s->volume,
-                    &s->support,
-                    &s->porosity,
-                    &s->soil_fraction,
-                    &s->inertia,
-                    &s->drag_a,
-                    &s->drag_b,
-                    &s->drag_factor,
-                    &s->interface,
-                    &s->anisotropy,
-                    &s->shape,
-                    &s->beds,
-                    &s->ground,
-                    &s->linked,
-                    &s->linked_mobility,
+  isph_fields_free(s);
+  void *blocks[] = {&s->beds,
                     &s->grounds,
-                    &s->soil_velocity,
-                    &s->porosity_rate,
-                    &s->kernel_sum,
-                    &s->gradient_sum,
-                    &s->correction,
-                    &s->moment_defect,
-                    &s->surface,
-                    &s->body,
                     &s->enclosed,
-                    &s->near,
-                    &s->linear,
-                    &s->thick,
-                    &s->calm,
-                    &s->curvature,
-                    &s->biharmonic,
-                    &s->gradient,
-                    &s->mobility,
-                    &s->eddy,
-                    &s->predicted,
-                    &s->applied,
-                    &s->surface_pressure,
-                    &s->diagonal,
-                    &s->source,
-                    &s->tied,
-                    &s->outlet,
                     &s->wells,
                     &s->rains,
-                    &s->work[0],
-                    &s->work[1],
-                    &s->work[2],
-                    &s->work[3],
                     &s->partial,
                     &s->sums,
                     &s->chunk_partition,
                     &s->layer_start,
-                    &s->pair_first,
-                    &s->wall_first,
-                    &s->pair_number,
-                    &s->wall_number,
-                    &s->images,
-                    &s->order,
-                    &s->cell_of,
-                    &s->scratch,
                     &s->chunks,
                     &s->cells.start,
                     &s->wall_cells.start,
@@ -192,6 +133,5 @@ void isph_free(struct isph *s) {
                     &s->column_front,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);
-  for (size_t k = 0; k < ISPH_OWN; k++) memory_free(&s->own_force[k]);
   memset(s, 0, sizeof *s);
 }

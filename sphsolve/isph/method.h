@@ -26,8 +26,4 @@ enum status isph_cost(struct plan *plan, int threads);
 /* isph/plan_ranks.c: the additional cost on several ranks. */
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
 
-/* Finds the switches of the state from a plan; also for tests, which advance the state themselves.
- */
-enum status isph_switches_of(const struct plan *plan, struct isph_switches *on);
-
 #endif

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/wall_force.h"
@@ -283,20 +284,27 @@ static enum status write_three(struct h5_file *file, const char *what, size_t n,
   return h5_write(file, name, H5_F64, 1, &three, kept, false);
 }
 
+static const char *state_name(char name[64], const struct isph_field *field) {
+  snprintf(name, 64, "/state/%s", field->name);
+  return name;
+}
+
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   const size_t first = s->local.begin, own = s->local.end - first;
-  size_t vectors[2] = {own, 3}, packing[2] = {own, 5}, regions[2] = {s->scene->region_count, 3};
+  size_t regions[2] = {s->scene->region_count, 3};
+  struct isph_kept state;
+  char name[64];
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
-  TRY(h5_write_rows(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
-  TRY(h5_write_rows(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
-  TRY(h5_write_rows(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
-  TRY(h5_write_rows(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
-  if (s->packing != NULL)
-    TRY(h5_write_rows(file, "/state/packing", H5_F32, 2, packing, s->packing + first, true));
-  TRY(h5_write_rows(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
+  isph_fields_kept(s, &state);
+  for (size_t k = 0; k < state.count; k++) {
+    const struct isph_field *field = &state.field[k];
+    const size_t dims[2] = {own, (size_t)field->components};
+    TRY(h5_write_rows(file, state_name(name, field), field->type, field->components > 1 ? 2 : 1,
+                      dims, isph_field_data(s, field) + first * field->size, true));
+  }
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
@@ -312,7 +320,6 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
   }
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
-    char name[64];
     size_t six = 6;
     memcpy(boxes, s->wall_boxes[b].low, 3 * sizeof *boxes);
     memcpy(boxes + 3, s->wall_boxes[b].high, 3 * sizeof *boxes);
@@ -380,6 +387,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   size_t dims[2];
   int rank;
   double numbers[4], dog[3], solve[4], kept[3];
+  struct isph_kept state;
+  char name[64];
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -388,13 +397,10 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   const size_t own = all * ((size_t)ranks_own() + 1) / ranks - first;
   TRY(isph_reserve(s, own));
   s->count = own;
-  TRY(read_rows(file, "/state/position", H5_F64, all, first, own, 3, s->position));
-  TRY(read_rows(file, "/state/velocity", H5_F64, all, first, own, 3, s->velocity));
-  TRY(read_rows(file, "/state/pressure", H5_F64, all, first, own, 1, s->pressure));
-  TRY(read_rows(file, "/state/mass", H5_F64, all, first, own, 1, s->mass));
-  if (s->packing != NULL)
-    TRY(read_rows(file, "/state/packing", H5_F32, all, first, own, 5, s->packing));
-  TRY(read_rows(file, "/state/id", H5_U64, all, first, own, 1, s->id));
+  isph_fields_kept(s, &state);
+  for (size_t k = 0; k < state.count; k++)
+    TRY(read_rows(file, state_name(name, &state.field[k]), state.field[k].type, all, first, own,
+                  (size_t)state.field[k].components, isph_field_data(s, &state.field[k])));
   TRY(read_into(file, "/state/soil_offset", H5_F64, s->scene->region_count, 3, s->soil_offset));
   if (s->boundary_count > 0)
     TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,
@@ -412,7 +418,6 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     rain->fallen = kept[0], rain->pending = kept[1], rain->places = kept[2];
   }
   for (size_t b = 1; b < s->wall_box_count; b++) {
-    char name[64];
     double box[6];
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(read_into(file, name, H5_F64, 6, 1, box));

@@ -9,6 +9,7 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/window.h"
@@ -100,6 +101,8 @@ enum status isph_remove_outside(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   struct isph_removed *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
+  struct isph_kept state;
+  isph_fields_kept(s, &state);
   s->fastest_lost[0] = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_removed(s, i);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
@@ -114,14 +117,7 @@ enum status isph_remove_outside(struct isph *s, double dt) {
       g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
       continue;
     }
-    if (kept != i) {
-      memcpy(s->position[kept], s->position[i], sizeof *s->position);
-      memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
-      s->pressure[kept] = s->pressure[i];
-      s->mass[kept] = s->mass[i];
-      if (s->packing != NULL) memcpy(s->packing[kept], s->packing[i], sizeof *s->packing);
-      s->id[kept] = s->id[i];
-    }
+    isph_kept_move(s, &state, kept, i, 1);
     kept++;
   }
   s->count = kept;

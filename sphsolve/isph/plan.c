@@ -1,8 +1,6 @@
 /* Forecast of the cost of method isph: memory, steps, time, and the error of k. */
 #include "common/log.h"
-#include "sphsolve/isph/anisotropy.h"
-#include "sphsolve/isph/copy.h"
-#include "sphsolve/isph/link.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
@@ -11,7 +9,7 @@
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/threads.h"
-#include "sphsolve/isph/well.h"
+#include "sphsolve/isph/switches.h"
 #include "sphsolve/isph/soil.h"
 
 enum status isph_scales(struct plan *plan) {
@@ -176,6 +174,31 @@ static void warn_of_fronts(const struct effect_context *context) {
   }
 }
 
+/* Bytes of a particle beside its fields and its pairs: the levels of the multigrid. */
+#define REST_BYTES 60
+#define PAIRS_ROOM 1.3 /* room in the lists of neighbours, over their mean length */
+
+/* Memory of a particle, by the tables of its fields and of its pairs. */
+static enum status find_bytes(struct plan *plan, double neighbours) {
+  const struct effect_context *context = &plan->context;
+  struct isph s = {.scene = context->scene, .dimensions = context->lattice->dimensions};
+  struct isph_kept kept;
+  const enum status status = isph_switches_of(plan, &s.on);
+  if (status != STATUS_OK) return status;
+  for (int a = 0; a < 3; a++)
+    s.force[a] = isph_scene_uses_axis(context, a) ? context->scene->driving[a] : 0;
+  isph_fields_kept(&s, &kept);
+  /* see struct isph_chunk */
+  const size_t numbers = 3 + (size_t)(s.on.links || s.on.anisotropy) + (size_t)s.on.links +
+                         (size_t)(s.on.links && s.on.anisotropy);
+  const double pair = (double)(numbers * sizeof(float));
+  const double chunk = (double)(sizeof(struct isph_chunk) + sizeof *s.sums);
+  plan->bytes_fluid =
+      (double)isph_fields_bytes(&s) + chunk / CHUNK + REST_BYTES + PAIRS_ROOM * neighbours * pair;
+  plan->bytes_copy = (double)context->lattice->fluid_count * (double)kept.bytes;
+  return STATUS_OK;
+}
+
 enum status isph_cost(struct plan *plan, int threads) {
   const struct effect_context *context = &plan->context;
   const struct scene *scene = context->scene;
@@ -196,21 +219,10 @@ enum status isph_cost(struct plan *plan, int threads) {
                        "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen in each step */
-  plan->bytes_fluid = 519 + 1.3 * neighbours * 12;
-  if (context->has_surface) plan->bytes_fluid += 36; /* body, packing */
-  if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
-  if (context->has_porous && isph_links_wanted(scene, context->has_surface))
-    plan->bytes_fluid +=
-        (context->has_surface ? 12 : 4) + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
-  if (isph_is_anisotropic(scene))
-    plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
-  if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
-  if (context->has_surface && context->driving > 0 && !context->has_porous)
-    plan->bytes_fluid += 96; /* gradients exact for linear fields, calm water */
-  if (isph_has_wells(scene)) plan->bytes_fluid += (double)sizeof(struct isph_outlet);
+  status = find_bytes(plan, neighbours);
+  if (status != STATUS_OK) return status;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
-  plan->bytes_copy = n * ISPH_COPY_BYTES;
   struct isph_speed_forecast speeds;
   status = isph_speed_predict(context, &speeds);
   if (status != STATUS_OK) return status;

@@ -5,17 +5,11 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/particles.h"
 
 enum { TAG = 5 };
-
-/* What is sent of a particle that changes ranks. */
-struct particle {
-  double position[3], velocity[3], pressure, mass;
-  float packing[5];
-  uint64_t id;
-};
 
 static size_t layer_cells(const struct isph *s) {
   return (size_t)s->cells.count[s->cells.axis[0]] * (size_t)s->cells.count[s->cells.axis[1]];
@@ -67,14 +61,6 @@ bool isph_answers_for(const struct isph *s, const double x[3]) {
   return false;
 }
 
-static struct particle particle_at(const struct isph *s, size_t i) {
-  struct particle p = {.pressure = s->pressure[i], .mass = s->mass[i], .id = s->id[i]};
-  memcpy(p.position, s->position[i], sizeof p.position);
-  memcpy(p.velocity, s->velocity[i], sizeof p.velocity);
-  if (s->packing != NULL) memcpy(p.packing, s->packing[i], sizeof p.packing);
-  return p;
-}
-
 /* Divides all particles among the ranks, from the number of particles in each layer of cells. */
 static enum status partition(struct isph *s) {
   enum status status = STATUS_OK;
@@ -103,37 +89,20 @@ cleanup:
   return status;
 }
 
-static void move_particles(struct isph *s, size_t to, size_t from, size_t n) {
-  if (n == 0 || to == from) return;
-  memmove(s->position + to, s->position + from, n * sizeof *s->position);
-  memmove(s->velocity + to, s->velocity + from, n * sizeof *s->velocity);
-  memmove(s->pressure + to, s->pressure + from, n * sizeof *s->pressure);
-  memmove(s->mass + to, s->mass + from, n * sizeof *s->mass);
-  if (s->packing != NULL) memmove(s->packing + to, s->packing + from, n * sizeof *s->packing);
-  memmove(s->id + to, s->id + from, n * sizeof *s->id);
-}
-
-static void put_particle(struct isph *s, size_t i, const struct particle *p) {
-  memcpy(s->position[i], p->position, sizeof p->position);
-  memcpy(s->velocity[i], p->velocity, sizeof p->velocity);
-  if (s->packing != NULL) memcpy(s->packing[i], p->packing, sizeof p->packing);
-  s->pressure[i] = p->pressure;
-  s->mass[i] = p->mass;
-  s->id[i] = p->id;
-}
-
 /* Each rank receives from all others the particles that it is to hold: those of lower ranks are
  * placed before the ones that it keeps, those of higher ranks behind. */
 static enum status migrate(struct isph *s) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own(), plane = layer_cells(s);
-  struct particle *out = NULL, *in = NULL;
+  struct isph_kept state;
+  char *out = NULL, *in = NULL;
   size_t *send = NULL, *start = NULL, n = 0, kept = 0;
   int low, high;
+  isph_fields_kept(s, &state);
   TRY(memory_allocate(&send, ranks, sizeof *send, "shares"));
   TRY(memory_allocate(&start, ranks + 1, sizeof *start, "shares"));
   for (int pass = 0; pass < 2; pass++) {
-    if (pass == 1) TRY(memory_allocate(&out, n + 1, sizeof *out, "particles that change hands"));
+    if (pass == 1) TRY(memory_allocate(&out, n + 1, state.bytes, "particles that change hands"));
     n = 0;
     for (size_t r = 0; r < ranks; r++) {
       if (r == own || !layers_of(s, (int)r, &low, &high)) continue;
@@ -142,20 +111,22 @@ static enum status migrate(struct isph *s) {
         if (pass == 0)
           send[r]++;
         else
-          out[n] = particle_at(s, i);
+          isph_kept_pack(s, &state, i, out + n * state.bytes);
         n++;
       }
     }
   }
-  TRY(ghosts_exchange(sizeof *out, send, out, start, &in));
+  TRY(ghosts_exchange(state.bytes, send, out, start, &in));
   memory_free(&out);
   const bool any = layers_of(s, (int)own, &low, &high);
   for (size_t i = 0; any && i < s->count; i++)
-    if (is_held(s, low, high, (int)(s->cell_of[i] / plane))) move_particles(s, kept++, i, 1);
+    if (is_held(s, low, high, (int)(s->cell_of[i] / plane)))
+      isph_kept_move(s, &state, kept++, i, 1);
   const size_t lower = start[own], all = start[ranks];
   TRY(isph_reserve(s, kept + all));
-  move_particles(s, lower, 0, kept);
-  for (size_t k = 0; k < all; k++) put_particle(s, k < lower ? k : kept + k, &in[k]);
+  isph_kept_move(s, &state, lower, 0, kept);
+  for (size_t k = 0; k < all; k++)
+    isph_kept_unpack(s, &state, k < lower ? k : kept + k, in + k * state.bytes);
   s->count = kept + all;
 cleanup:
   memory_free(&send);
@@ -203,12 +174,19 @@ static void find_own(struct isph *s) {
   g->end = g->begin + (g->partition[ranks_own() + 1] - from);
 }
 
-static void permute(struct isph *s, void *data, size_t size) {
-  char *from = data, *to = s->scratch;
+/* Brings the state of the particles into `order`. */
+static void permute(struct isph *s) {
+  struct isph_kept state;
+  char *to = s->scratch;
   const uint32_t *order = s->order;
+  isph_fields_kept(s, &state);
+  for (size_t k = 0; k < state.count; k++) {
+    char *from = isph_field_data(s, &state.field[k]);
+    const size_t size = state.field[k].size;
 #pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) memcpy(to + i * size, from + order[i] * size, size);
-  memcpy(from, to, s->count * size);
+    for (size_t i = 0; i < s->count; i++) memcpy(to + i * size, from + order[i] * size, size);
+    if (s->count > 0) memcpy(from, to, s->count * size);
+  }
 }
 
 enum status isph_sort(struct isph *s) {
@@ -218,12 +196,7 @@ enum status isph_sort(struct isph *s) {
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < s->count; i++) s->cell_of[i] = isph_cell_of(&s->cells, s->position[i]);
   isph_cells_sort(&s->cells, s->count, s->cell_of, s->order);
-  permute(s, s->position, sizeof *s->position);
-  permute(s, s->velocity, sizeof *s->velocity);
-  permute(s, s->pressure, sizeof *s->pressure);
-  permute(s, s->mass, sizeof *s->mass);
-  if (s->packing != NULL) permute(s, s->packing, sizeof *s->packing);
-  permute(s, s->id, sizeof *s->id);
+  permute(s);
   find_own(s);
 cleanup:
   return status;

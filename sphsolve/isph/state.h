@@ -170,60 +170,23 @@ struct isph {
   double *layer_start; /* [layers + 1]: particles of all ranks before a layer; NULL on one rank */
   double pairs_now;    /* pairs of the own particles */
   uint64_t next_id;
-  uint64_t *id;
-  double (*position)[3], (*velocity)[3];
-  double *pressure, *mass;
-  float (*packing)[5]; /* isph/packing.h; NULL without a surface */
-
-  /* updated in each step */
-  double *volume, *support;
-  double *porosity, *soil_fraction;   /* NULL without soil */
-  double *inertia, *drag_a, *drag_b;  /* NULL without soil */
-  struct isph_interface *interface;   /* NULL unless different soils are there */
-  struct isph_anisotropy *anisotropy; /* NULL without, like the next two */
-  float (*shape)[6];                  /* S of isph/anisotropy.h */
-  struct isph_bed *beds;              /* [regions] */
-  int32_t *ground;                    /* isph/link.h; NULL without links */
-  struct isph_linked *linked;         /* isph/link.h; NULL without links */
-  double *linked_mobility;            /* isph/link.h; NULL without links or without a surface */
-  struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
-  double (*soil_velocity)[3];  /* NULL unless soil moves */
-  double *porosity_rate;       /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *kernel_sum;          /* sum V W with walls: 1 in the bulk */
-  double (*gradient_sum)[3];   /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];      /* L, gradient correction */
-  float (*moment_defect)[6];   /* C of isph/moment.c; NULL without soil */
-  double *surface;             /* 0 bulk .. 1 surface; NULL without */
-  double (*body)[2]; /* number of its body of water, its largest `surface`; NULL: no surface */
-  double *near; /* largest `surface` of the neighbourhood; NULL unless unforced or with `calm` */
-  float (*linear)[6];   /* K of isph/linear.h; NULL unless it is such free water */
-  float (*gradient)[9]; /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_factor;  /* B: fraction of v_D that drag leaves; NULL without */
-  double *mobility;     /* k = B T G / rho_w */
-  double *eddy;         /* nu + nu_T; NULL without viscosity */
-  double *thick, *calm; /* isph/calm.h: s, calm; NULL without, like the next two */
-  double (*curvature)[3], (*biharmonic)[3]; /* isph/biharmonic.h */
-  double (*predicted)[3];                   /* v* without the driving force */
-  struct isph_applied *applied;
+#define FIELD(use, type, shape, name, ...) type(*name) shape;
+#include "sphsolve/isph/fields.def"
+#undef FIELD
   double (*own_force[ISPH_OWN])[3]; /* m/s^2, of the effects on.own; NULL: no force */
-  double *surface_pressure;         /* Pa, outside the surface; NULL: 0 */
-  struct isph_outlet *outlet;       /* NULL without wells */
-  double *diagonal, *source, *tied; /* tied: part of the diagonal that fixes the pressure */
+  double *work[4];                  /* r, z, p, q of CG */
+  void *scratch;                    /* 3 doubles a particle */
+  struct isph_bed *beds;            /* [regions]; NULL without anisotropic soil */
+  struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
-  double *work[4]; /* r, z, p, q of CG */
   double *partial; /* [chunks of all ranks]: parts of a sum */
   size_t partial_room;
-  double (*sums)[SUMS];              /* [own chunks]: parts of several sums; isph_sum_chunks */
-  uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
-  uint16_t *pair_number, *wall_number;
-  uint8_t *images; /* kind of images of a particle's pairs: isph/images.h */
+  double (*sums)[SUMS]; /* [own chunks]: parts of several sums; isph_sum_chunks */
   size_t chunk_count, chunk_capacity;
   struct isph_chunk *chunks;
   struct isph_cells cells, wall_cells;
   uint32_t *wall_order;
-  uint32_t *order, *cell_of;
-  void *scratch;         /* for the sort: 3 doubles a particle */
   size_t enclosed_count; /* bodies of water without a surface */
   double *enclosed;      /* their numbers */
   bool closed;           /* no row fixes the pressure: its mean is removed */

@@ -15,6 +15,7 @@
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 #include "tests/unit/engine_vortex.h"
 
 static json_t *results;

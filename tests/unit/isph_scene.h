@@ -18,6 +18,7 @@
 #include "sphsolve/isph/create.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 
 struct run {
   struct scene scene;

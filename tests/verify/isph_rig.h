@@ -20,6 +20,7 @@
 #include "sphsolve/isph/create.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 
 static json_t *results;
 static char scene_file[] = "/tmp/verify_isph_XXXXXX";
