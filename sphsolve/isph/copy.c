@@ -4,7 +4,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/fields.h"
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/own.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/cells.h"
 #include "sphsolve/isph/open.h"
@@ -12,7 +12,7 @@
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/wall.h"
 
-enum { ARRAYS = ISPH_FIELDS + 6 };
+enum { ARRAYS = ISPH_FIELDS + ISPH_EFFECTS + 5 };
 
 /* The arrays of a state that are copied: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
@@ -35,7 +35,7 @@ static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t by
   ADD(soil_offset, s->scene->region_count);
   ADD(column_front, s->column_count);
   ADD(wells, s->well_count);
-  ADD(rains, s->rain_count);
+  for (size_t k = 0; k < s->on.active_count; k++) ADD(own_numbers[k], isph_own_count(s, k));
 #undef ADD
   return n;
 }

@@ -12,7 +12,7 @@
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/petsc.h"
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/own.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/cells.h"
@@ -82,11 +82,14 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   if (s->on.wells) TRY(isph_wells_create(s));
-  if (s->on.rain) TRY(isph_rain_create(s));
+  for (size_t k = 0; k < s->on.active_count; k++)
+    TRY(memory_allocate(&s->own_numbers[k], isph_own_count(s, k), sizeof **s->own_numbers,
+                        s->on.active[k]->name));
   TRY(create_boundaries(s));
   TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
   if (s->on.surface) isph_packing_begin(s);
+  ISPH_HOOK(s, start, 0);
   isph_budget_begin(s);
 cleanup:
   return status;
@@ -109,11 +112,11 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].wall_slope);
   }
   isph_fields_free(s);
+  for (size_t k = 0; k < ISPH_EFFECTS; k++) memory_free(&s->own_numbers[k]);
   void *blocks[] = {&s->beds,
                     &s->grounds,
                     &s->enclosed,
                     &s->wells,
-                    &s->rains,
                     &s->partial,
                     &s->sums,
                     &s->chunk_partition,

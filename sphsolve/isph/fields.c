@@ -47,6 +47,21 @@ size_t isph_fields(const struct isph *s, struct isph_field list[ISPH_FIELDS]) {
   for (size_t k = 0; k < sizeof s->work / sizeof *s->work; k++)
     list[n++] = unnamed(offsetof(struct isph, work) + k * sizeof *s->work, true, sizeof(double));
   list[n++] = unnamed(offsetof(struct isph, scratch), true, sizeof(double[3]));
+  for (size_t k = 0, own = 0; k < s->on.active_count; k++)
+    for (const struct effect_field *f = s->on.active[k]->fields; f != NULL && f->name != NULL;
+         f++, own++)
+      list[n++] =
+          (struct isph_field){.name = f->name,
+                              .exists = true,
+                              .use = KEPT,
+                              .at = offsetof(struct isph, own_field) + own * sizeof *s->own_field,
+                              .size = sizeof(double),
+                              .type = H5_F64,
+                              .components = 1,
+                              .unit = f->unit,
+                              .text = f->text,
+                              .shown = true,
+                              .factor = 1};
   for (size_t k = 0; k < s->on.own_count; k++)
     list[n++] = unnamed(offsetof(struct isph, own_force) + k * sizeof *s->own_force,
                         s->on.own[k]->force != NULL, sizeof(double[3]));

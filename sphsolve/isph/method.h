@@ -16,10 +16,6 @@ static inline bool isph_scene_uses_axis(const struct effect_context *context, in
 }
 /* isph/refuse.c: returns an error for scenes whose results could not be right. */
 enum status isph_refuse(const struct effect_context *context);
-/* isph/refuse_sources.c: the checks of wells, drains, rain and absorbing sides. */
-enum status isph_refuse_wells(const struct effect_context *context);
-enum status isph_refuse_rain(const struct effect_context *context);
-enum status isph_refuse_absorbing(const struct effect_context *context);
 /* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
  * refused. */
 enum status isph_cost(struct plan *plan, int threads);

@@ -144,7 +144,7 @@ static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
     for (int a = 0; a < 3; a++) steps[i][a] -= s->calm[i] * mean[i][a];
 }
 
-void isph_move(struct isph *s, double dt, double available) {
+void isph_move(struct isph *s, double dt) {
   /* v* and the next two arrays are free for reuse at this point */
   double(*displacement)[3] = s->predicted;
   double(*steps)[3] = s->scratch, *lift = s->work[0];
@@ -170,7 +170,8 @@ void isph_move(struct isph *s, double dt, double available) {
       isph_budget_displacement(s, sums, BUDGET_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) speed[a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) isph_energy_limit_displacement(s, displacement, available);
+  if (s->on.energy)
+    isph_energy_limit_displacement(s, displacement, s->energy_step.kinetic + s->energy_step.given);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];

@@ -4,7 +4,8 @@
 
 #include "sphsolve/isph/state.h"
 
-void isph_assemble(struct isph *s, double relaxation_time);
+/* Assembles the rows. */
+void isph_assemble(struct isph *s);
 enum status isph_solve_pressure(struct isph *s);
 /* Collective, instead of a first solve: the last step's pressure without its alternating part. */
 void isph_carry_pressure(struct isph *s);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/effects/rain.h"
 
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
@@ -199,9 +199,8 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_suction(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));
-  TRY(isph_refuse_wells(context));
-  TRY(isph_refuse_rain(context));
-  TRY(isph_refuse_absorbing(context));
+  for (size_t k = 0; isph_effects[k] != NULL; k++)
+    if (isph_effects[k]->refuse != NULL) TRY(isph_effects[k]->refuse(context));
   TRY(check_heads(context->scene));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));

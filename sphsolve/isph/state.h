@@ -36,17 +36,22 @@
 #define IMAGE_NONE 13     /* code of "no image" */
 
 #define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
+#define ISPH_EFFECTS 40   /* most active effects */
+#define ISPH_OWN_FIELDS 8 /* most fields of effects */
 
 /* Which parts of the physics are on; each flag belongs to an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, anisotropy, wells, rain;
+  bool no_slip, moving_walls, open_sides, anisotropy, wells;
   /* the mobility of a pair: see isph_mobility_between */
   bool mean_of_ends, own_mobilities, fading;
   uint32_t budget; /* bit set of the terms of the active effects */
   size_t own_count;
   const struct effect *own[ISPH_OWN]; /* active effects that add a force or a surface pressure */
+  size_t active_count, row_count;
+  const struct effect *active[ISPH_EFFECTS]; /* all that are on */
+  const struct effect *rows[ISPH_EFFECTS];   /* those that add to rows of the pressure equation */
   double dt_most; /* s; least limit of the effects that does not depend on the state */
   const char *dt_most_by;
 };
@@ -123,6 +128,12 @@ struct isph_solve {
   bool again;              /* second projection, of the remaining div v */
 };
 
+/* Energies of a step, J or J/m, for the bound on the energy: isph/energy.h. */
+struct isph_energy_step {
+  double kinetic, most, given, moved;
+  size_t total; /* particles at its begin */
+};
+
 /* Planned end of the run: length of the last step, s, and the number of steps from it to the end; 0
  * as long as the end is far away. */
 struct isph_ending {
@@ -134,7 +145,6 @@ struct isph_multigrid;
 struct isph_petsc;
 struct isph_well; /* isph/well.h */
 struct isph_outlet;
-struct isph_rain;
 struct isph_ground; /* isph/link.h */
 
 struct isph {
@@ -157,6 +167,7 @@ struct isph {
   double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
   double relaxation_excess, crowd_factor; /* its share beyond friction's work; factor for crowds */
   double friction;             /* kinetic energy that v* lost in the last step, J (J/m in 2-D) */
+  double relaxation_time;      /* s, of the present step */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
   int64_t step;
@@ -173,10 +184,11 @@ struct isph {
 #define FIELD(use, type, shape, name, ...) type(*name) shape;
 #include "sphsolve/isph/fields.def"
 #undef FIELD
-  double (*own_force[ISPH_OWN])[3]; /* m/s^2, of the effects on.own; NULL: no force */
-  double *work[4];                  /* r, z, p, q of CG */
-  void *scratch;                    /* 3 doubles a particle */
-  struct isph_bed *beds;            /* [regions]; NULL without anisotropic soil */
+  double (*own_force[ISPH_OWN])[3];   /* m/s^2, of the effects on.own; NULL: no force */
+  double *own_field[ISPH_OWN_FIELDS]; /* of the active effects: isph_own_field */
+  double *work[4];                    /* r, z, p, q of CG */
+  void *scratch;                      /* 3 doubles a particle */
+  struct isph_bed *beds;              /* [regions]; NULL without anisotropic soil */
   struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
@@ -213,8 +225,6 @@ struct isph {
 
   size_t well_count;
   struct isph_well *wells;
-  size_t rain_count;
-  struct isph_rain *rains;  /* isph/rain.h */
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* conservation budget */
@@ -224,6 +234,8 @@ struct isph {
   struct conservation_passed passed;
   struct budget budget;
   double budget_stored[4]; /* momentum and energy within a step, before porosity is updated */
+  struct isph_energy_step energy_step;
+  double *own_numbers[ISPH_EFFECTS]; /* of the active effects: isph_own_numbers */
   double pair_interactions;
   struct watchdog dog;
   double kernel_sum_peak; /* largest kernel sum since a warning of it; 0: none */

@@ -116,16 +116,16 @@ void isph_wells_begin(struct isph *s, double dt) {
   }
 }
 
-void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source,
-                    double *tied) {
+void isph_wells_row(const struct isph *s, size_t i, struct effect_row *row) {
   struct isph_outlet *outlet = &s->outlet[i];
   if (outlet->well == 0) return;
-  *source -= outlet->flow;
+  row->source -= outlet->flow;
   if (!(outlet->tie > 0)) return;
-  outlet->tie = DRAIN_COEFFICIENT * *diagonal;
-  *diagonal += outlet->tie, *tied += outlet->tie;
+  outlet->tie = DRAIN_COEFFICIENT * row->diagonal;
+  row->diagonal += outlet->tie, row->tied += outlet->tie;
   if (s->solve.again) return; /* the solution then is an increment of the pressure */
-  *source += outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
+  row->source +=
+      outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
 }
 
 bool isph_wells_change(struct isph *s) {

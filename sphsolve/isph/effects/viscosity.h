@@ -8,6 +8,7 @@
 #include <stdio.h>
 
 #include "sphsolve/isph/effects/turbulence.h"
+#include "sphsolve/isph/viscosity.h"
 
 static inline bool isph_viscosity_wanted(const struct effect_context *context,
                                          char why[EFFECT_WHY]) {
@@ -24,9 +25,22 @@ static inline double isph_viscosity_dt(const struct effect_context *context) {
   return 0.1 * context->spacing * context->spacing / fmax(context->kinematic_viscosity, 1e-300);
 }
 
+static inline enum status isph_viscosity_begin(void *state, double dt) {
+  (void)dt;
+  isph_viscosity_find(state);
+  return STATUS_OK;
+}
+
+/* As isph_viscosity_dt, with the present eddies. */
+static inline double isph_viscosity_stable_dt(const void *state) {
+  const struct isph *s = state;
+  return 0.1 * s->spacing * s->spacing / fmax(s->kinematic_viscosity, s->viscosity_most);
+}
+
 #endif
 
 EFFECT(isph_viscosity, .model = "nu_E lap v, nu_E = (nu + nu_T)/eps",
        .citation = "Morimoto et al. 2015 (22)", .wanted = isph_viscosity_wanted,
        .dt_max = isph_viscosity_dt, .switches_on = EFFECT_SWITCH(struct isph_switches, viscous),
-       .budget = 1u << BUDGET_VISCOSITY)
+       .budget = 1u << BUDGET_VISCOSITY, .begin = isph_viscosity_begin,
+       .stable_dt = isph_viscosity_stable_dt)
