@@ -10,6 +10,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/ranks.h"
@@ -193,6 +194,7 @@ const struct method method_isph = {.name = "isph",
                                    .moves_walls = true,
                                    .has_turbulence = true,
                                    .fields = fields,
+                                   .constants = isph_constants,
                                    .takes = takes,
                                    .scales = isph_scales,
                                    .cost = isph_cost,

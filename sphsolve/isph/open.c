@@ -12,6 +12,7 @@
 #include "sphsolve/isph/sort.h"
 #include "sphsolve/isph/wall.h"
 #include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* Windows in the sides of the domain (open sides). Behind a window are columns of boundary
  * particles that move with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column
@@ -277,10 +278,6 @@ void isph_open_straighten(struct isph *s) {
   }
 }
 
-/* Kernel sum at a place on the side, which is usually one half, below which the next particle
- * enters at once. */
-#define KERNEL_SUM_MIN 0.15
-
 enum status isph_open_measure(struct isph *s) {
   enum status status = STATUS_OK, worst = STATUS_OK;
   double(*measured)[2] = NULL; /* [columns]: kernel sum of water, and its velocity along the axis */
@@ -313,7 +310,7 @@ enum status isph_open_measure(struct isph *s) {
       column->speed = side->flux / porosity;
       continue;
     }
-    if (measured[c][0] < KERNEL_SUM_MIN) s->column_front[c] = 0;
+    if (measured[c][0] < INFLOW_KERNEL_SUM) s->column_front[c] = 0;
     column->speed = side->inward * measured[c][1] / porosity;
   }
 cleanup:
@@ -344,15 +341,16 @@ enum status isph_open_move(struct isph *s, double dt) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;
     /* at most one particle in a step */
-    double path = fmin(column->speed * dt, 0.9 * column->pitch);
+    double path = fmin(column->speed * dt, COLUMN_STEP * column->pitch);
     double *front = &s->column_front[c];
     *front -= path;
     /* Nothing has left here. In soil the next particle that leaves, here or beside, takes this
      * place: as much goes out of the water as into the columns. A column that moved on regardless
      * would stand beside water that has not left, and hold it back: heads then fall up to 9 % late
      * through soil of porosity .3. */
-    if (*front > 1.1 * column->pitch)
-      *front = s->sides[column->side].porosity < 1 ? 1.1 * column->pitch : *front - column->pitch;
+    if (*front > COLUMN_GAP * column->pitch)
+      *front =
+          s->sides[column->side].porosity < 1 ? COLUMN_GAP * column->pitch : *front - column->pitch;
     if (*front <= 0) {
       enum status status = admit(s, c);
       if (status != STATUS_OK) return status;

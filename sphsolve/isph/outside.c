@@ -13,10 +13,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/window.h"
-
-/* Relative difference in bulk volume below which particles have the same spacing as those of a
- * column. */
-#define SAME_VOLUME 0.2
+#include "sphsolve/isph/constants.h"
 
 /* A particle that has left at x in a step of length dt becomes the foremost of a column, whose
  * front continues from there. In free water it is that of its own column; in soil, where the number

@@ -5,6 +5,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/constants.h"
 
 static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -37,7 +38,8 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
     const char *name;
     double dt;
   } limits[] = {
-      {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
+      {"advection",
+       (s->on.surface ? DT_ADVECTION_SURFACE : DT_ADVECTION) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
       {s->on.dt_most_by, s->on.dt_most},
   };
@@ -53,8 +55,7 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
   return least;
 }
 
-#define END_STEPS 32  /* with so many steps left or fewer, their lengths are planned */
-#define END_FALL 0.99 /* a limit that falls below this share of the last step applies at once */
+#define END_STEPS 32 /* with so many steps left or fewer, their lengths are planned */
 
 /* Solves rho + rho^2 + .. + rho^n = sum for rho, 0 < sum <= n, by Newton's method from above. */
 static double ratio_of(int n, double sum) {

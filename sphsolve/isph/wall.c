@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* Walls are exact boxes. Each is filled with wall particles that start half a spacing behind its
  * faces, whether or not the faces lie on the lattice of the water; the tank is filled outside the
@@ -215,9 +216,6 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
 }
 
-/* In spacings: the distance from a wall within which a particle may not come nearer. */
-#define GUARD 0.2
-
 static void guard_plane(double distance, double dt, double gap, double sign, double wall_velocity,
                         double scale, double *velocity) {
   /* Speed towards the wall (pore velocity: scale * v_D) that would use up half of the remaining
@@ -229,7 +227,7 @@ static void guard_plane(double distance, double dt, double gap, double sign, dou
 
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
                      double v[3]) {
-  double gap = GUARD * s->spacing, reach = s->spacing;
+  double gap = WALL_GUARD * s->spacing, reach = s->spacing;
   for (int a = 0; a < 3; a++) {
     if (s->periodic[a] || !isph_uses_axis(s, a)) continue;
     double below = x[a] - s->low[a], above = s->high[a] - x[a];

@@ -20,6 +20,7 @@
 #include "common/ranks.h"
 #include "common/units.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/constants.h"
 
 /* c over the row's diagonal: P - P_d is then a tenth of the pressure difference to a neighbour. */
 #define DRAIN_COEFFICIENT 10.0
@@ -152,10 +153,6 @@ void isph_wells_solved(struct isph *s) {
     outlet->flow += outlet->tie * (s->pressure[i] - held);
   }
 }
-
-/* Vacuum relative to atmospheric pressure: water boils at lower pressures, and no well draws it up
- * so far. */
-#define VACUUM (-1.01325e5) /* Pa */
 
 /* Steps in a row below vacuum or without water after which a well counts as starved: water at rest
  * takes some steps to follow a new well. */

@@ -24,6 +24,7 @@
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/output/history_columns.h"
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/isph/constants.h"
 
 /* Most places tried in a step for a drop that finds no room. */
 #define RAIN_PLACES_MAX 64
@@ -38,8 +39,7 @@ static inline double isph_rain_area(const struct scene *scene, const struct regi
 /* x and y of place number n of a rain. */
 static inline void rain_find_place(const struct isph *s, const struct region *rain, double n,
                                    double x[3]) {
-  static const double steps[2][2] = {{0.6180339887498949, 0},
-                                     {0.7548776662466927, 0.5698402909980532}};
+  const double steps[2][2] = {{GOLDEN_1, 0}, {GOLDEN_2X, GOLDEN_2Y}};
   for (int a = 0; a < 2; a++) {
     const double step = steps[s->dimensions == 3][a], at = 0.5 + n * step;
     x[a] = rain->box[a] + (at - floor(at)) * (rain->box[a + 3] - rain->box[a]);
@@ -166,10 +166,6 @@ static inline void isph_rain_columns(struct history_columns *columns, const void
     rain += RAIN_NUMBERS;
   }
 }
-
-/* Most rows of particles that rain may bring in a step of water at rest, whose length the force
- * limits; with more, they pile up in the air. */
-#define RAIN_ROWS_MAX 0.2
 
 /* The top of a rain's box must be free of walls, since rain falls from there. */
 static inline enum status rain_check_top(const struct effect_context *context,

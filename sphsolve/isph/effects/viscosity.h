@@ -9,6 +9,7 @@
 
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/viscosity.h"
+#include "sphsolve/isph/constants.h"
 
 static inline bool isph_viscosity_wanted(const struct effect_context *context,
                                          char why[EFFECT_WHY]) {
@@ -22,7 +23,8 @@ static inline bool isph_viscosity_wanted(const struct effect_context *context,
 
 static inline double isph_viscosity_dt(const struct effect_context *context) {
   /* nu_E T = nu dt / C_r: soil only makes it more stable */
-  return 0.1 * context->spacing * context->spacing / fmax(context->kinematic_viscosity, 1e-300);
+  return DT_VISCOSITY * context->spacing * context->spacing /
+         fmax(context->kinematic_viscosity, 1e-300);
 }
 
 static inline enum status isph_viscosity_begin(void *state, double dt) {
@@ -34,7 +36,7 @@ static inline enum status isph_viscosity_begin(void *state, double dt) {
 /* As isph_viscosity_dt, with the present eddies. */
 static inline double isph_viscosity_stable_dt(const void *state) {
   const struct isph *s = state;
-  return 0.1 * s->spacing * s->spacing / fmax(s->kinematic_viscosity, s->viscosity_most);
+  return DT_VISCOSITY * s->spacing * s->spacing / fmax(s->kinematic_viscosity, s->viscosity_most);
 }
 
 #endif
