@@ -2,7 +2,6 @@
 
 #include <string.h>
 
-#include "common/memory.h"
 #include "common/statistics.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/fields.h"

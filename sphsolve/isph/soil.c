@@ -5,7 +5,6 @@
 
 #include "common/kernel.h"
 #include "sphsolve/isph/effects/porosity.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/layers.h"

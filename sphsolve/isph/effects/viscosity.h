@@ -1,6 +1,6 @@
 /* Laminar and eddy viscosity (M15 eq. 22): nu_E lap v, nu_E = (nu + nu_T)/eps, by pairs,
  *   sum_j V_j (nu_i + nu_j) (-W'/r) (v_j - v_i),
- * isph/step.c; walls: wall_no_slip.h. Explicit: dt <= .1 dx^2/nu. */
+ * isph/viscosity.c; walls: wall_no_slip.h. Explicit: dt <= .1 dx^2/nu. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_VISCOSITY_H
 
