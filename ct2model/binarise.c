@@ -11,6 +11,7 @@
 #include "ct2model/fragile.h"
 #include "ct2model/model/connect.h"
 #include "ct2model/scan/crossing.h"
+#include "ct2model/constants.h"
 
 static double void_ratio_of(double porosity) {
   return porosity / (1.0 - porosity);
@@ -33,7 +34,7 @@ static enum status check_polarity(const struct pipeline *pipeline, double porosi
                 "is not that of the grains",
                 e, 1.0 / e);
   if (isnan(request->void_ratio)) {
-    if (e > 20.0 || e < 0.05)
+    if (e > VOID_RATIO_MOST || e < VOID_RATIO_LEAST)
       log_warning("void ratio %.3g with bright grains, %.3g with dark ones: is --grain %s meant?",
                   bright, 1.0 / bright, other);
     return STATUS_OK;
@@ -42,7 +43,7 @@ static enum status check_polarity(const struct pipeline *pipeline, double porosi
   if (!(misfit > log(1.5))) return STATUS_OK;
   /* Near 1, both e and 1/e are close to any measurement: the other polarity must agree with it as
    * well as a valley of the histogram does. */
-  if (!(swapped < fmax(log(1.15), 0.2 * misfit))) {
+  if (!(swapped < fmax(log(POLARITY_AGREES), POLARITY_SHARE * misfit))) {
     if (sure && request->rule == THRESHOLD_AUTO)
       log_warning("the histogram's own valley gives a void ratio of %.3g with bright grains and "
                   "%.3g with dark ones, and neither is the measured %.3g: check that it is of this "
@@ -69,7 +70,7 @@ static enum status check_labels(const struct pipeline *pipeline) {
   const struct labels *labels = &pipeline->labels;
   const double e = void_ratio_of(labels->voids), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
-  const double off = fabs(e - measured), most = fmax(0.1 * measured, 3.0 * error);
+  const double off = fabs(e - measured), most = fmax(LABELS_OFF_MOST * measured, 3.0 * error);
   const char *path = pipeline->stack.files[0].path;
   const bool pair = labels->count == 2 && labels->micro.kind == NULL;
   const double pore = labels->value[labels->pore[0] ? 0 : 1];
@@ -93,7 +94,7 @@ static enum status check_labels(const struct pipeline *pipeline) {
                 "%s: is segmented, with a void ratio of %.4g, and no threshold makes it the "
                 "measured %.4g: segment it anew from the greys, or leave --void-ratio out%s",
                 path, e, measured, turn);
-  if (off > fmax(0.01 * measured, error))
+  if (off > fmax(VOID_RATIO_TOLERANCE * measured, error))
     log_warning("the image is segmented, with a void ratio of %.4g, not the measured %.4g: k is "
                 "that of the image",
                 e, measured);
@@ -184,10 +185,10 @@ enum status binarise_calibrate(struct pipeline *pipeline) {
   double first = isnan(porosity) ? pipeline->otsu : grey_histogram_quantile(histogram, porosity);
   grey_histogram_phases(histogram, first, &pipeline->phases);
   /* With a wrong void ratio the threshold lies on a peak, and both sides find the same one. */
-  if (pipeline->phases.valley_depth > 0.9)
+  if (pipeline->phases.valley_depth > VALLEY_NONE)
     grey_histogram_phases(histogram, pipeline->otsu, &pipeline->phases);
-  if (pipeline->phases.valley_depth > 0.9 && pipeline->region.denoise == DENOISE_NONE &&
-      pipeline->survey.phases.valley_depth > 0.9)
+  if (pipeline->phases.valley_depth > VALLEY_NONE && pipeline->region.denoise == DENOISE_NONE &&
+      pipeline->survey.phases.valley_depth > VALLEY_NONE)
     phases_of_survey(pipeline);
   if (!isnan(request->scale_peak)) {
     double peak = sign * pipeline->phases.grain_peak;

@@ -5,6 +5,7 @@
 
 #include "common/log.h"
 #include "ct2model/scan/denoising.h"
+#include "ct2model/constants.h"
 
 /* Text on the effect of denoising, measured on a part of one slice; "" if it has none. */
 static void advise_denoising(struct pipeline *pipeline, char *text, size_t size) {
@@ -16,7 +17,7 @@ static void advise_denoising(struct pipeline *pipeline, char *text, size_t size)
   if (denoise_effect_measure(&pipeline->survey, pipeline->survey_size, DENOISE_NLM, e / (1.0 + e),
                              1, 512, &effect) != STATUS_OK)
     error_clear();
-  else if (effect.surface < 0.95)
+  else if (effect.surface < DENOISE_KEEPS)
     snprintf(text, size, "; --denoise nlm would take %.0f %% of the surface away as noise",
              100.0 * (1.0 - effect.surface));
 }
@@ -24,9 +25,9 @@ static void advise_denoising(struct pipeline *pipeline, char *text, size_t size)
 static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
   const struct grey_phases *phases = &pipeline->phases;
   char advice[100];
-  bool unimodal = phases->valley_depth > 0.9;
+  bool unimodal = phases->valley_depth > VALLEY_NONE;
   /* A peak at the threshold is due to edges, so that the contrast to the next one means nothing. */
-  const bool low = phases->contrast_to_noise < 5.0 && !near_peak;
+  const bool low = phases->contrast_to_noise < CONTRAST_TO_NOISE_LEAST && !near_peak;
   if (!unimodal && (!low || pipeline->restoring)) return;
   advise_denoising(pipeline, advice, sizeof advice);
   if (unimodal)
@@ -40,10 +41,6 @@ static void warn_of_contrast(struct pipeline *pipeline, bool near_peak) {
                 phases->contrast_to_noise < 3.0 ? ", and many voxels are on the wrong side" : "",
                 advice);
 }
-
-/* Smallest plausible blur in voxels: the average over a voxel alone is a blur of 1 / sqrt(12) =
- * 0.29 voxels. */
-#define BLUR_LEAST 0.2
 
 static void warn_of_sharpness(const struct scanner *scanner) {
   const double blur = scanner->blur / scanner->unit, error = scanner->blur_error / scanner->unit;
@@ -79,9 +76,6 @@ static struct grey_histogram bins_between(const struct grey_histogram *whole, do
   return part;
 }
 
-/* Ratio of a valley to the lower peak up to which noise has not filled it. */
-#define VALLEY_SHALLOW 0.8
-
 /* Warns of a third phase, as Otsu's threshold separates two. With a bright mineral the darker side
  * is pore and another phase: it has two peaks, with a valley between them and one to the bright
  * mineral. */
@@ -105,9 +99,6 @@ static void warn_of_third_phase(struct pipeline *pipeline) {
         pipeline_grey(pipeline, brighter.grain_peak), pipeline_grey(pipeline, darker.valley));
 }
 
-/* Beam hardening, of the contrast, that shows beyond the uncertainty where it is worth a word. */
-#define BEAM_LEAST 0.05
-
 void fragile_warn(struct pipeline *pipeline) {
   const struct grey_phases *phases = &pipeline->phases;
   const struct request *request = pipeline->request;
@@ -116,7 +107,7 @@ void fragile_warn(struct pipeline *pipeline) {
   double contrast = phases->grain_peak - phases->pore_peak;
   warn_of_sharpness(&pipeline->scanner);
   const double position = (threshold - phases->pore_peak) / contrast;
-  const bool near_peak = position < 0.15 || position > 0.85;
+  const bool near_peak = position < NEAR_PEAK || position > 1.0 - NEAR_PEAK;
   struct grey_phases by_otsu;
   warn_of_contrast(pipeline, near_peak);
   grey_histogram_phases(&pipeline->calibration, pipeline->otsu, &by_otsu);
@@ -135,19 +126,20 @@ void fragile_warn(struct pipeline *pipeline) {
                 pipeline_grey(pipeline, phases->grain_peak));
   if (request->rule == THRESHOLD_OTSU) warn_of_third_phase(pipeline);
   /* A tenth of the contrast moves the surface by about a tenth of the width of an edge. */
-  double error = isnan(request->void_ratio_error) ? 0.01 * e : request->void_ratio_error;
+  double error =
+      isnan(request->void_ratio_error) ? VOID_RATIO_TOLERANCE * e : request->void_ratio_error;
   double shift = fabs(pipeline->threshold_slope_original) * error / contrast;
-  if (request->rule == THRESHOLD_AUTO && shift > 0.1)
+  if (request->rule == THRESHOLD_AUTO && shift > SHIFT_STEEP)
     log_warning("the match is steep: %.2g in the void ratio moves the threshold by %.0f %% of the "
                 "contrast",
                 error, 100.0 * shift);
   const double beam = fabs(pipeline->survey.beam), beam_error = pipeline->survey.beam_error;
-  if (beam > 0.1 && beam - beam_error > BEAM_LEAST && !pipeline->correction.beam)
+  if (beam > BEAM_MOST && beam - beam_error > BEAM_LEAST && !pipeline->correction.beam)
     log_warning(
         "the grain is %.0f +- %.0f %% of the contrast %s at the rim than in the middle (beam "
         "hardening?): one threshold does not fit both; --correct beam levels it",
         100.0 * beam, 100.0 * beam_error, pipeline->survey.beam > 0.0 ? "brighter" : "darker");
-  if (pipeline->survey.rings > 0.05 && !pipeline->correction.rings)
+  if (pipeline->survey.rings > RINGS_MOST && !pipeline->correction.rings)
     log_warning("rings of %.0f %% of the contrast; --correct rings takes them out",
                 100.0 * pipeline->survey.rings);
 }

@@ -4,12 +4,7 @@
 #include <stdio.h>
 
 #include "common/log.h"
-
-/* Tolerated relative error of the void ratio. Matching to the nearest voxel leaves far less. A part
- * of a specimen that is large enough to be representative differs from the whole by up to
- * TOLERANCE_ELSEWHERE. */
-#define TOLERANCE 0.01
-#define TOLERANCE_ELSEWHERE 0.05
+#include "ct2model/constants.h"
 
 /* Permeability over that at void ratio `e`, for the same specific surface of the grains: k is
  * proportional to e^3 / (1 + e) (Kozeny 1927, Carman 1937). */
@@ -39,7 +34,7 @@ void misfit_warn(const struct pipeline *pipeline) {
   const struct request *request = pipeline->request;
   const double e = pipeline_void_ratio(pipeline), measured = request->void_ratio;
   const double error = isnan(request->void_ratio_error) ? 0.0 : request->void_ratio_error;
-  const double most = request->roi.kind != ROI_NONE ? TOLERANCE_ELSEWHERE : TOLERANCE;
+  const double most = request->roi.kind != ROI_NONE ? VOID_RATIO_ELSEWHERE : VOID_RATIO_TOLERANCE;
   if (pipeline->labels.on && !request->fill_islands) return; /* reported with the labels */
   if (isnan(measured) || !(fabs(e - measured) > fmax(most * measured, error))) return;
   char effect[100] = "its k is not that of the specimen";

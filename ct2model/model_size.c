@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/log.h"
+#include "ct2model/constants.h"
 
 /* Size in cubic voxels with the shortest edge of the scan's voxels, the default without --size. */
 static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
@@ -17,7 +18,6 @@ static size_t size_of_cubes(const struct pipeline *pipeline, int axis) {
 
 /* Finds the smallest size, from `nx` up to that of the scan, whose voxels are cubes to within a
  * tenth. */
-#define CUBE_RATIO_MOST 1.1
 static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, size_t size[3]) {
   double edge[3] = {0.0};
   do {
@@ -32,11 +32,10 @@ static void advise_cubes(const size_t in[3], const double voxel[3], size_t nx, s
            nx++ < in[0]);
 }
 
-/* Ratios of the longest to the shortest voxel edge from which the user is warned, and above which
- * the scan is refused: slices far apart tell little of the pores between them, and cubes would be
- * as many times more voxels than the scan has. */
+/* Ratio of the longest to the shortest voxel edge above which the scan is refused: slices far apart
+ * tell little of the pores between them, and cubes would be as many times more voxels than the scan
+ * has. */
 #define EDGE_RATIO_MOST 10.0
-#define EDGE_RATIO_WARNED 2.5
 static enum status check_interpolation(const size_t in[3], const double voxel[3],
                                        const size_t out[3]) {
   const double least = fmin(fmin(voxel[0], voxel[1]), voxel[2]);

@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "ct2model/misfit.h"
 #include "ct2model/scanner/fields.h"
+#include "ct2model/constants.h"
 
 static json_t *sizes(const size_t size[3]) {
   json_t *array = json_array();
@@ -421,7 +422,7 @@ static void print_greys(const struct pipeline *pipeline) {
   if (strcmp(grey_text(pipeline, pipeline->threshold, model), original) != 0)
     printf("of the downsampled greys %s, ", model);
   printf("Otsu %.4g", pipeline_grey(pipeline, pipeline->otsu));
-  if (pipeline->phases.levels > 2 && pipeline->phases.valley_depth < 0.9)
+  if (pipeline->phases.levels > 2 && pipeline->phases.valley_depth < VALLEY_NONE)
     printf(", least between the peaks %.4g", pipeline_grey(pipeline, pipeline->phases.valley));
   printf(")\n");
   if (pipeline->phases.levels > 2)

@@ -4,10 +4,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-
-/* Fraction of noisy voxels from which a warning is given. In generated scans of three phases the
- * relative error of their fractions is 3 % up to there, and 10 % beyond. */
-#define NOISY_MOST 0.1
+#include "ct2model/constants.h"
 
 /* Fewer voxels are no image of pores. */
 #define VOXELS_LEAST 512
@@ -51,7 +48,8 @@ enum status segment_take(struct pipeline *pipeline) {
   if (request->micro.given) {
     TRY(micro_take(&pipeline->region, &request->micro, request->void_ratio,
                    request->void_ratio_error, reflect, &pipeline->labels, &pipeline->micro));
-    if (fabs(pipeline->micro.shift) > 0.2 * (pipeline->micro.high - pipeline->micro.low))
+    if (fabs(pipeline->micro.shift) >
+        MICRO_SHIFT_MOST * (pipeline->micro.high - pipeline->micro.low))
       log_warning("the greys of soil had to be moved by %+.3g, to %.4g..%.4g, to meet the void "
                   "ratio: check --micro beside the histogram (ct2model sweep)",
                   pipeline->micro.shift, pipeline->micro.low, pipeline->micro.high);

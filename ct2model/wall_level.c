@@ -1,4 +1,5 @@
 #include "ct2model/wall_level.h"
+#include "ct2model/constants.h"
 
 #include <math.h>
 #include <string.h>
@@ -16,10 +17,6 @@ static bool coarse_threshold(const struct pipeline *pipeline, double *threshold)
         grey_histogram_porosity(&pipeline->histogram, pipeline->threshold_original));
   return inside;
 }
-
-/* A threshold closer than this to the grey of a phase, in contrasts, lies in its noise, so that
- * only voxels can be counted. */
-#define PEAK_DISTANCE_LEAST 0.15
 
 static double grey_of_walls(const struct pipeline *pipeline, const struct wall_level *walls,
                             double grey) {
@@ -66,8 +63,8 @@ enum status wall_level_find(struct pipeline *pipeline) {
   if (pipeline->labels.on || !(restored || matched)) return STATUS_OK;
   if (!restored) {
     const double pore = grey_of_walls(pipeline, walls, pipeline->phases.pore_peak);
-    const double low = pore + PEAK_DISTANCE_LEAST * walls->contrast,
-                 high = pore + (1.0 - PEAK_DISTANCE_LEAST) * walls->contrast;
+    const double low = pore + NEAR_PEAK * walls->contrast,
+                 high = pore + (1.0 - NEAR_PEAK) * walls->contrast;
     if (!(walls->threshold > low && walls->threshold < high)) return STATUS_OK;
     const struct enclosed_sides sides = wall_level_sides(pipeline);
     TRY(enclosed_match(&walls->region, &sides, low, high, &walls->threshold, &porosity));

@@ -31,7 +31,7 @@
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/scene/keys_print.h"
 #include "sphsolve/scene/scene_read.h"
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/stokes/cascade/cascade_add.h"
 
 enum { RUN = 1u << 0, EXPLAIN = 1u << 1, KEYS = 1u << 2 };
 

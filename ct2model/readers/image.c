@@ -12,10 +12,10 @@
 #include <unistd.h>
 
 #include "common/memory.h"
-#include "ct2model/readers/image_hdf5.h"
+#include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/inflate.h"
 
-static const struct image_reader RAW = {"raw", {NULL}, NULL, NULL, image_read_contiguous};
+static const struct image_reader RAW = {.name = "raw", .read = image_read_contiguous};
 #define READER(name) &image_##name##_reader,
 static const struct image_reader *const READERS[] = {
 #include "ct2model/readers/readers.def"
@@ -141,7 +141,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
     TRY(raw_open(raw, image));
     goto cleanup;
   }
-  const char *dataset = image_hdf5_dataset(path);
+  const char *dataset = dataset_name(path);
   if (dataset != NULL) {
     TRY(memory_allocate(&image->data_files, 1, sizeof *image->data_files, "file names"));
     TRY(memory_copy_text(path, (size_t)(dataset - path) - 1, &image->data_files[0]));
@@ -184,8 +184,7 @@ void image_close(struct image *image) {
   memory_free(&image->palette);
   inflate_end(image->inflated);
   image->inflated = NULL;
-  image_hdf5_end(image->dataset);
-  image->dataset = NULL;
+  if (image->reader != NULL && image->reader->close != NULL) image->reader->close(image);
 }
 
 bool image_is_screen_resolution(double pixels_per_metre) {

@@ -65,6 +65,7 @@ struct image_reader {
   /* Reads a page as values of the image's type in native byte order, or as float if it is not
    * `plain`. */
   enum status (*read)(const struct image *image, size_t page, void *out);
+  void (*close)(struct image *image); /* frees what only this reader keeps; NULL: nothing */
 };
 
 #define READER(name) extern const struct image_reader image_##name##_reader;

@@ -167,4 +167,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_bmp_reader = {"BMP", {".bmp"}, bmp_claims, bmp_open, bmp_read};
+const struct image_reader image_bmp_reader = {
+    .name = "BMP", .endings = {".bmp"}, .claims = bmp_claims, .open = bmp_open, .read = bmp_read};

@@ -379,5 +379,8 @@ static enum status dicom_read(const struct image *image, size_t page, void *out)
   return status;
 }
 
-const struct image_reader image_dicom_reader = {
-    "DICOM", {".dcm", ".dicom", ".ima"}, dicom_claims, dicom_open, dicom_read};
+const struct image_reader image_dicom_reader = {.name = "DICOM",
+                                                .endings = {".dcm", ".dicom", ".ima"},
+                                                .claims = dicom_claims,
+                                                .open = dicom_open,
+                                                .read = dicom_read};

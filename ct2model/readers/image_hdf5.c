@@ -1,12 +1,12 @@
-#include "ct2model/readers/image_hdf5.h"
+#include "ct2model/readers/image.h"
 
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/image_shape.h"
 
 /* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
@@ -23,19 +23,6 @@ struct image_dataset {
 };
 
 static pthread_mutex_t one_thread = PTHREAD_MUTEX_INITIALIZER;
-
-const char *image_hdf5_dataset(const char *path) {
-  struct stat info;
-  if (stat(path, &info) == 0) return NULL;
-  for (const char *at = strchr(path, ':'); at != NULL; at = strchr(at + 1, ':')) {
-    char *file = NULL;
-    if (memory_copy_text(path, (size_t)(at - path), &file) != STATUS_OK) return NULL;
-    const bool is_file = stat(file, &info) == 0 && S_ISREG(info.st_mode);
-    memory_free(&file);
-    if (is_file) return at + 1;
-  }
-  return NULL;
-}
 
 /* MATLAB (-v7.3) puts 512 bytes of text before the signature. */
 static bool hdf5_claims(const char *path, const unsigned char *head, size_t n) {
@@ -117,7 +104,7 @@ static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_ty
 
 static enum status hdf5_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
-  const char *name = image_hdf5_dataset(path);
+  const char *name = dataset_name(path);
   const char *of_file = image->data_file_count > 0 ? image->data_files[0] : path;
   struct image_dataset *dataset = NULL;
   size_t dims[AXES_MOST], turned[AXES_MOST], page;
@@ -200,12 +187,17 @@ static enum status hdf5_read(const struct image *image, size_t page, void *out) 
   return status;
 }
 
-void image_hdf5_end(struct image_dataset *dataset) {
+static void hdf5_close(struct image *image) {
+  struct image_dataset *dataset = image->dataset;
   if (dataset == NULL) return;
   h5_close(dataset->file);
   memory_free(&dataset->name);
   memory_free(&dataset->block);
-  memory_free(&dataset);
+  memory_free(&image->dataset);
 }
 
-const struct image_reader image_hdf5_reader = {"HDF5", {NULL}, hdf5_claims, hdf5_open, hdf5_read};
+const struct image_reader image_hdf5_reader = {.name = "HDF5",
+                                               .claims = hdf5_claims,
+                                               .open = hdf5_open,
+                                               .read = hdf5_read,
+                                               .close = hdf5_close};

@@ -175,5 +175,8 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_meta_reader = {
-    "MetaImage", {".mhd", ".mha"}, meta_claims, meta_open, image_read_contiguous};
+const struct image_reader image_meta_reader = {.name = "MetaImage",
+                                               .endings = {".mhd", ".mha"},
+                                               .claims = meta_claims,
+                                               .open = meta_open,
+                                               .read = image_read_contiguous};

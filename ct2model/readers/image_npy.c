@@ -114,5 +114,8 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_npy_reader = {
-    "NumPy", {".npy"}, npy_claims, npy_open, image_read_contiguous};
+const struct image_reader image_npy_reader = {.name = "NumPy",
+                                              .endings = {".npy"},
+                                              .claims = npy_claims,
+                                              .open = npy_open,
+                                              .read = image_read_contiguous};

@@ -409,5 +409,8 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_nrrd_reader = {
-    "NRRD", {".nrrd", ".nhdr"}, nrrd_claims, nrrd_open, image_read_contiguous};
+const struct image_reader image_nrrd_reader = {.name = "NRRD",
+                                               .endings = {".nrrd", ".nhdr"},
+                                               .claims = nrrd_claims,
+                                               .open = nrrd_open,
+                                               .read = image_read_contiguous};

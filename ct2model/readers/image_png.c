@@ -205,4 +205,5 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_png_reader = {"PNG", {".png"}, png_claims, png_open, png_read};
+const struct image_reader image_png_reader = {
+    .name = "PNG", .endings = {".png"}, .claims = png_claims, .open = png_open, .read = png_read};

@@ -663,5 +663,8 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_tiff_reader = {
-    "TIFF", {".tif", ".tiff", ".btf", ".tf8"}, tiff_claims, tiff_open, tiff_read};
+const struct image_reader image_tiff_reader = {.name = "TIFF",
+                                               .endings = {".tif", ".tiff", ".btf", ".tf8"},
+                                               .claims = tiff_claims,
+                                               .open = tiff_open,
+                                               .read = tiff_read};

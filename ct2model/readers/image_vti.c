@@ -261,5 +261,8 @@ cleanup:
   return status;
 }
 
-const struct image_reader image_vti_reader = {
-    "VTI", {".vti"}, vti_claims, vti_open, image_read_contiguous};
+const struct image_reader image_vti_reader = {.name = "VTI",
+                                              .endings = {".vti"},
+                                              .claims = vti_claims,
+                                              .open = vti_open,
+                                              .read = image_read_contiguous};

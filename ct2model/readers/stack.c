@@ -14,7 +14,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "ct2model/readers/byte_order.h"
-#include "ct2model/readers/image_hdf5.h"
+#include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/slice_names.h"
 
 /* Largest number of voxels along an axis: more are a mistyped size. */
@@ -88,7 +88,7 @@ static enum status list_files(const char *const *paths, size_t count, bool raw,
   enum status status = STATUS_OK;
   for (size_t i = 0; i < count; i++) {
     struct stat info;
-    if (image_hdf5_dataset(paths[i]) != NULL) {
+    if (dataset_name(paths[i]) != NULL) {
       TRY(names_add(list, "", paths[i]));
       continue;
     }

@@ -4,8 +4,7 @@
 
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
-
-#define BIHARMONIC_VISCOSITY 0.7125 /* nu_4 / (r0^2 nu_c) */
+#include "sphsolve/isph/constants.h"
 
 /* Adds L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. */
 ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
+#include "common/error.h"
 #include "sphsolve/scene/scene.h"
 
 /* A box of wall, or the tank: the outside of the domain's box. */
@@ -59,5 +60,16 @@ struct isph_image {
 /* in spacings: least distance of a particle from a wall in the mirror ratio, which bounds the
  * friction */
 #define WALL_NEAREST 0.25
+
+struct isph;
+
+/* Layers of boundary particles that a support needs. */
+int isph_boundary_layers(const struct isph *s);
+/* Adds a boundary particle of a wall box or open side; `volume`: its bulk volume. *capacity starts
+ * at 0 and belongs to the arrays. */
+enum status isph_boundary_add(struct isph *s, size_t *capacity, const double x[3],
+                              enum boundary_kind kind, size_t box, double volume);
+/* Releases the room that is left after the last. */
+enum status isph_boundary_trim(struct isph *s);
 
 #endif

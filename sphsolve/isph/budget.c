@@ -43,6 +43,9 @@
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/vector.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/soil.h"
+#include "sphsolve/isph/wall.h"
 
 static double porosity_of(const struct isph *s, size_t i) {
   return s->on.soil ? s->porosity[i] : 1;
@@ -246,7 +249,7 @@ static void budget_own(const struct isph *s, size_t i, double scale, const doubl
   }
 }
 
-void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
+void isph_budget_forces(struct isph *s, double dt) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
@@ -279,7 +282,7 @@ void isph_budget_forces(struct isph *s, double relaxation_time, double dt) {
       }
       const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
       if (s->on.relaxation)
-        sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, relaxation_time);
+        sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, s->relaxation_time);
       if (s->on.wells)
         sums->work[BUDGET_LEFT] -= s->outlet[i].flow * s->thickness * s->pressure[i] * dt;
       if (s->on.moving_soil) sums->work[BUDGET_SOIL_PRESSURE] -= power * s->porosity_rate[i];

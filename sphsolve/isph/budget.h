@@ -13,7 +13,7 @@ void isph_budget_begin(struct isph *s);
 void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const double before[3],
                       double linear[3], double forchheimer[3]);
 /* Adds the forces of the step; after the correction, before the particles move. */
-void isph_budget_forces(struct isph *s, double relaxation_time, double dt);
+void isph_budget_forces(struct isph *s, double dt);
 /* Books the change of particle i's velocity from `from` by an effect that is not a force of the
  * equation of motion. `sums` are those of the particle's chunk. */
 void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,

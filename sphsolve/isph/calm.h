@@ -29,11 +29,9 @@
 #define TOSUI_SPHSOLVE_ISPH_CALM_H
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/constants.h"
 
-#define CALM_CONVECTION 0.05 /* q_0 */
 #define THICKNESS_HOPS 2
-#define LOOSE_FROM 0.02 /* deficit of the kernel sum, above that in waves */
-#define LOOSE_FULL 0.06 /* and below that in stirred water */
 
 /* s calm of particle i, on the surface or beside it: how far its density is left unrelaxed
  * (effects/relaxation.h) and it is shifted (effects/shifting.h); 0 in scenes without calm water.

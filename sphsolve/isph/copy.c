@@ -3,32 +3,39 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/fields.h"
+#include "sphsolve/isph/own.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
 
-enum { ARRAYS = 12 };
+enum { ARRAYS = ISPH_FIELDS + ISPH_EFFECTS + 5 };
 
 /* The arrays of a state that are copied: per own particle, per boundary particle, per region. */
 static size_t copied_arrays(const struct isph *s, void *array[ARRAYS], size_t bytes[ARRAYS]) {
   const size_t own = s->local.end - s->local.begin;
+  struct isph_kept state;
   size_t n = 0;
-#define ADD(member, first, count)                                                                  \
+  isph_fields_kept(s, &state);
+  for (; n < state.count; n++) {
+    const size_t size = state.field[n].size;
+    bytes[n] = own * size;
+    array[n] = own > 0 ? isph_field_data(s, &state.field[n]) + s->local.begin * size : NULL;
+  }
+#define ADD(member, count)                                                                         \
   do {                                                                                             \
-    array[n] = (count) > 0 ? s->member + (first) : NULL;                                           \
+    array[n] = (count) > 0 ? s->member : NULL;                                                     \
     bytes[n++] = (count) * sizeof *s->member;                                                      \
   } while (0)
-  ADD(position, s->local.begin, own);
-  ADD(velocity, s->local.begin, own);
-  ADD(pressure, s->local.begin, own);
-  ADD(mass, s->local.begin, own);
-  ADD(packing, s->local.begin, s->on.surface ? own : 0);
-  ADD(id, s->local.begin, own);
-  ADD(boundary_position, 0, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
-  ADD(wall_boxes, 0, s->wall_box_count);
-  ADD(soil_offset, 0, s->scene->region_count);
-  ADD(column_front, 0, s->column_count);
-  ADD(wells, 0, s->well_count);
-  ADD(rains, 0, s->rain_count);
+  ADD(boundary_position, s->on.moving_walls || s->on.open_sides ? s->boundary_count : 0);
+  ADD(wall_boxes, s->wall_box_count);
+  ADD(soil_offset, s->scene->region_count);
+  ADD(column_front, s->column_count);
+  ADD(wells, s->well_count);
+  for (size_t k = 0; k < s->on.active_count; k++) ADD(own_numbers[k], isph_own_count(s, k));
 #undef ADD
   return n;
 }

@@ -19,6 +19,5 @@ enum status isph_copy_state(const struct isph *s, struct isph_copy *copy);
 /* Collective: returns to the copied state, which is then fresh. */
 enum status isph_restore_state(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);
-#define ISPH_COPY_BYTES 92.0 /* per particle */
 
 #endif

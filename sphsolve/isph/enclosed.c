@@ -1,10 +1,11 @@
 /* Enclosed bodies of water, which fill the room they are in: they have no surface, and their
  * pressure is determined only up to a constant. */
+#include "sphsolve/isph/enclosed.h"
+
 #include <math.h>
 
 #include "common/memory.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/isph/state.h"
 #include "sphsolve/isph/well.h"
 
 /* Particles that are neighbours, directly or through others, form a body of water. A body none of

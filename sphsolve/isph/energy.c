@@ -1,4 +1,4 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/energy.h"
 
 #include <math.h>
 #include <string.h>
@@ -8,6 +8,7 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/constants.h"
 
 /* In a closed tank under a steady force the energy of the water, kinetic and potential,
  *   E = sum m (v^2 / (2 eps^2) - f.x),
@@ -44,9 +45,6 @@
  * term C_r/eps Dv/Dt conserves v of water that crosses the face of soil: its m u^2/2 grows by (m
  * v^2/2) D(1/eps^2), for which no pressure does work. As much as the step's move has added is
  * taken, however much it is. */
-
-/* relative excess of density above which the bound is eased; at twice this there is none */
-#define DENSITY_EXCESS 0.0025
 
 static double kinetic_of(const struct isph *s, double (*velocity)[3]) {
   double total;
@@ -158,8 +156,6 @@ void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*s
 }
 
 #define STRAIN_MAX 1e-3 /* largest strain in a step */
-/* most of the kinetic energy that is taken in a step, unless a new porosity has added more */
-#define TRIM_MAX 0.01
 
 void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available) {
   enum { WORK, WEIGHT, MASS, COUNT };

@@ -5,14 +5,8 @@
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/vector.h"
-
-#define FRONT_FROM 0.9     /* o from which on a particle is part of a front */
-#define FRONT_WEIGHT 0.1   /* surface weight at o = 1 */
-#define ONE_SIDED_FROM 0.6 /* o from which on the neighbours count as one-sided in part, */
-#define ONE_SIDED_FULL 0.7 /* and entirely */
-/* share of |sum V grad W| that the wall ahead leaves: below this, the wall counts (closed void); */
-#define VOID_SHUT 0.2
-#define VOID_OPEN 0.4 /* above this it does not */
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/constants.h"
 
 /* Sums over a neighbourhood, without walls beyond a void: `open` is sum V grad W, `across` is sum
  * |V grad W.g| with g the gradient sum including all walls. `beyond` is the second moment of the

@@ -5,6 +5,7 @@
 
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/constants.h"
 
 /* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
  */
@@ -115,7 +116,7 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   isph_sum_chunks(s, COUNT, total);
   double m[4][4], share[4] = {1};
   memset(value, 0, VALUES * sizeof *value);
-  if (total[FILLED] < 0.1) return;
+  if (total[FILLED] < GAUGE_WATER) return;
   for (int p = 0; p < 4; p++)
     for (int q = 0; q < 4; q++) m[p][q] = total[4 * p + q] / total[WEIGHT];
   /* singular: takes the mean */
@@ -129,8 +130,6 @@ bool isph_has_head(const struct isph *s) {
   return g[0] != 0 || g[1] != 0 || g[2] != 0;
 }
 
-/* Kernel sum below which water counts as spray and has no level. */
-#define LEVEL_KERNEL_SUM 0.6
 #define LEVEL_REACH 0.75 /* in particle sizes; a gauge between two columns uses both */
 
 /* Whether the point at that height over the gauge lies at the underside of a wall, or in one. */

@@ -1,4 +1,5 @@
 #include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/constants.h"
 
 #include <math.h>
 #include <string.h>
@@ -14,10 +15,6 @@
  * l2)/(l1 + l2) of its eigenvalues goes to 0, and both means go to the geometric one, which is that
  * of a checkerboard (Keller 1964). */
 
-/* Small, so that H matters only where grad M vanishes: a staircase of boxes along an oblique
- * interface makes H rougher than grad M (stairs of one spacing at 45 degrees: flux -13 % with 1, -4
- * % with 0.1). */
-#define HESSIAN_WEIGHT 0.02
 /* Bound on the change of the mean mobility along an interface, in units of the finer soil's
  * mobility. Soils whose mobilities differ by less than a factor 9 are not affected. */
 #define MEAN_CHANGE_MAX 4.0

@@ -6,6 +6,7 @@
 #include <stdbool.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/soil.h"
 
 /* The smoothed volume fraction of a soil at a place, its gradient (1/m) and second derivatives (xx
  * xy xz yy yz zz, 1/m^2). */
@@ -59,5 +60,20 @@ void isph_edge_find(const struct isph_edge *edge, const double interface[3],
 /* Sets the gradient from the flux, the sum of weight kij fall r, with the fall of q = P - rho f.x
  * from i to j. Leaves it unchanged where there is no edge. */
 void isph_edge_turn(const struct isph_edge_frame *frame, const double flux[3], double gradient[3]);
+
+/* Drag along an interface over drag across it. */
+static inline double isph_interface_ratio(double along, double across) {
+  return across > 0 ? along / across : 1;
+}
+
+/* For an x that was found with the coefficient across an interface: multiplies its part along the
+ * interface by `along`. */
+static inline void isph_interface_turn(const struct isph_interface *interface, double along,
+                                       double x[3]) {
+  const double *n = interface->normal;
+  double across = x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
+  if (n[0] == 0 && n[1] == 0 && n[2] == 0) return;
+  for (int a = 0; a < 3; a++) x[a] = along * x[a] + (1 - along) * across * n[a];
+}
 
 #endif

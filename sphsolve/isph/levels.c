@@ -201,9 +201,9 @@ static void transfer(const struct level *fine, const struct level *coarse, const
           size_t there = level_node(coarse, c & 1 ? second[0] : first[0],
                                     c & 2 ? second[1] : first[1], c & 4 ? second[2] : first[2]);
           if (down)
-            to[there] += 0.125 * from[here];
+            to[there] += from[here] / 8;
           else
-            sum += 0.125 * from[there];
+            sum += from[there] / 8;
         }
         if (!down) to[here] += sum;
       }

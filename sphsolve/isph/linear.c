@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sphsolve/isph/moment.h"
+
 /* Lower bound of m, the mean of M along a surface: it is .8 in the outermost row of a level
  * surface, and less in spray. */
 #define ALONG_MIN 0.5

@@ -9,6 +9,8 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/soil.h"
 
 /* Speeds of all particles on this rank relative to their soil: isph_links_begin. */
 #define SPEEDS(s) ((s)->work[0])

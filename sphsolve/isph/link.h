@@ -36,6 +36,7 @@
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/soil.h"
 
 /* Sums over the links of a particle near an edge. */
 struct isph_links {

@@ -10,27 +10,17 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/watch.h"
 #include "sphsolve/output/recorder.h"
-
-enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) {
-  *on = (struct isph_switches){.budget = plan_budget(plan), .dt_most = INFINITY};
-  plan_switch(plan, on);
-  for (size_t i = 0; i < plan->effect_count; i++) {
-    const struct planned_effect *planned = &plan->effects[i];
-    if (!planned->on) continue;
-    if (planned->dt_max < on->dt_most)
-      on->dt_most = planned->dt_max, on->dt_most_by = planned->effect->name;
-    if (planned->effect->force == NULL && planned->effect->surface_pressure == NULL) continue;
-    if (on->own_count == ISPH_OWN)
-      return FAIL(STATUS_RUN, "more than %d effects with a force of their own", ISPH_OWN);
-    on->own[on->own_count++] = planned->effect;
-  }
-  return STATUS_OK;
-}
+#include "sphsolve/isph/create.h"
+#include "sphsolve/isph/snapshot.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 
 /* Number of good steps after which a halved time step may double again. */
 #define RECOVERY 200
@@ -204,6 +194,7 @@ const struct method method_isph = {.name = "isph",
                                    .moves_walls = true,
                                    .has_turbulence = true,
                                    .fields = fields,
+                                   .constants = isph_constants,
                                    .takes = takes,
                                    .scales = isph_scales,
                                    .cost = isph_cost,

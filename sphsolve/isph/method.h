@@ -16,20 +16,10 @@ static inline bool isph_scene_uses_axis(const struct effect_context *context, in
 }
 /* isph/refuse.c: returns an error for scenes whose results could not be right. */
 enum status isph_refuse(const struct effect_context *context);
-/* Mean of a region's table of time up to the end of the run; `steady` if it has none. */
-double isph_mean_given(const struct scene *scene, const struct region *region, double steady);
-/* isph/refuse_sources.c: the checks of wells, drains, rain and absorbing sides. */
-enum status isph_refuse_wells(const struct effect_context *context);
-enum status isph_refuse_rain(const struct effect_context *context);
-enum status isph_refuse_absorbing(const struct effect_context *context);
 /* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
  * refused. */
 enum status isph_cost(struct plan *plan, int threads);
 /* isph/plan_ranks.c: the additional cost on several ranks. */
 void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
-
-/* Finds the switches of the state from a plan; also for tests, which advance the state themselves.
- */
-enum status isph_switches_of(const struct plan *plan, struct isph_switches *on);
 
 #endif

@@ -1,8 +1,12 @@
+#include "sphsolve/isph/moment.h"
+
 #include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/near_surface.h"
+#include "sphsolve/isph/constants.h"
 
 #include <math.h>
 
@@ -32,12 +36,11 @@
 /* Inverse of the symmetric m (xx xy xz yy yz zz) as the full 3x3 `inverse`; left unchanged if m is
  * nearly singular. */
 void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]) {
-  const double least = 0.02;
   double yy = dimensions == 2 ? 1 : m[3];
   double c00 = yy * m[5] - m[4] * m[4], c01 = m[2] * m[4] - m[1] * m[5],
          c02 = m[1] * m[4] - m[2] * yy;
   double determinant = m[0] * c00 + m[1] * c01 + m[2] * c02;
-  if (!(determinant > least)) return;
+  if (!(determinant > MOMENT_LEAST)) return;
   double scale = 1 / determinant;
   inverse[0] = c00 * scale, inverse[1] = inverse[3] = c01 * scale;
   inverse[2] = inverse[6] = c02 * scale;

@@ -1,4 +1,5 @@
-/* Displacement of the particles in a step: advection with the water, and shifting. */
+#include "sphsolve/isph/motion.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -11,8 +12,10 @@
 #include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
-#include "sphsolve/isph/state.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/energy.h"
+#include "sphsolve/isph/near_surface.h"
+#include "sphsolve/isph/wall.h"
 
 static void wrap(const struct isph *s, double x[3]) {
   for (int a = 0; a < 3; a++) {
@@ -21,30 +24,6 @@ static void wrap(const struct isph *s, double x[3]) {
     x[a] -= length * floor((x[a] - s->low[a]) / length);
     if (x[a] >= s->high[a]) x[a] = s->low[a];
   }
-}
-
-/* Neighbours' contribution to surface_near. */
-ROW void surface_around(enum isph_images images, const struct isph *s,
-                        const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
-  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    *near = fmax(*near, s->surface[j]);
-    double out[3];
-    isph_turn(images, s, chunk->pair[p], s->gradient_sum[j], out);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
-  }
-}
-
-/* How close particle i is to the surface (1: on it or with a neighbour on it), and the outward
- * normal of the surface there. */
-static double surface_near(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                           double normal[3]) {
-  double near = s->surface[i], square = 0;
-  for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
-  ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);
-  for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
-  for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
-  return near;
 }
 
 /* Whether there is a gap between particle i and a wall, 0 .. 1: the particle is on the surface, or
@@ -93,7 +72,7 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   double normal[3] = {0}, eps = s->on.soil ? s->porosity[i] : 1;
   if (s->on.surface) {
     weight = (1 - (1 - isph_calm_surface(s, i)) * s->surface[i]) * (1 - beside_gap(s, chunk, i));
-    near = surface_near(s, chunk, i, normal);
+    near = isph_near_surface(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   double size = isph_size_of(s, s->volume[i]);
@@ -165,7 +144,7 @@ static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
     for (int a = 0; a < 3; a++) steps[i][a] -= s->calm[i] * mean[i][a];
 }
 
-void isph_move(struct isph *s, double dt, double available) {
+void isph_move(struct isph *s, double dt) {
   /* v* and the next two arrays are free for reuse at this point */
   double(*displacement)[3] = s->predicted;
   double(*steps)[3] = s->scratch, *lift = s->work[0];
@@ -191,7 +170,8 @@ void isph_move(struct isph *s, double dt, double available) {
       isph_budget_displacement(s, sums, BUDGET_WALL_GUARD, i, beyond);
       for (int a = 0; a < 3; a++) speed[a] = s->dimensions == 3 || a != 1 ? speed[a] * dt : 0;
     }
-  if (s->on.energy) isph_energy_limit_displacement(s, displacement, available);
+  if (s->on.energy)
+    isph_energy_limit_displacement(s, displacement, s->energy_step.kinetic + s->energy_step.given);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     for (int a = 0; a < 3; a++) s->position[i][a] += displacement[i][a];

@@ -7,6 +7,7 @@
 #include "sphsolve/isph/levels.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/mobility.h"
 
 struct isph_multigrid {
   struct levels levels;

@@ -1,12 +1,18 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/open.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "common/memory.h"
-#include "common/units.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/soil.h"
+#include "sphsolve/isph/sort.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* Windows in the sides of the domain (open sides). Behind a window are columns of boundary
  * particles that move with the water (the buffer zones of Lastiwka, Basa, Quinlan 2009, one column
@@ -181,7 +187,7 @@ void isph_open_update_dry(struct isph *s, bool place) {
     const struct isph_open_side *side = &s->sides[column->side];
     if (side->region->table.count == 0 || side->kind != BOUNDARY_OPEN_HEAD) continue;
     if (column->first == SIZE_MAX) continue;
-    const bool dry = !(isph_open_pressure(s, side, column->at[2]) > 0);
+    const bool dry = !(isph_window_pressure(s, side, column->at[2]) > 0);
     if (dry == column->dry) continue;
     column->dry = dry;
     if (!place) continue;
@@ -218,70 +224,19 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
                           : s->spacing;
       column->volume = area * column->pitch;
       s->column_front[side->first + (size_t)c] = 0.5 * column->pitch;
-      column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_open_pressure(s, side, x[2]) > 0);
+      column->dry = side->kind == BOUNDARY_OPEN_HEAD && !(isph_window_pressure(s, side, x[2]) > 0);
       if (column->dry) {
         column->first = SIZE_MAX;
         continue;
       }
       for (int l = 0; l < column_layers(s, column); l++) {
         x[side->axis] = side->edge - side->inward * (l + 0.5) * column->pitch;
-        enum status status = isph_wall_add(s, capacity, x, side->kind, k, column->volume);
+        enum status status = isph_boundary_add(s, capacity, x, side->kind, k, column->volume);
         if (status != STATUS_OK) return status;
       }
     }
   }
   return STATUS_OK;
-}
-
-double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z) {
-  const double *g = s->scene->gravity;
-  double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
-  if (strength == 0) return s->density * GRAVITY_STANDARD * side->head;
-  return fmax(0, s->density * strength * (side->head - z));
-}
-
-/* The head is prescribed on the side itself, at least half a spacing in front of the boundary
- * particles. Their pressure is the linear extrapolation from the particle through the side, so that
- * a pair counts 1 + d_j/d_i times with the difference to the side. `r`: from the boundary particle;
- * `to_side`: from its foot on the side. */
-double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
-                         double to_side[3]) {
-  const struct isph_open_side *side = &s->sides[s->boundary_box[j]];
-  int n = side->axis;
-  double depth = side->inward > 0 ? xi[n] - s->low[n] : s->high[n] - xi[n];
-  memcpy(to_side, r, 3 * sizeof *r);
-  to_side[n] = depth * side->inward;
-  return 1 + fmax(0, fabs(r[n]) - depth) / fmax(depth, 0.25 * s->spacing);
-}
-
-/* The open side through which x has left the domain, or -1. */
-int isph_open_side_behind(const struct isph *s, const double x[3]) {
-  for (size_t k = 0; k < s->side_count; k++) {
-    const struct isph_open_side *side = &s->sides[k];
-    bool behind =
-        side->inward > 0 ? x[side->axis] < s->low[side->axis] : x[side->axis] > s->high[side->axis];
-    for (int a = 0; a < 3; a++)
-      if (a != side->axis && isph_uses_axis(s, a))
-        behind = behind && x[a] > side->low[a] && x[a] < side->high[a];
-    if (behind) return (int)k;
-  }
-  return -1;
-}
-
-/* Distance of x in front of a window, m; INFINITY if it is not in front of it. */
-static double depth_before(const struct isph *s, const struct isph_open_side *side,
-                           const double x[3]) {
-  for (int a = 0; a < 3; a++)
-    if (a != side->axis && isph_uses_axis(s, a) && !(x[a] > side->low[a] && x[a] < side->high[a]))
-      return INFINITY;
-  return side->inward > 0 ? x[side->axis] - s->low[side->axis]
-                          : s->high[side->axis] - x[side->axis];
-}
-
-bool isph_is_at_window(const struct isph *s, const double x[3]) {
-  for (size_t k = 0; k < s->side_count; k++)
-    if (depth_before(s, &s->sides[k], x) < s->spacing) return true;
-  return false;
 }
 
 /* A given pressure does not determine the velocity along a window or its profile, and without
@@ -300,7 +255,7 @@ void isph_open_straighten(struct isph *s) {
       for (size_t c = 0; c < s->chunk_count; c++) {
         double sum[2] = {0};
         for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-          double depth = depth_before(s, side, s->position[i]);
+          double depth = isph_window_depth(s, side, s->position[i]);
           if (depth >= reach || (s->on.soil && s->soil_fraction[i] > 0)) continue;
           double *v = s->predicted[i], *given = s->applied[i].straightened;
           double keep = fmin(1, fmax(0, depth / s->spacing - 1));
@@ -322,10 +277,6 @@ void isph_open_straighten(struct isph *s) {
     }
   }
 }
-
-/* Kernel sum at a place on the side, which is usually one half, below which the next particle
- * enters at once. */
-#define KERNEL_SUM_MIN 0.15
 
 enum status isph_open_measure(struct isph *s) {
   enum status status = STATUS_OK, worst = STATUS_OK;
@@ -359,7 +310,7 @@ enum status isph_open_measure(struct isph *s) {
       column->speed = side->flux / porosity;
       continue;
     }
-    if (measured[c][0] < KERNEL_SUM_MIN) s->column_front[c] = 0;
+    if (measured[c][0] < INFLOW_KERNEL_SUM) s->column_front[c] = 0;
     column->speed = side->inward * measured[c][1] / porosity;
   }
 cleanup:
@@ -379,7 +330,8 @@ static enum status admit(struct isph *s, size_t c) {
     porosity = soil.porosity;
   }
   velocity[side->axis] = side->inward * column->speed * porosity;
-  const double pressure = side->kind == BOUNDARY_OPEN_HEAD ? isph_open_pressure(s, side, x[2]) : 0;
+  const double pressure =
+      side->kind == BOUNDARY_OPEN_HEAD ? isph_window_pressure(s, side, x[2]) : 0;
   return isph_let_in(s, x, velocity, porosity * s->density * column->volume, pressure);
 }
 
@@ -389,15 +341,16 @@ enum status isph_open_move(struct isph *s, double dt) {
     struct isph_column *column = &s->columns[c];
     if (column->dry) continue;
     /* at most one particle in a step */
-    double path = fmin(column->speed * dt, 0.9 * column->pitch);
+    double path = fmin(column->speed * dt, COLUMN_STEP * column->pitch);
     double *front = &s->column_front[c];
     *front -= path;
     /* Nothing has left here. In soil the next particle that leaves, here or beside, takes this
      * place: as much goes out of the water as into the columns. A column that moved on regardless
      * would stand beside water that has not left, and hold it back: heads then fall up to 9 % late
      * through soil of porosity .3. */
-    if (*front > 1.1 * column->pitch)
-      *front = s->sides[column->side].porosity < 1 ? 1.1 * column->pitch : *front - column->pitch;
+    if (*front > COLUMN_GAP * column->pitch)
+      *front =
+          s->sides[column->side].porosity < 1 ? COLUMN_GAP * column->pitch : *front - column->pitch;
     if (*front <= 0) {
       enum status status = admit(s, c);
       if (status != STATUS_OK) return status;

@@ -5,13 +5,20 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/wall_force.h"
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/own.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
+#include "sphsolve/output/history_columns.h"
 #include "sphsolve/plan/reynolds.h"
+#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
 
 static double domain_volume(const struct isph *s) {
   return (s->high[0] - s->low[0]) * (s->high[1] - s->low[1]) * (s->high[2] - s->low[2]);
@@ -89,67 +96,6 @@ double isph_plane_flux(const struct isph *s, int axis, double position) {
   return flux * s->thickness;
 }
 
-enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
-  enum status status = STATUS_OK;
-  char name[64];
-  TRY(recorder_add_column(recorder, "potential_energy", "J", 1));
-  TRY(recorder_add_column(recorder, "velocity_rms", "m/s", 1));
-  TRY(recorder_add_column(recorder, "front_low", "m", 3));
-  TRY(recorder_add_column(recorder, "front_high", "m", 3));
-  TRY(recorder_add_column(recorder, "iterations", "1", 1));
-  TRY(recorder_add_column(recorder, "particles", "1", 1));
-  double velocity;
-  if (isph_column_velocity(s, &velocity))
-    TRY(recorder_add_column(recorder, COLUMN_VELOCITY, "m/s", 1));
-  for (int t = 0; t < BUDGET_TERMS; t++) {
-    if (!budget_is_on(&s->budget, t)) continue;
-    snprintf(name, sizeof name, "work_%s", budget_name(&s->budget, t));
-    TRY(recorder_add_column(recorder, name, "J", 1));
-  }
-  for (size_t k = 0; k < s->scene->region_count; k = s->scene->regions[k].end) {
-    snprintf(name, sizeof name, "volume_in_region_%zu_%s", s->scene->regions[k].number + 1,
-             region_type_names[s->scene->regions[k].type]);
-    TRY(recorder_add_column(recorder, name, "m^3", 1));
-  }
-  for (size_t b = 1; b < s->wall_box_count; b++) {
-    if (!isph_wall_has_name(s, b)) continue;
-    snprintf(name, sizeof name, "force_%s", s->wall_boxes[b].region->name);
-    TRY(recorder_add_column(recorder, name, "N", 3));
-  }
-  for (size_t k = 0; k < s->scene->gauge_count; k++) {
-    snprintf(name, sizeof name, "pressure_%s", s->scene->gauges[k].name);
-    TRY(recorder_add_column(recorder, name, "Pa", 1));
-    snprintf(name, sizeof name, "velocity_%s", s->scene->gauges[k].name);
-    TRY(recorder_add_column(recorder, name, "m/s", 3));
-    if (!isph_has_head(s)) continue;
-    snprintf(name, sizeof name, "head_%s", s->scene->gauges[k].name);
-    TRY(recorder_add_column(recorder, name, "m", 1));
-    if (!s->on.surface) continue;
-    snprintf(name, sizeof name, "level_%s", s->scene->gauges[k].name);
-    TRY(recorder_add_column(recorder, name, "m", 1));
-  }
-  for (size_t k = 0; k < s->scene->plane_count; k++) {
-    snprintf(name, sizeof name, "flux_%s", s->scene->planes[k].name);
-    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-  }
-  for (size_t w = 0; w < s->well_count; w++) {
-    snprintf(name, sizeof name, "outflow_%s", s->wells[w].region->name);
-    TRY(recorder_add_column(recorder, name, "m^3/s", 1));
-    snprintf(name, sizeof name, "taken_%s", s->wells[w].region->name);
-    TRY(recorder_add_column(recorder, name, "kg", 1));
-    snprintf(name, sizeof name, "pending_%s", s->wells[w].region->name);
-    TRY(recorder_add_column(recorder, name, "kg", 1));
-  }
-  for (size_t k = 0; k < s->rain_count; k++) {
-    snprintf(name, sizeof name, "fallen_%s", s->rains[k].region->name);
-    TRY(recorder_add_column(recorder, name, "kg", 1));
-    snprintf(name, sizeof name, "pending_%s", s->rains[k].region->name);
-    TRY(recorder_add_column(recorder, name, "kg", 1));
-  }
-cleanup:
-  return status;
-}
-
 /* Volume of water (not bulk volume) in a region's box, where its soil is now. A particle, taken as
  * a cube of its bulk volume, counts by the part that is inside; where the box touches a side of the
  * domain, it extends beyond it. (Counting particles by their centres, whole rows would come and go:
@@ -216,82 +162,110 @@ static void sum_up(const struct isph *s, struct whole *whole) {
   memcpy(whole->extreme, most, sizeof most);
 }
 
-enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt) {
-  struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
+struct row {
+  const struct isph *state;
   struct whole whole;
-  double *extra = NULL;
-  size_t n = 13 + BUDGET_TERMS + 4 * s->scene->region_count +
-             GAUGE_NUMBERS * s->scene->gauge_count + s->scene->plane_count + 3 * s->well_count +
-             2 * s->rain_count,
-         c = 0;
-  enum status status = memory_allocate(&extra, n, sizeof *extra, "a row of the history");
-  if (status != STATUS_OK) return status;
-  sum_up(s, &whole);
-  double scale = s->thickness, count = (double)(s->total > 0 ? s->total : 1);
-  row.mass = whole.mass * scale, row.kinetic_energy = whole.kinetic * scale;
-  for (int a = 0; a < 3; a++) row.momentum[a] = whole.momentum[a] * scale;
-  row.density_max = s->density * fmax(0, whole.extreme[6]);
-  row.density_mean = s->density * whole.kernel_sum / count;
-  isph_darcy_velocity(s, row.darcy_velocity);
-  row.reynolds = isph_reynolds(s, row.darcy_velocity);
-  extra[c++] = whole.potential * scale;
-  extra[c++] = sqrt(whole.squares / count);
+};
+
+static void walk_columns(struct history_columns *columns, const void *row) {
+  const struct isph *s = ((const struct row *)row)->state;
+  const struct whole *whole = &((const struct row *)row)->whole;
+  const struct scene *scene = s->scene;
+  const double count = (double)(s->total > 0 ? s->total : 1);
+  double low[3], high[3], velocity, force[3];
   /* A particle beside a wall is no cube: its extent ends at the wall. */
   for (int a = 0; a < 3; a++)
-    extra[c++] = s->periodic[a] ? -whole.extreme[3 + a] : fmax(-whole.extreme[3 + a], s->low[a]);
+    low[a] = s->periodic[a] ? -whole->extreme[3 + a] : fmax(-whole->extreme[3 + a], s->low[a]);
   for (int a = 0; a < 3; a++)
-    extra[c++] = s->periodic[a] ? whole.extreme[a] : fmin(whole.extreme[a], s->high[a]);
-  extra[c++] = s->solve.iterations;
-  extra[c++] = (double)s->total;
-  c += isph_column_velocity(s, &extra[c]);
+    high[a] = s->periodic[a] ? whole->extreme[a] : fmin(whole->extreme[a], s->high[a]);
+  history_number(columns, "J", whole->potential * s->thickness, "potential_energy");
+  history_number(columns, "m/s", sqrt(whole->squares / count), "velocity_rms");
+  history_column(columns, "m", 3, low, "front_low");
+  history_column(columns, "m", 3, high, "front_high");
+  history_number(columns, "1", s->solve.iterations, "iterations");
+  history_number(columns, "1", (double)s->total, "particles");
+  if (isph_column_velocity(s, &velocity)) history_number(columns, "m/s", velocity, COLUMN_VELOCITY);
   for (int t = 0; t < BUDGET_TERMS; t++)
-    if (budget_is_on(&s->budget, t)) extra[c++] = s->budget.sums.work[t];
-  for (size_t k = 0; k < s->scene->region_count; c++)
-    for (const size_t end = s->scene->regions[k].end; k < end; k++)
-      extra[c] += volume_in_region(s, k);
-  for (size_t b = 1; b < s->wall_box_count; b++)
-    if (isph_wall_has_name(s, b)) isph_wall_force(s, b, &extra[c]), c += 3;
-  for (size_t k = 0; k < s->scene->gauge_count; k++)
-    c += isph_read_gauge(s, s->scene->gauges[k].at, &extra[c]);
-  for (size_t k = 0; k < s->scene->plane_count; k++)
-    extra[c++] = isph_plane_flux(s, s->scene->planes[k].axis, s->scene->planes[k].position);
-  for (size_t w = 0; w < s->well_count; w++) {
-    extra[c++] = s->wells[w].flow * scale;
-    extra[c++] = s->wells[w].taken * scale;
-    extra[c++] = s->wells[w].pending * scale;
+    if (budget_is_on(&s->budget, t))
+      history_number(columns, "J", s->budget.sums.work[t], "work_%s", budget_name(&s->budget, t));
+  for (size_t k = 0; k < scene->region_count;) {
+    const struct region *region = &scene->regions[k];
+    double volume = 0;
+    for (; k < region->end; k++) volume += volume_in_region(s, k);
+    history_number(columns, "m^3", volume, "volume_in_region_%zu_%s", region->number + 1,
+                   region_type_names[region->type]);
   }
-  for (size_t k = 0; k < s->rain_count; k++) {
-    extra[c++] = s->rains[k].fallen * scale;
-    extra[c++] = s->rains[k].pending * scale;
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    if (!isph_wall_has_name(s, b)) continue;
+    isph_wall_force(s, b, force);
+    history_column(columns, "N", 3, force, "force_%s", s->wall_boxes[b].region->name);
   }
-  status = recorder_row(recorder, &row, extra);
-  memory_free(&extra);
-  return status;
+  for (size_t k = 0; k < scene->gauge_count; k++) {
+    const char *name = scene->gauges[k].name;
+    double read[GAUGE_NUMBERS];
+    const size_t n = isph_read_gauge(s, scene->gauges[k].at, read);
+    history_number(columns, "Pa", read[0], "pressure_%s", name);
+    history_column(columns, "m/s", 3, &read[1], "velocity_%s", name);
+    if (n > 4) history_number(columns, "m", read[4], "head_%s", name);
+    if (n > 5) history_number(columns, "m", read[5], "level_%s", name);
+  }
+  for (size_t k = 0; k < scene->plane_count; k++)
+    history_number(columns, "m^3/s",
+                   isph_plane_flux(s, scene->planes[k].axis, scene->planes[k].position), "flux_%s",
+                   scene->planes[k].name);
+  for (size_t k = 0; k < s->on.active_count; k++)
+    if (s->on.active[k]->columns != NULL) s->on.active[k]->columns(columns, s);
 }
 
-/* Writes three numbers of well or rain number n. */
-static enum status write_three(struct h5_file *file, const char *what, size_t n,
-                               const double kept[3]) {
-  const size_t three = 3;
+enum status isph_add_columns(const struct isph *s, struct recorder *recorder) {
+  struct row row = {.state = s};
+  sum_up(s, &row.whole);
+  return history_columns_declare(recorder, walk_columns, &row);
+}
+
+enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt) {
+  struct history_row row = {.time = s->time, .step = s->step, .dt = dt};
+  struct row more = {.state = s};
+  const struct whole *whole = &more.whole;
+  sum_up(s, &more.whole);
+  row.mass = whole->mass * s->thickness, row.kinetic_energy = whole->kinetic * s->thickness;
+  for (int a = 0; a < 3; a++) row.momentum[a] = whole->momentum[a] * s->thickness;
+  row.density_max = s->density * fmax(0, whole->extreme[6]);
+  row.density_mean = s->density * whole->kernel_sum / (double)(s->total > 0 ? s->total : 1);
+  isph_darcy_velocity(s, row.darcy_velocity);
+  row.reynolds = isph_reynolds(s, row.darcy_velocity);
+  return history_columns_row(recorder, &row, walk_columns, &more);
+}
+
+/* Writes the numbers of thing number n. */
+static enum status write_numbers(struct h5_file *file, const char *what, size_t n, size_t count,
+                                 const double *kept) {
   char name[64];
   snprintf(name, sizeof name, "/state/%s_%zu", what, n);
-  return h5_write(file, name, H5_F64, 1, &three, kept, false);
+  return h5_write(file, name, H5_F64, 1, &count, kept, false);
+}
+
+static const char *state_name(char name[64], const struct isph_field *field) {
+  snprintf(name, 64, "/state/%s", field->name);
+  return name;
 }
 
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   const size_t first = s->local.begin, own = s->local.end - first;
-  size_t vectors[2] = {own, 3}, packing[2] = {own, 5}, regions[2] = {s->scene->region_count, 3};
+  size_t regions[2] = {s->scene->region_count, 3};
+  struct isph_kept state;
+  char name[64];
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
-  TRY(h5_write_rows(file, "/state/position", H5_F64, 2, vectors, s->position + first, true));
-  TRY(h5_write_rows(file, "/state/velocity", H5_F64, 2, vectors, s->velocity + first, true));
-  TRY(h5_write_rows(file, "/state/pressure", H5_F64, 1, &own, s->pressure + first, true));
-  TRY(h5_write_rows(file, "/state/mass", H5_F64, 1, &own, s->mass + first, true));
-  if (s->packing != NULL)
-    TRY(h5_write_rows(file, "/state/packing", H5_F32, 2, packing, s->packing + first, true));
-  TRY(h5_write_rows(file, "/state/id", H5_U64, 1, &own, s->id + first, true));
+  isph_fields_kept(s, &state);
+  for (size_t k = 0; k < state.count; k++) {
+    const struct isph_field *field = &state.field[k];
+    const size_t dims[2] = {own, (size_t)field->components};
+    TRY(h5_write_rows(file, state_name(name, field), field->type, field->components > 1 ? 2 : 1,
+                      dims, isph_field_data(s, field) + first * field->size, true));
+  }
   TRY(h5_write(file, "/state/soil_offset", H5_F64, 2, regions, s->soil_offset, false));
   if (s->boundary_count > 0)
     TRY(h5_write(file, "/state/wall_position", H5_F64, 2, walls, s->boundary_position, true));
@@ -299,15 +273,15 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     TRY(h5_write(file, "/state/column_front", H5_F64, 1, &s->column_count, s->column_front, false));
   for (size_t w = 0; w < s->well_count; w++) {
     const struct isph_well *well = &s->wells[w];
-    TRY(write_three(file, "well", w, (double[3]){well->taken, well->pending, well->flow}));
+    TRY(write_numbers(file, "well", w, 3, (double[3]){well->taken, well->pending, well->flow}));
   }
-  for (size_t k = 0; k < s->rain_count; k++) {
-    const struct isph_rain *rain = &s->rains[k];
-    TRY(write_three(file, "rain", k, (double[3]){rain->fallen, rain->pending, rain->places}));
+  for (size_t k = 0; k < s->on.active_count; k++) {
+    const size_t each = (size_t)s->on.active[k]->numbers_each;
+    for (size_t n = 0; n * each < isph_own_count(s, k); n++)
+      TRY(write_numbers(file, s->on.active[k]->numbers, n, each, s->own_numbers[k] + n * each));
   }
   double boxes[6];
   for (size_t b = 1; b < s->wall_box_count; b++) {
-    char name[64];
     size_t six = 6;
     memcpy(boxes, s->wall_boxes[b].low, 3 * sizeof *boxes);
     memcpy(boxes + 3, s->wall_boxes[b].high, 3 * sizeof *boxes);
@@ -364,10 +338,11 @@ static enum status read_into(struct h5_file *file, const char *name, enum h5_typ
   return read_rows(file, name, type, count, 0, count, width, to);
 }
 
-static enum status read_three(struct h5_file *file, const char *what, size_t n, double kept[3]) {
+static enum status read_numbers(struct h5_file *file, const char *what, size_t n, size_t count,
+                                double *kept) {
   char name[64];
   snprintf(name, sizeof name, "/state/%s_%zu", what, n);
-  return read_into(file, name, H5_F64, 3, 1, kept);
+  return read_into(file, name, H5_F64, count, 1, kept);
 }
 
 enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
@@ -375,6 +350,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   size_t dims[2];
   int rank;
   double numbers[4], dog[3], solve[4], kept[3];
+  struct isph_kept state;
+  char name[64];
   int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
@@ -383,13 +360,10 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   const size_t own = all * ((size_t)ranks_own() + 1) / ranks - first;
   TRY(isph_reserve(s, own));
   s->count = own;
-  TRY(read_rows(file, "/state/position", H5_F64, all, first, own, 3, s->position));
-  TRY(read_rows(file, "/state/velocity", H5_F64, all, first, own, 3, s->velocity));
-  TRY(read_rows(file, "/state/pressure", H5_F64, all, first, own, 1, s->pressure));
-  TRY(read_rows(file, "/state/mass", H5_F64, all, first, own, 1, s->mass));
-  if (s->packing != NULL)
-    TRY(read_rows(file, "/state/packing", H5_F32, all, first, own, 5, s->packing));
-  TRY(read_rows(file, "/state/id", H5_U64, all, first, own, 1, s->id));
+  isph_fields_kept(s, &state);
+  for (size_t k = 0; k < state.count; k++)
+    TRY(read_rows(file, state_name(name, &state.field[k]), state.field[k].type, all, first, own,
+                  (size_t)state.field[k].components, isph_field_data(s, &state.field[k])));
   TRY(read_into(file, "/state/soil_offset", H5_F64, s->scene->region_count, 3, s->soil_offset));
   if (s->boundary_count > 0)
     TRY(read_into(file, "/state/wall_position", H5_F64, s->boundary_count, 3,
@@ -398,16 +372,15 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     TRY(read_into(file, "/state/column_front", H5_F64, s->column_count, 1, s->column_front));
   for (size_t w = 0; w < s->well_count; w++) {
     struct isph_well *well = &s->wells[w];
-    TRY(read_three(file, "well", w, kept));
+    TRY(read_numbers(file, "well", w, 3, kept));
     well->taken = kept[0], well->pending = kept[1], well->flow = kept[2];
   }
-  for (size_t k = 0; k < s->rain_count; k++) {
-    struct isph_rain *rain = &s->rains[k];
-    TRY(read_three(file, "rain", k, kept));
-    rain->fallen = kept[0], rain->pending = kept[1], rain->places = kept[2];
+  for (size_t k = 0; k < s->on.active_count; k++) {
+    const size_t each = (size_t)s->on.active[k]->numbers_each;
+    for (size_t n = 0; n * each < isph_own_count(s, k); n++)
+      TRY(read_numbers(file, s->on.active[k]->numbers, n, each, s->own_numbers[k] + n * each));
   }
   for (size_t b = 1; b < s->wall_box_count; b++) {
-    char name[64];
     double box[6];
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(read_into(file, name, H5_F64, 6, 1, box));

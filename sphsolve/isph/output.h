@@ -8,12 +8,11 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/output/recorder.h"
 
-/* Adds the history's columns beyond those of every method; writes a row of the history, a snapshot
- * of the particles, and a checkpoint of the state. `dt` is the length of the last step, s.
+/* Adds the history's columns beyond those of every method; writes a row of the history, and a
+ * checkpoint of the state. `dt` is the length of the last step, s.
  * Collective. */
 enum status isph_add_columns(const struct isph *s, struct recorder *recorder);
 enum status isph_write_row(const struct isph *s, struct recorder *recorder, double dt);
-enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder);
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder);
 /* Reads the state from a checkpoint; the file stays open. */
 enum status isph_read_checkpoint(struct isph *s, struct h5_file *file);

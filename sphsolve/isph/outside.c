@@ -1,6 +1,6 @@
 /* Removes particles that have left the domain: through a window of an open side, or, which should
  * not happen, through a wall. */
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/outside.h"
 
 #include <math.h>
 #include <string.h>
@@ -9,12 +9,11 @@
 #include "common/memory.h"
 #include "common/statistics.h"
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/well.h"
-
-/* Relative difference in bulk volume below which particles have the same spacing as those of a
- * column. */
-#define SAME_VOLUME 0.2
+#include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* A particle that has left at x in a step of length dt becomes the foremost of a column, whose
  * front continues from there. In free water it is that of its own column; in soil, where the number
@@ -68,7 +67,7 @@ static void add_passed(struct isph *s, double *sum, double mass) {
 
 static void count_removed(struct isph *s, const struct isph_removed *gone, double dt) {
   const double *x = gone->position, mass = gone->mass * s->thickness;
-  int side = isph_open_side_behind(s, x);
+  int side = isph_window_behind(s, x);
   isph_budget_removed(s, side >= 0 || gone->pumped ? BUDGET_LEFT : BUDGET_LOST, gone);
   if (gone->pumped) {
     s->left_count++, add_passed(s, &s->passed.left, mass);
@@ -99,6 +98,8 @@ enum status isph_remove_outside(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   struct isph_removed *here = NULL, *all = NULL;
   size_t kept = 0, gone = 0, total = 0;
+  struct isph_kept state;
+  isph_fields_kept(s, &state);
   s->fastest_lost[0] = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) gone += is_removed(s, i);
   TRY(memory_allocate(&here, gone, sizeof *here, "particles that leave"));
@@ -113,14 +114,7 @@ enum status isph_remove_outside(struct isph *s, double dt) {
       g->inertia = s->on.soil ? s->inertia[i] : 1, g->porosity = s->on.soil ? s->porosity[i] : 1;
       continue;
     }
-    if (kept != i) {
-      memcpy(s->position[kept], s->position[i], sizeof *s->position);
-      memcpy(s->velocity[kept], s->velocity[i], sizeof *s->velocity);
-      s->pressure[kept] = s->pressure[i];
-      s->mass[kept] = s->mass[i];
-      if (s->packing != NULL) memcpy(s->packing[kept], s->packing[i], sizeof *s->packing);
-      s->id[kept] = s->id[i];
-    }
+    isph_kept_move(s, &state, kept, i, 1);
     kept++;
   }
   s->count = kept;

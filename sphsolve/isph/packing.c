@@ -4,10 +4,8 @@
 
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/vector.h"
+#include "sphsolve/isph/constants.h"
 
-/* Largest |phi - 1| that counts as that of an arrangement; at edges of soil it is .08. Water that
- * is denser overlaps. */
-#define PACKING_MOST 0.1
 /* Least cosine between the force and an axis for a side of a region to be level. */
 #define LEVEL_AXIS (1 - 1e-6)
 /* Distance over which the arrangement is forgotten, in sizes of a particle. */

@@ -1,10 +1,12 @@
 /* Initial placement of the water. */
+#include "sphsolve/isph/place.h"
+
 #include <math.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/particles.h"
 
 /* Free water has a particle on each site of the lattice. In soil a site holds only the fraction eps
  * of that mass; a particle of so little mass would be smaller than those that flow in, and its

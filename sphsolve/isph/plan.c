@@ -1,8 +1,6 @@
 /* Forecast of the cost of method isph: memory, steps, time, and the error of k. */
 #include "common/log.h"
-#include "sphsolve/isph/anisotropy.h"
-#include "sphsolve/isph/copy.h"
-#include "sphsolve/isph/link.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/method.h"
 
 #include <math.h>
@@ -11,7 +9,9 @@
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/threads.h"
-#include "sphsolve/isph/well.h"
+#include "sphsolve/isph/switches.h"
+#include "sphsolve/isph/soil.h"
+#include "sphsolve/isph/constants.h"
 
 enum status isph_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
@@ -22,10 +22,6 @@ enum status isph_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Seconds on one core per particle and step, in 2-D and in 3-D; measured where the pressure solve
- * takes few iterations. */
-static const double SECONDS_PER_STEP[2] = {4e-6, 8e-6};
-
 /* Number of steps as isph_stable_dt will choose them, while the water is fast and after that. */
 static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
@@ -34,21 +30,11 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
   const double force = driving > 0 ? 0.25 * sqrt(dx / driving) : INFINITY;
   const double least = fmin(fmin(force, plan->dt_limit), time / 2);
   if (!(least > 0)) return INFINITY; /* a force that is not finite */
-  const double displacement = (context->has_surface ? 0.2 : 0.1) * dx;
+  const double displacement = (context->has_surface ? DT_ADVECTION_SURFACE : DT_ADVECTION) * dx;
   const double fast = fmin(time, speeds->lasts);
   return fast / fmin(least, displacement / speeds->speed) +
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
-
-/* Error of the resistance of a soil layer by its two smoothed ends, expressed as a thickness: at
- * most so many spacings of the particles in it. Measured with 20 spacings of soil between two
- * heads, grains of 1 um to 5 mm and porosity .1 to .9; in a periodic box it is .1 at porosity .3
- * and .26 at .1, and the same at half the spacing. */
-#define LAYER_END_ERROR 0.35
-
-/* The same for soils side by side in a periodic box, porosity .5 beside .3 in layers along and
- * across and in a checkerboard: 0.5 to 2.4 % of k at 5 spacings a layer. */
-#define PARALLEL_LAYER_ERROR 0.2
 
 /* Thickness, in spacings, of the thinnest soil that does not span the domain; INFINITY if all soils
  * are alike. */
@@ -61,7 +47,7 @@ static double thinnest_layer(const struct effect_context *context) {
     for (int a = 0; a < 3; a++) {
       const double length = region->extent[a + 3] - region->extent[a];
       const bool used = context->lattice->dimensions == 3 || a != 1;
-      if (used && length < 0.999 * scene->domain_size[a])
+      if (used && length < SPANS * scene->domain_size[a])
         thinnest = fmin(thinnest, length / context->spacing);
     }
   }
@@ -78,7 +64,7 @@ static bool has_water_beside_soil(const struct effect_context *context) {
     if (scene->regions[r].type == REGION_POROUS)
       soil += (box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]);
   }
-  return soil > 0 && soil < 0.999 * site * (double)context->lattice->fluid_count;
+  return soil > 0 && soil < SPANS * site * (double)context->lattice->fluid_count;
 }
 
 /* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the
@@ -88,16 +74,13 @@ static double soil_length(const struct effect_context *context, const struct reg
   const double *size = context->scene->domain_size;
   const int dimensions = context->lattice->dimensions;
   double way = region->extent[axis + 3] - region->extent[axis];
-  if (way > 0.999 * size[axis])
+  if (way > SPANS * size[axis])
     for (int a = 0; a < 3; a++) {
       const double length = region->extent[a + 3] - region->extent[a];
-      if ((dimensions == 3 || a != 1) && length < 0.999 * size[a]) way = fmin(way, length);
+      if ((dimensions == 3 || a != 1) && length < SPANS * size[a]) way = fmin(way, length);
     }
   return way / (context->spacing * pow(region->porosity, -1.0 / dimensions));
 }
-
-/* Error that a user is assumed to accept who gives none. */
-#define ACCEPTED_ERROR 0.03
 
 /* Expected error of soil whose thinnest layer is `thinnest` of its own particles thick, and the
  * spacing that would suffice. */
@@ -154,12 +137,6 @@ static void expect_isph(struct plan *plan) {
   }
 }
 
-/* Rows of a front in soil are 1/eps spacings apart, and their kernels reach eps^(-1/dimensions)
- * times the support: below this porosity they overlap so little, or not at all, that a front cannot
- * be told from what is behind it. Fronts 30 and 40 cm deep, in 2-D, were off by 10 % at .25 and by
- * 7 and 20 % at .2; a finer spacing makes no difference. */
-#define FRONT_POROSITY 0.3
-
 /* Warns if water will enter such soil. */
 static void warn_of_fronts(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
@@ -173,6 +150,30 @@ static void warn_of_fronts(const struct effect_context *context) {
                 context->scene->path, soil->line, soil->porosity, FRONT_POROSITY);
     return;
   }
+}
+
+/* Bytes of a particle beside its fields and its pairs: the levels of the multigrid. */
+#define REST_BYTES 60
+
+/* Memory of a particle, by the tables of its fields and of its pairs. */
+static enum status find_bytes(struct plan *plan, double neighbours) {
+  const struct effect_context *context = &plan->context;
+  struct isph s = {.scene = context->scene, .dimensions = context->lattice->dimensions};
+  struct isph_kept kept;
+  const enum status status = isph_switches_of(plan, &s.on);
+  if (status != STATUS_OK) return status;
+  for (int a = 0; a < 3; a++)
+    s.force[a] = isph_scene_uses_axis(context, a) ? context->scene->driving[a] : 0;
+  isph_fields_kept(&s, &kept);
+  /* see struct isph_chunk */
+  const size_t numbers = 3 + (size_t)(s.on.links || s.on.anisotropy) + (size_t)s.on.links +
+                         (size_t)(s.on.links && s.on.anisotropy);
+  const double pair = (double)(numbers * sizeof(float));
+  const double chunk = (double)(sizeof(struct isph_chunk) + sizeof *s.sums);
+  plan->bytes_fluid =
+      (double)isph_fields_bytes(&s) + chunk / CHUNK + REST_BYTES + PAIRS_ROOM * neighbours * pair;
+  plan->bytes_copy = (double)context->lattice->fluid_count * (double)kept.bytes;
+  return STATUS_OK;
 }
 
 enum status isph_cost(struct plan *plan, int threads) {
@@ -195,27 +196,16 @@ enum status isph_cost(struct plan *plan, int threads) {
                        "%g s is beyond the limit of %g s that %s sets; use dt = \"auto\"",
                        scene->isph.dt, plan->dt_limit, plan->dt_limited_by);
   plan->dt = scene->isph.dt; /* NAN: chosen in each step */
-  plan->bytes_fluid = 519 + 1.3 * neighbours * 12;
-  if (context->has_surface) plan->bytes_fluid += 36; /* body, packing */
-  if (isph_soils_differ(scene)) plan->bytes_fluid += (double)sizeof(struct isph_interface);
-  if (context->has_porous && isph_links_wanted(scene, context->has_surface))
-    plan->bytes_fluid +=
-        (context->has_surface ? 12 : 4) + (double)sizeof(struct isph_linked) + 1.3 * neighbours * 8;
-  if (isph_is_anisotropic(scene))
-    plan->bytes_fluid += 24 + (double)sizeof(struct isph_anisotropy) + 1.3 * neighbours * 4;
-  if (context->has_surface && context->driving == 0) plan->bytes_fluid += 8;
-  if (context->has_surface && context->driving > 0 && !context->has_porous)
-    plan->bytes_fluid += 96; /* gradients exact for linear fields, calm water */
-  if (isph_has_wells(scene)) plan->bytes_fluid += (double)sizeof(struct isph_outlet);
+  status = find_bytes(plan, neighbours);
+  if (status != STATUS_OK) return status;
   plan->bytes_wall = 0;
   plan->bytes_method = n * plan->bytes_fluid;
-  plan->bytes_copy = n * ISPH_COPY_BYTES;
   struct isph_speed_forecast speeds;
   status = isph_speed_predict(context, &speeds);
   if (status != STATUS_OK) return status;
   plan->steps = isnan(plan->dt) ? steps_at(plan, &speeds) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
-  plan->seconds = plan->steps * n * SECONDS_PER_STEP[context->lattice->dimensions - 2] /
+  plan->seconds = plan->steps * n * (context->lattice->dimensions == 2 ? SECONDS_2D : SECONDS_3D) /
                   isph_threads(scene, n, threads < 8 ? threads : 8);
   expect_isph(plan);
   return STATUS_OK;

@@ -1,18 +1,11 @@
 /* Cost of method isph on several ranks (docs/scaling.md). */
 #include "sphsolve/isph/method.h"
+#include "sphsolve/isph/constants.h"
 
 #include <math.h>
 
-/* share of the time in the V-cycle on the grid, which every rank does in full */
-#define SERIAL_SHARE 0.07
-#define ITERATIONS 10.0    /* of the pressure solve in a step */
-#define GATHERED_BYTES 1.6 /* per particle and iteration: residual on the grid, sums of chunks */
-#define GRID_BYTES 40.0    /* bytes on every rank: of the grid, per particle, */
-#define SITE_BYTES 6.0     /* of lattice and cells, per site, */
-#define WALL_BYTES 31.0    /* and per wall particle */
-#define GHOST_BYTES 456.0  /* bytes of a ghost */
-#define GHOST_LAYERS 1.25  /* thickness of the layers of ghosts, in supports */
-#define GHOST_BYTES_SENT 240.0 /* bytes of a ghost sent per step */
+#define ITERATIONS 10.0 /* of the pressure solve in a step */
+#define GRID_BYTES 40.0 /* bytes on every rank: of the grid, per particle, */
 
 /* Number of particles in the walls around the domain. */
 static double walls_around(const struct plan *plan) {
@@ -31,14 +24,15 @@ void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ran
   (void)threads;
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
-  const double layers = GHOST_LAYERS * plan->context.scene->isph.support_ratio;
+  const double layers = RANKS_GHOST_LAYERS * plan->context.scene->isph.support_ratio;
   const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
   const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
-  cost->in_full = SERIAL_SHARE * (1 - 1 / r) * plan->seconds;
-  cost->gathered = (1 - 1 / r) * GATHERED_BYTES * ITERATIONS * fluid;
-  cost->ghosts = GHOST_BYTES_SENT * beside;
+  cost->in_full = RANKS_SERIAL_SHARE * (1 - 1 / r) * plan->seconds;
+  cost->gathered = (1 - 1 / r) * RANKS_GATHERED_BYTES * ITERATIONS * fluid;
+  cost->ghosts = RANKS_GHOST_SENT * beside;
   cost->messages = (6 + ITERATIONS) * fmin(r - 1, 6);
   cost->sums = 4 * ITERATIONS;
-  cost->whole = GRID_BYTES * fluid + SITE_BYTES * sites + WALL_BYTES * walls_around(plan);
-  cost->held = GHOST_BYTES * beside;
+  cost->whole =
+      GRID_BYTES * fluid + RANKS_SITE_BYTES * sites + RANKS_WALL_BYTES * walls_around(plan);
+  cost->held = RANKS_GHOST_BYTES * beside;
 }

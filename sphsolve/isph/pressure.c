@@ -1,4 +1,4 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/pressure.h"
 
 #include <math.h>
 #include <string.h>
@@ -12,7 +12,10 @@
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/strain.h"
 #include "sphsolve/isph/symmetric.h"
-#include "sphsolve/isph/well.h"
+#include "sphsolve/isph/enclosed.h"
+#include "sphsolve/isph/mobility.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
 
 #define ITERATIONS_MAX 2000
 
@@ -70,7 +73,7 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann condition);
  * their images reflect the velocity. If the pressure is carried over from the last step, the rows
  * of the first projection have no source: it is that of the second solve. */
-void isph_assemble(struct isph *s, double relaxation_time) {
+void isph_assemble(struct isph *s) {
   const bool again = s->solve.again, sources = again || !s->solve.carries;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
@@ -99,7 +102,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         double r[3], slope = chunk->wall_slope[p];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
-          double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+          double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
           double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
           if (relative != NULL) {
             a *= relative[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]];
@@ -125,7 +128,7 @@ void isph_assemble(struct isph *s, double relaxation_time) {
           divergence +=
               image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
       }
-      if (s->on.moving_soil) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
+      if (s->porosity_rate != NULL) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
       if (sources) source -= vol * divergence;
       if (s->on.surface) {
         double coefficient, load;
@@ -134,11 +137,12 @@ void isph_assemble(struct isph *s, double relaxation_time) {
         diagonal += coefficient, tied += coefficient;
         source += load;
       }
-      if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, relaxation_time);
-      if (s->on.wells) isph_wells_row(s, i, &diagonal, &source, &tied);
-      s->diagonal[i] = diagonal > 0 ? diagonal : 1;
-      s->source[i] = source;
-      s->tied[i] = tied;
+      if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, s->relaxation_time);
+      struct effect_row row = {diagonal, source, tied};
+      for (size_t k = 0; k < s->on.row_count; k++) s->on.rows[k]->row(s, i, &row);
+      s->diagonal[i] = row.diagonal > 0 ? row.diagonal : 1;
+      s->source[i] = row.source;
+      s->tied[i] = row.tied;
     }
   }
   for (size_t i = s->local.begin; i < s->local.end; i++) fixed += s->tied[i];

@@ -1,8 +1,8 @@
-/* Distribution of the particles of method isph over the ranks. In the order of their cells each
- * rank computes a contiguous range of particles. It holds besides, as ghosts, those of the layers
- * of cells (across the longest axis) that its kernels reach. All are stored in that order, with
- * [local.begin, local.end) its own. Ranks exchange what their neighbours' sums read. On one rank
- * the range is all particles, and nothing here has any effect. */
+/* What the ranks of method isph exchange. In the order of their cells (sort.h) each rank computes a
+ * contiguous range of particles. It holds besides, as ghosts, those of the layers of cells (across
+ * the longest axis) that its kernels reach. All are stored in that order, with [local.begin,
+ * local.end) its own. Ranks exchange what their neighbours' sums read. On one rank the range is all
+ * particles, and nothing here has any effect. */
 #ifndef TOSUI_SPHSOLVE_ISPH_RANKS_H
 #define TOSUI_SPHSOLVE_ISPH_RANKS_H
 
@@ -11,17 +11,6 @@
 static inline bool isph_is_distributed(const struct isph *s) {
   return RANKS && s->local.partition != NULL;
 }
-/* Collective, before a sort: divides the particles by the number of pairs in the last step. Takes
- * all particles here as own, and leaves the rank's new own particles and ghosts, unsorted. */
-enum status isph_distribute(struct isph *s);
-/* After the sort: finds which of the particles here are the rank's own. */
-void isph_find_own(struct isph *s);
-/* Whether this rank is responsible for a place: it holds all particles within the kernel's reach,
- * and no rank before it does. */
-bool isph_answers_for(const struct isph *s, const double x[3]);
-/* Collective, after the neighbour search: the ghosts to be updated are those that the pairs refer
- * to. */
-enum status isph_find_ghosts(struct isph *s);
 /* Collective: sends fields of the own particles to the ranks that read them. */
 void isph_send(struct isph *s, int count, const struct ghost_field *fields);
 #define ISPH_FIELD(array) ((struct ghost_field){(array), sizeof *(array)})

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/effects/rain.h"
 
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
@@ -68,12 +68,6 @@ static double area_of(const struct effect_context *context, const struct region 
   return area / thinnest;
 }
 
-double isph_mean_given(const struct scene *scene, const struct region *region, double steady) {
-  if (region->table.count == 0) return steady;
-  return time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time;
-}
-
-/* A head is a height above z = 0 that water falls from. */
 static enum status check_heads(const struct scene *scene) {
   if (!(scene->gravity[2] > 0)) return STATUS_OK;
   for (size_t r = 0; r < scene->region_count; r++)
@@ -96,12 +90,12 @@ static enum status check_inflows(const struct effect_context *context) {
     const bool inflow = region->type == REGION_INFLOW, rain = region->type == REGION_RAIN;
     if (region->type == REGION_DRAIN || (inflow && region->boundary == BOUNDARY_HEAD))
       return STATUS_OK;
-    if (region->type == REGION_WELL) in -= isph_mean_given(scene, region, region->rate);
-    if (rain) in += isph_mean_given(scene, region, region->rate) * isph_rain_area(scene, region);
+    if (region->type == REGION_WELL) in -= scene_mean_given(scene, region, region->rate);
+    if (rain) in += scene_mean_given(scene, region, region->rate) * isph_rain_area(scene, region);
     if (rain && first == NULL) first = region;
     if (!inflow) continue;
     if (region->table.count > 0) { /* what enters and leaves again needs no room of its own */
-      in += isph_mean_given(scene, region, 0) * area_of(context, region);
+      in += scene_mean_given(scene, region, 0) * area_of(context, region);
       if (first == NULL) first = region;
       continue;
     }
@@ -205,9 +199,8 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_suction(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));
-  TRY(isph_refuse_wells(context));
-  TRY(isph_refuse_rain(context));
-  TRY(isph_refuse_absorbing(context));
+  for (size_t k = 0; isph_effects[k] != NULL; k++)
+    if (isph_effects[k]->refuse != NULL) TRY(isph_effects[k]->refuse(context));
   TRY(check_heads(context->scene));
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));

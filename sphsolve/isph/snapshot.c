@@ -1,9 +1,11 @@
 /* A snapshot lists the particles in the order of their ids, so that snapshots can be compared line
  * by line; each rank writes a contiguous range of lines. */
+#include "sphsolve/isph/snapshot.h"
+
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/output.h"
+#include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/ranks.h"
 
 /* Which lines this rank writes, and where its particles have to be sent. */
@@ -105,51 +107,45 @@ cleanup:
 struct source {
   const struct isph *state;
   const struct lines *lines;
-  const void *from;
-  size_t size;
-  double scale, without; /* without: value if the state does not have the field */
+  const struct isph_field *field;
 };
 
 static enum status fill(const void *context, void *data) {
   const struct source *source = context;
+  const struct isph_field *field = source->field;
   double *values = data;
-  if (source->from != NULL) {
-    enum status status = send_field(source->state, source->lines, source->from, source->size, data);
-    if (status != STATUS_OK) return status;
+  if (field->exists) {
+    const enum status status = send_field(source->state, source->lines,
+                                          isph_field_data(source->state, field), field->size, data);
+    if (status != STATUS_OK || field->factor == 1) return status;
   }
-  for (size_t k = 0; k < source->lines->count; k++) {
-    if (source->from == NULL) values[k] = source->without;
-    if (source->scale != 1) values[k] *= source->scale;
-  }
+  for (size_t k = 0; k < source->lines->count; k++) /* such a field is one number of type double */
+    values[k] = field->exists ? values[k] * field->factor : field->without;
   return STATUS_OK;
 }
 
 enum status isph_write_snapshot(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct lines l = {0};
-  const struct source sources[] = {{s, &l, s->position, sizeof *s->position, 1, 0},
-                                   {s, &l, s->velocity, sizeof *s->velocity, 1, 0},
-                                   {s, &l, s->pressure, sizeof *s->pressure, 1, 0},
-                                   {s, &l, s->kernel_sum, sizeof *s->kernel_sum, s->density, 0},
-                                   {s, &l, s->porosity, sizeof *s->porosity, 1, 1},
-                                   {s, &l, s->surface, sizeof *s->surface, 1, 0},
-                                   {s, &l, s->volume, sizeof *s->volume, s->thickness, 0},
-                                   {s, &l, s->id, sizeof *s->id, 1, 0}};
-  const struct source *from = sources;
-  const struct snapshot_field
-      at = {.type = H5_F64, .components = 3, .fill = fill, .context = from},
-      fields[] = {
-          {"velocity", "m/s", "Darcy velocity", H5_F64, 3, NULL, fill, from + 1},
-          {"pressure", "Pa", "pressure", H5_F64, 1, NULL, fill, from + 2},
-          {"density", "kg/m^3", "water density times the kernel sum, sum of V W", H5_F64, 1, NULL,
-           fill, from + 3},
-          {"porosity", "1", "porosity at the particle", H5_F64, 1, NULL, fill, from + 4},
-          {"surface", "1", "0 inside, 1 at the free surface", H5_F64, 1, NULL, fill, from + 5},
-          {"volume", "m^3", "bulk volume", H5_F64, 1, NULL, fill, from + 6},
-          {"id", "1", "number of the particle", H5_U64, 1, NULL, fill, from + 7}};
+  struct isph_field list[ISPH_FIELDS];
+  struct source sources[ISPH_FIELDS];
+  struct snapshot_field fields[ISPH_FIELDS], place = {.components = 0};
+  size_t shown = 0;
+  for (size_t k = 0, count = isph_fields(s, list); k < count; k++) {
+    const struct isph_field *f = &list[k];
+    sources[k] = (struct source){s, &l, f};
+    const struct snapshot_field field = {.name = f->as != NULL ? f->as : f->name,
+                                         .unit = f->as != NULL ? f->as_unit : f->unit,
+                                         .description = f->as != NULL ? f->as_text : f->text,
+                                         .type = f->type,
+                                         .components = f->components,
+                                         .fill = fill,
+                                         .context = &sources[k]};
+    if (f->at == offsetof(struct isph, position)) place = field;
+    if (f->shown) fields[shown++] = field;
+  }
   TRY(find_lines(s, &l));
-  TRY(recorder_snapshot(recorder, s->time, s->step, l.count, &at, sizeof fields / sizeof *fields,
-                        fields));
+  TRY(recorder_snapshot(recorder, s->time, s->step, l.count, &place, shown, fields));
 cleanup:
   memory_free(&l.send);
   memory_free(&l.item);

@@ -1,13 +1,13 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/soil.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "common/kernel.h"
 #include "sphsolve/isph/effects/porosity.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/layers.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s, with s the fraction of soil in a kernel
  * half as wide as that of the water in the least porous soil (M15 section 4 with soil markers in

@@ -4,6 +4,7 @@
 
 #include "common/memory.h"
 #include "common/units.h"
+#include "sphsolve/isph/constants.h"
 
 /* Drag of layers in series on the Darcy velocity v, f = a v + b v^2, as means over their length: a
  * (1/s) of M15 eq. 9c, b (1/m) of eq. 9d (M15: Morimoto et al. 2015); and the least porosity. */
@@ -49,7 +50,7 @@ double isph_prescribed_speed(const struct scene *scene) {
   return fastest;
 }
 
-/* The g to which heads refer (isph_open_pressure). */
+/* The g to which heads refer (isph_window_pressure). */
 static double gravity_of_heads(const struct scene *scene) {
   const double g = size(scene->gravity);
   return g > 0 ? g : GRAVITY_STANDARD;
@@ -89,7 +90,7 @@ static double periodic_speed(const struct effect_context *context, int axis) {
     for (int a = 0; a < 3; a++) share *= r->box[a + 3] - r->box[a];
     add_layer(context, r, share, &all);
     add_layer(context, r, 1, &own);
-    if (r->extent[axis + 3] - r->extent[axis] > 0.999 * scene->domain_size[axis])
+    if (r->extent[axis + 3] - r->extent[axis] > SPANS * scene->domain_size[axis])
       fastest = fmax(fastest, pore_speed(&own, context->driving));
   }
   if (all.a + all.b > 0) return fmax(fastest, pore_speed(&all, context->driving));

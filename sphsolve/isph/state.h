@@ -1,4 +1,4 @@
-/* The particles of method isph and the passes of one step.
+/* The particles of method isph, and all that a step needs of them.
  *
  * Every particle carries a fixed mass of water m. Its bulk volume V = m / (eps rho_w) and its
  * support he = ratio V^(1/dimensions) follow the porosity eps at its place, so that inside soil the
@@ -6,7 +6,10 @@
  * velocities v_D; particles move with v_D / eps.
  *
  * Particles are sorted by cell each step; neighbour lists are kept per chunk of CHUNK particles, so
- * that threads never share an array and no sum depends on their number. */
+ * that threads never share an array and no sum depends on their number.
+ *
+ * Functions that all ranks call together (`collective`) have the same result to the bit on any
+ * number of them. */
 #ifndef TOSUI_SPHSOLVE_ISPH_STATE_H
 #define TOSUI_SPHSOLVE_ISPH_STATE_H
 
@@ -33,17 +36,22 @@
 #define IMAGE_NONE 13     /* code of "no image" */
 
 #define ISPH_OWN (BUDGET_TERMS - BUDGET_OWN)
+#define ISPH_EFFECTS 40   /* most active effects */
+#define ISPH_OWN_FIELDS 8 /* most fields of effects */
 
 /* Which parts of the physics are on; each flag belongs to an effect of the plan. */
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, anisotropy, wells, rain;
+  bool no_slip, moving_walls, open_sides, anisotropy, wells;
   /* the mobility of a pair: see isph_mobility_between */
   bool mean_of_ends, own_mobilities, fading;
   uint32_t budget; /* bit set of the terms of the active effects */
   size_t own_count;
   const struct effect *own[ISPH_OWN]; /* active effects that add a force or a surface pressure */
+  size_t active_count, row_count;
+  const struct effect *active[ISPH_EFFECTS]; /* all that are on */
+  const struct effect *rows[ISPH_EFFECTS];   /* those that add to rows of the pressure equation */
   double dt_most; /* s; least limit of the effects that does not depend on the state */
   const char *dt_most_by;
 };
@@ -120,6 +128,12 @@ struct isph_solve {
   bool again;              /* second projection, of the remaining div v */
 };
 
+/* Energies of a step, J or J/m, for the bound on the energy: isph/energy.h. */
+struct isph_energy_step {
+  double kinetic, most, given, moved;
+  size_t total; /* particles at its begin */
+};
+
 /* Planned end of the run: length of the last step, s, and the number of steps from it to the end; 0
  * as long as the end is far away. */
 struct isph_ending {
@@ -131,7 +145,6 @@ struct isph_multigrid;
 struct isph_petsc;
 struct isph_well; /* isph/well.h */
 struct isph_outlet;
-struct isph_rain;
 struct isph_ground; /* isph/link.h */
 
 struct isph {
@@ -154,6 +167,7 @@ struct isph {
   double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
   double relaxation_excess, crowd_factor; /* its share beyond friction's work; factor for crowds */
   double friction;             /* kinetic energy that v* lost in the last step, J (J/m in 2-D) */
+  double relaxation_time;      /* s, of the present step */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
   int64_t step;
@@ -167,60 +181,24 @@ struct isph {
   double *layer_start; /* [layers + 1]: particles of all ranks before a layer; NULL on one rank */
   double pairs_now;    /* pairs of the own particles */
   uint64_t next_id;
-  uint64_t *id;
-  double (*position)[3], (*velocity)[3];
-  double *pressure, *mass;
-  float (*packing)[5]; /* isph/packing.h; NULL without a surface */
-
-  /* updated in each step */
-  double *volume, *support;
-  double *porosity, *soil_fraction;   /* NULL without soil */
-  double *inertia, *drag_a, *drag_b;  /* NULL without soil */
-  struct isph_interface *interface;   /* NULL unless different soils are there */
-  struct isph_anisotropy *anisotropy; /* NULL without, like the next two */
-  float (*shape)[6];                  /* S of isph/anisotropy.h */
-  struct isph_bed *beds;              /* [regions] */
-  int32_t *ground;                    /* isph/link.h; NULL without links */
-  struct isph_linked *linked;         /* isph/link.h; NULL without links */
-  double *linked_mobility;            /* isph/link.h; NULL without links or without a surface */
+#define FIELD(use, type, shape, name, ...) type(*name) shape;
+#include "sphsolve/isph/fields.def"
+#undef FIELD
+  double (*own_force[ISPH_OWN])[3];   /* m/s^2, of the effects on.own; NULL: no force */
+  double *own_field[ISPH_OWN_FIELDS]; /* of the active effects: isph_own_field */
+  double *work[4];                    /* r, z, p, q of CG */
+  void *scratch;                      /* 3 doubles a particle */
+  struct isph_bed *beds;              /* [regions]; NULL without anisotropic soil */
   struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
-  double (*soil_velocity)[3];  /* NULL unless soil moves */
-  double *porosity_rate;       /* d eps/dt at the place, 1/s; NULL unless soil moves */
-  double *kernel_sum;          /* sum V W with walls: 1 in the bulk */
-  double (*gradient_sum)[3];   /* sum V W'/r r: 0 in the bulk, points into a void */
-  float (*correction)[9];      /* L, gradient correction */
-  float (*moment_defect)[6];   /* C of isph/moment.c; NULL without soil */
-  double *surface;             /* 0 bulk .. 1 surface; NULL without */
-  double (*body)[2]; /* number of its body of water, its largest `surface`; NULL: no surface */
-  double *near; /* largest `surface` of the neighbourhood; NULL unless unforced or with `calm` */
-  float (*linear)[6];   /* K of isph/linear.h; NULL unless it is such free water */
-  float (*gradient)[9]; /* dv_a/dx_b; NULL where no effect needs it */
-  double *drag_factor;  /* B: fraction of v_D that drag leaves; NULL without */
-  double *mobility;     /* k = B T G / rho_w */
-  double *eddy;         /* nu + nu_T; NULL without viscosity */
-  double *thick, *calm; /* isph/calm.h: s, calm; NULL without, like the next two */
-  double (*curvature)[3], (*biharmonic)[3]; /* isph/biharmonic.h */
-  double (*predicted)[3];                   /* v* without the driving force */
-  struct isph_applied *applied;
-  double (*own_force[ISPH_OWN])[3]; /* m/s^2, of the effects on.own; NULL: no force */
-  double *surface_pressure;         /* Pa, outside the surface; NULL: 0 */
-  struct isph_outlet *outlet;       /* NULL without wells */
-  double *diagonal, *source, *tied; /* tied: part of the diagonal that fixes the pressure */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;
-  double *work[4]; /* r, z, p, q of CG */
   double *partial; /* [chunks of all ranks]: parts of a sum */
   size_t partial_room;
-  double (*sums)[SUMS];              /* [own chunks]: parts of several sums; isph_sum_chunks */
-  uint32_t *pair_first, *wall_first; /* in the chunk's arrays */
-  uint16_t *pair_number, *wall_number;
-  uint8_t *images; /* kind of images of a particle's pairs: isph/images.h */
+  double (*sums)[SUMS]; /* [own chunks]: parts of several sums; isph_sum_chunks */
   size_t chunk_count, chunk_capacity;
   struct isph_chunk *chunks;
   struct isph_cells cells, wall_cells;
   uint32_t *wall_order;
-  uint32_t *order, *cell_of;
-  void *scratch;         /* for the sort: 3 doubles a particle */
   size_t enclosed_count; /* bodies of water without a surface */
   double *enclosed;      /* their numbers */
   bool closed;           /* no row fixes the pressure: its mean is removed */
@@ -247,8 +225,6 @@ struct isph {
 
   size_t well_count;
   struct isph_well *wells;
-  size_t rain_count;
-  struct isph_rain *rains;  /* isph/rain.h */
   double (*soil_offset)[3]; /* how far each region's soil has moved */
 
   /* conservation budget */
@@ -258,6 +234,8 @@ struct isph {
   struct conservation_passed passed;
   struct budget budget;
   double budget_stored[4]; /* momentum and energy within a step, before porosity is updated */
+  struct isph_energy_step energy_step;
+  double *own_numbers[ISPH_EFFECTS]; /* of the active effects: isph_own_numbers */
   double pair_interactions;
   struct watchdog dog;
   double kernel_sum_peak; /* largest kernel sum since a warning of it; 0: none */
@@ -268,205 +246,6 @@ struct isph {
   double seconds_setup; /* part of seconds_solve: matrix and preconditioner, on several ranks */
 };
 
-/* Collective functions are called by all ranks, with the same result to the bit on any number.
- * Particles and walls of the scene's initial state. Free with isph_free, also after a failure. */
-enum status isph_create(const struct scene *scene, const struct lattice *lattice,
-                        const struct isph_switches *switches, struct isph *s);
-void isph_free(struct isph *s);
-/* Sorts the particles and updates what depends on their places: the state is then fresh, as
- * isph_create and isph_advance leave it. To be called after any other change of positions. */
-enum status isph_refresh(struct isph *s);
-/* One step of length dt, s, from a fresh state. */
-enum status isph_advance(struct isph *s, double dt);
-/* Whether a wall box is in the domain; one that has left it does not drive the water. */
-bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
-/* The largest step the effects allow now, s; *limited_by names the effect. */
-double isph_stable_dt(const struct isph *s, const char **limited_by);
-
-/* Length of the next step, s, at most the limit. When little time is `left` (s), steps are planned
- * such that they end with the run and none is much shorter than the one before. */
-double isph_dt_to_end(struct isph_ending *ending, double left, double limit);
-
-/* isph/place.c: initial water, start_count particles on all ranks. */
-enum status isph_place_water(struct isph *s, const struct lattice *lattice);
-/* Before that and isph_open_create: chooses the mass of a particle. */
-enum status isph_choose_mass(struct isph *s, const struct lattice *lattice);
-enum status isph_reserve(struct isph *s, size_t capacity);
-enum status isph_add_particle(struct isph *s, const double position[3], const double velocity[3],
-                              double mass);
-/* Collective: adds a particle that enters the domain, with its mass (kg, kg/m in 2-D), velocity and
- * pressure (Pa), as the last in the order of all, and books it in the balances. */
-enum status isph_let_in(struct isph *s, const double position[3], const double velocity[3],
-                        double mass, double pressure);
-
-/* isph/soil.c */
-struct soil_point {
-  double porosity, fraction; /* fraction: of soil, 0..1, smoothed over the support */
-  double inertia;            /* C_r / (eps G) */
-  double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
-  double normal[3];          /* of an interface between soils; 0 without */
-  double along_a, along_b, plane;
-  /* tensor of linear drag, 1/s; normal smoothed like the porosity; both: anisotropic soil only */
-  double tensor[6], wide_normal[3];
-  double velocity[3];
-};
-/* Soil at a place, with moving soil where it is a time `ahead` (s) from now. */
-void isph_soil_at(const struct isph *s, const double position[3], double ahead,
-                  struct soil_point *soil);
-/* Properties of a soil away from its edges. */
-struct isph_material {
-  double porosity, inertia, a, b; /* as of struct soil_point */
-};
-struct isph_material isph_material_of(const struct isph *s, const struct region *region);
-/* Box of soil region k a time `ahead` from now; infinite where it touches a closed side or fills a
- * periodic axis. */
-struct isph_soil_place {
-  double low[3], high[3], offset[3]; /* the box is at low + offset */
-  double period[3], middle[3];       /* period of its images (0: none), and its middle */
-};
-struct isph_soil_place isph_soil_place(const struct isph *s, size_t k, double ahead);
-struct isph_box {
-  double low[3], high[3];
-};
-/* The box's image nearest to x. */
-struct isph_box isph_soil_image(const struct isph_soil_place *place, const double x[3]);
-/* Whether a box of region k (its own, or its extent) is certainly farther than `reach` from x. */
-bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
-                      const double x[3]);
-struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]);
-double isph_soil_minimum(const struct scene *scene);
-bool isph_soils_differ(const struct scene *scene);
-
-/* isph/wall.c */
-enum status isph_wall_create(struct isph *s);
-void isph_wall_move(struct isph *s, double dt);
-enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
-                          enum boundary_kind kind, size_t box, double volume);
-int isph_wall_layers(const struct isph *s);
-/* Projection tensor (symmetric.h) on the directions along which boundary particle j at xj (its
- * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi. */
-void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
-                      double mirror[6], double *ratio);
-/* Reduces the velocity v (pore velocity scale * v) of a particle at x that would carry it through a
- * wall within dt. */
-void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt, double v[3]);
-
-/* isph/cells.c: sorts the particles [0, count) of this rank; then finds neighbours, kernel_sum,
- * gradient_sum and correction. */
-enum status isph_sort(struct isph *s);
-uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]);
-enum status isph_sort_walls(struct isph *s);
-enum status isph_find_neighbours(struct isph *s);
-/* Largest `surface` of each own particle and its neighbours, near [count]. */
-void isph_find_near_surface(const struct isph *s, double *near);
-
-/* isph/moment.c: operators exact for linear fields in soil. */
-void isph_moment_inverse(int dimensions, const double m[6], double inverse[9]);
-/* C of particle i, from its second moment and the one-sidedness of its neighbours (front.h) */
-void isph_moment_defect(struct isph *s, size_t i, const double moment[6], double one_sided);
-/* Multiplies the slope of each pair by its factor, from the C of both particles. */
-void isph_moment_correct(struct isph *s);
-
-/* isph/energy.c: the bound on the energy, J or J/m: kinetic energy of the pore velocity, and
- * potential energy -f.x. */
-double isph_kinetic_energy(const struct isph *s);
-double isph_potential_energy(const struct isph *s);
-/* Between predictor and projection: limits the expansion of compressed water. */
-void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt);
-/* After the projection: the energy that relaxation added in a step, J or J/m, beyond what friction
- * dissipated, if the water is compressed as a whole. */
-double isph_energy_from_relaxation(const struct isph *s, double relaxation_time, double dt);
-/* Changes the displacements so that their work against the force is at most `available`: the
- * kinetic energy before the step plus that from relaxation, less the present kinetic energy. */
-void isph_energy_limit_displacement(struct isph *s, double (*displacement)[3], double available);
-/* Slows the water to an energy of `most`; `moved`: kinetic energy after the move, old porosities.
- */
-void isph_energy_limit_velocity(struct isph *s, double most, double moved);
-
-/* Mobility of pair p of particle i with j: that of its path if there are links; at a corner of
- * soils, where the mean is geometric, between that and the harmonic mean of the particles' own
- * (isph/interface.c). Water with a free surface keeps the plain mean and the gradient that is the
- * divergence's adjoint, because its energy may not rise. */
-static inline double isph_mobility_between(const struct isph *s, const struct isph_chunk *chunk,
-                                           size_t p, size_t i, size_t j) {
-  const double a = s->mobility[i], b = s->mobility[j];
-  if (s->on.mean_of_ends) return 0.5 * (a + b);
-  if (s->on.own_mobilities) return 2 * a * b / (a + b);
-  const double way = (double)chunk->mobility[p];
-  const double plane = s->on.fading ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
-  return plane < 1 ? pow(way, plane) * pow(2 * a * b / (a + b), 1 - plane) : way;
-}
-
-/* Drag along an interface over drag across it. */
-static inline double isph_interface_ratio(double along, double across) {
-  return across > 0 ? along / across : 1;
-}
-
-/* For an x that was found with the coefficient across an interface: multiplies its part along the
- * interface by `along`. */
-static inline void isph_interface_turn(const struct isph_interface *interface, double along,
-                                       double x[3]) {
-  const double *n = interface->normal;
-  double across = x[0] * n[0] + x[1] * n[1] + x[2] * n[2];
-  if (n[0] == 0 && n[1] == 0 && n[2] == 0) return;
-  for (int a = 0; a < 3; a++) x[a] = along * x[a] + (1 - along) * across * n[a];
-}
-
-/* isph/motion.c, after the correction: moves the particles by dx/dt = v/eps and the shift, limited
- * at walls. v is the mean of the old and the new velocity (Cummins, Rudman 1999, eq. 24) if there
- * can be no waves on a surface; otherwise the new one, as the mean would be an explicit scheme for
- * waves and amplify them. `available`, J or J/m: see isph_energy_limit_displacement. */
-void isph_move(struct isph *s, double dt, double available);
-
-/* isph/pressure.c */
-void isph_assemble(struct isph *s, double relaxation_time);
-enum status isph_solve_pressure(struct isph *s);
-/* Collective, instead of a first solve: the last step's pressure without its alternating part. */
-void isph_carry_pressure(struct isph *s);
-/* Collective: reports a solve that has stopped at this relative error, with the particle whose row
- * has the largest residual. */
-enum status isph_solve_failed(struct isph *s, double error, int iterations);
-/* Collective: y = matrix x for the own rows; ghosts of x are exchanged meanwhile. */
-void isph_multiply(struct isph *s, double *x, double *y);
-/* Collective: a.b */
-double isph_dot(struct isph *s, const double *a, const double *b);
-
-/* isph/enclosed.c, all collective: finds bodies of water without a surface, in scenes with one.
- * After the neighbour search, before `surface` is sent. */
-enum status isph_find_enclosed(struct isph *s);
-/* Subtracts the mean of the source of their rows, which no pressure could satisfy. */
-void isph_enclosed_source(struct isph *s, double *source);
-/* Sets the constant of their pressure. */
-void isph_enclosed_level(struct isph *s);
-
-/* isph/open.c: fixed head or flux on a side. */
-enum status isph_open_create(struct isph *s);
-enum status isph_open_fill(struct isph *s, size_t *capacity);
-/* Applies tables of time for a step from s->time to s->time + dt: walls' mean velocities, heads and
- * fluxes at its end. Does nothing without tables. */
-void isph_apply_tables(struct isph *s, double dt);
-/* At the end of a step: columns above a varying head become dry, those below wet. Without `place`
- * the columns are already in their places. */
-void isph_open_update_dry(struct isph *s, bool place);
-double isph_open_pressure(const struct isph *s, const struct isph_open_side *side, double z);
-double isph_open_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
-                         double to_side[3]);
-int isph_open_side_behind(const struct isph *s, const double x[3]);
-/* Whether x is within a spacing of a window. */
-bool isph_is_at_window(const struct isph *s, const double x[3]);
-/* Between predictor and pressure: makes the flow at windows normal and uniform. */
-void isph_open_straighten(struct isph *s);
-/* Finds the speed of the water at each column; needs sorted particles. */
-enum status isph_open_measure(struct isph *s);
-/* isph/outside.c, after a step of dt and before isph_open_move: removes particles outside the
- * domain: those that left through a window and, with a warning, those that went through a wall. */
-enum status isph_remove_outside(struct isph *s, double dt);
-/* Moves the columns and adds the particles that cross the side; leaves the particles unsorted. */
-enum status isph_open_move(struct isph *s, double dt);
-/* isph/cells.c: kernel sum of water at a point within a support, and the mean velocity of that
- * water. */
-enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
-                       double velocity[3]);
 /* Whether the scene has axis a: 2-D scenes have no y. */
 static inline bool isph_uses_axis(const struct isph *s, int a) {
   return s->dimensions == 3 || a != 1;
@@ -475,11 +254,6 @@ static inline bool isph_uses_axis(const struct isph *s, int a) {
 /* The size of a particle, m: the side of a square or cube of its bulk volume. */
 static inline double isph_size_of(const struct isph *s, double volume) {
   return s->dimensions == 3 ? cbrt(volume) : sqrt(volume);
-}
-
-/* Bulk volume of boundary particle j. */
-static inline double isph_wall_volume(const struct isph *s, size_t j) {
-  return s->boundary_volume != NULL ? s->boundary_volume[j] : s->wall_volume;
 }
 
 /* Whether anything but walls acts on the water. */
@@ -491,13 +265,6 @@ static inline bool isph_is_driven(const struct isph *s) {
 /* Whether nothing but walls acts on water with a surface. */
 static inline bool isph_is_unforced(const struct isph *s) {
   return s->on.surface && !isph_is_driven(s);
-}
-
-/* Velocity of boundary particle j. */
-static inline const double *isph_wall_velocity(const struct isph *s, size_t j) {
-  const size_t box = s->boundary_box[j];
-  return s->boundary_kind[j] == BOUNDARY_WALL ? s->wall_boxes[box].velocity
-                                              : s->sides[box].velocity;
 }
 
 #endif

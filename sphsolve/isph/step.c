@@ -1,14 +1,12 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/step.h"
 
 #include <math.h>
 #include <omp.h>
 #include <string.h>
 
 #include "common/log.h"
-#include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
-#include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/biharmonic.h"
 #include "sphsolve/isph/budget.h"
@@ -17,53 +15,21 @@
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/link.h"
-#include "sphsolve/isph/rain.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/threads.h"
-#include "sphsolve/isph/well.h"
-
-#define RATE_INTERVAL 1e-6 /* s, of the difference for d eps/dt */
-
-/* Updates porosity, volume and support at the particles' places. */
-static void update_volumes(struct isph *s) {
-  double ratio = s->scene->isph.support_ratio;
-#pragma omp parallel for schedule(static)
-  for (size_t i = 0; i < s->count; i++) {
-    double eps = 1;
-    if (s->on.soil) {
-      struct soil_point soil;
-      isph_soil_at(s, s->position[i], 0, &soil);
-      eps = soil.porosity;
-      s->porosity[i] = eps;
-      s->soil_fraction[i] = soil.fraction;
-      s->inertia[i] = soil.inertia;
-      s->drag_a[i] = s->on.drag_linear ? soil.a : 0;
-      s->drag_b[i] = s->on.drag_forchheimer ? soil.b : 0;
-      if (s->on.interfaces) {
-        struct isph_interface *interface = &s->interface[i];
-        memcpy(interface->normal, soil.normal, sizeof soil.normal);
-        interface->drag_a = s->on.drag_linear ? soil.along_a : 0;
-        interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
-        interface->plane = soil.plane;
-      }
-      if (s->on.anisotropy) isph_anisotropy_at(s, i, &soil);
-      if (s->on.links) s->ground[i] = isph_ground(s, s->position[i]);
-      if (s->on.moving_soil) {
-        struct soil_point later;
-        isph_soil_at(s, s->position[i], RATE_INTERVAL, &later);
-        s->porosity_rate[i] = (later.porosity - eps) / RATE_INTERVAL;
-        memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
-      }
-    }
-    s->volume[i] = s->mass[i] / (eps * s->density);
-    s->support[i] = fmin(ratio * isph_size_of(s, s->volume[i]), s->support_max);
-  }
-  s->support_now = 0;
-  for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);
-  s->support_now = ranks_max(s->support_now);
-}
+#include "sphsolve/isph/viscosity.h"
+#include "sphsolve/isph/enclosed.h"
+#include "sphsolve/isph/mobility.h"
+#include "sphsolve/isph/motion.h"
+#include "sphsolve/isph/open.h"
+#include "sphsolve/isph/outside.h"
+#include "sphsolve/isph/own.h"
+#include "sphsolve/isph/pressure.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
 
 /* Adds up g = grad v of particle i, without its correction. */
 ROW void velocity_gradient(enum isph_images images, const struct isph *s,
@@ -98,92 +64,12 @@ static void find_velocity_gradient(struct isph *s) {
   }
 }
 
-static void find_viscosity(struct isph *s) {
-  const double constant = s->scene->isph.smagorinsky;
-  s->artificial_viscosity = s->on.artificial_viscosity ? artificial_viscosity(s) : 0;
-#pragma omp parallel for schedule(static)
-  for (size_t i = s->local.begin; i < s->local.end; i++) {
-    double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
-    double eddies = 0;
-    if (s->on.turbulence)
-      eddies = eddy_viscosity(constant, s->support[i], strain_rate(s->gradient[i]), soil);
-    s->eddy[i] = (s->kinematic_viscosity + fmax(eddies, isph_artificial_viscosity_at(s, i))) / eps;
-  }
-  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->eddy)});
-  s->viscosity_most = 0;
-  for (size_t i = s->local.begin; i < s->local.end; i++)
-    s->viscosity_most = fmax(s->viscosity_most, s->eddy[i] * (s->on.soil ? s->porosity[i] : 1));
-  s->viscosity_most = ranks_max(s->viscosity_most);
-}
-
-/* Viscosity of the friction between particle i and a wall, half a spacing away. */
-static double wall_friction_viscosity(const struct isph *s, size_t i, const double wall[3]) {
-  double eps = s->on.soil ? s->porosity[i] : 1, soil = s->on.soil ? s->soil_fraction[i] : 0;
-  double square = 0, nu = s->kinematic_viscosity;
-  if (s->on.turbulence && soil < 1) {
-    for (int a = 0; a < 3; a++) square += pow(s->velocity[i][a] - wall[a], 2);
-    nu += (1 - soil) * (wall_viscosity(nu, sqrt(square), 0.5 * s->spacing) - nu);
-  }
-  return nu / eps;
-}
-
-/* Viscous force nu_E lap v from pairs, and friction at reflecting sides. */
-ROW void viscous_pairs(enum isph_images images, const struct isph *s,
-                       const struct isph_chunk *chunk, size_t i, double force[3],
-                       double friction[3]) {
-  const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
-  const bool held = s->on.no_slip && !s->wall_boxes[0].slip;
-  double tank = -1; /* the viscosity of the friction at sides that reflect, once it is known */
-  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double both = nu + s->eddy[j], vj[3];
-    if (held && isph_is_reflected(images, s, chunk->pair[p])) {
-      double r[3];
-      isph_separation(s, xi, s->position, chunk->pair[p], r);
-      if (tank < 0) tank = wall_friction_viscosity(s, i, s->wall_boxes[0].velocity);
-      double weight = 2 * s->volume[j] * tank * (double)chunk->slope[p] *
-                      (1 + isph_reflection_ratio(s, xi, chunk->pair[p], r));
-      for (int a = 0; a < 3; a++) friction[a] -= weight * vi[a];
-      continue;
-    }
-    isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
-    if (s->on.links)
-      both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->path_porosity[p];
-    double weight = s->volume[j] * both * (double)chunk->slope[p];
-    for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
-  }
-}
-
-/* Viscous force nu_E lap v of particle i: pairs after M15 eq. 22; no-slip walls by the image
- * velocity v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
-static void viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
-                    double friction[3]) {
-  const double *xi = s->position[i], *vi = s->velocity[i];
-  ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
-  if (!s->on.no_slip) return;
-  int last = -1; /* wall box for which `hold` was found */
-  double hold = 0;
-  for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-    uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-    if (s->boundary_kind[j] != BOUNDARY_WALL || s->wall_boxes[s->boundary_box[j]].slip) continue;
-    if (s->boundary_box[j] != last)
-      last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, isph_wall_velocity(s, j));
-    double r[3], mirror[6], ratio,
-        weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
-    isph_separation(s, xi, s->boundary_position, entry, r);
-    double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
-    isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-    for (int a = 0; a < 3; a++)
-      friction[a] -= weight * (1 + ratio) * (vi[a] - isph_wall_velocity(s, j)[a]);
-  }
-}
-
 /* Predictor: v* without the driving force, and the mobility k = B T / rho_w; the equation of motion
  * is divided by G. */
 static void predict(struct isph *s, double dt) {
   bool paper = s->scene->isph.form == FORM_M15;
   if (s->calm != NULL) isph_biharmonic_begin(s);
-  if (s->on.links) isph_links_begin(s);
+  if (s->ground != NULL) isph_links_begin(s);
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     struct isph_chunk *chunk = &s->chunks[c];
@@ -193,21 +79,21 @@ static void predict(struct isph *s, double dt) {
       struct isph_applied *applied = &s->applied[i];
       struct isph_links links;
       memset(applied, 0, sizeof *applied);
-      if (s->on.links) isph_link(s, chunk, i, dt, &links);
-      if (s->on.viscous) viscous(s, chunk, i, applied->viscous, applied->friction);
-      if (s->on.soil) {
+      if (s->ground != NULL) isph_link(s, chunk, i, dt, &links);
+      if (s->eddy != NULL) isph_viscous(s, chunk, i, applied->viscous, applied->friction);
+      if (s->porosity != NULL) {
         double eps = s->porosity[i], b = s->drag_b[i];
         t = dt / s->inertia[i];
         if (paper)
           for (int a = 0; a < 3; a++) applied->viscous[a] *= eps, applied->friction[a] *= eps;
-        if (s->on.moving_soil)
+        if (s->soil_velocity != NULL)
           for (int a = 0; a < 3; a++) own[a] = eps * s->soil_velocity[i][a];
         double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
         double speed = sqrt(u[0] * u[0] + u[1] * u[1] + u[2] * u[2]);
         left = drag_factor(t, s->drag_a[i], b, speed);
         s->drag_factor[i] = left;
         for (int a = 0; a < 3; a++) force[a] = b * speed * u[a];
-        if (s->on.interfaces) {
+        if (s->interface != NULL) {
           struct isph_interface *along = &s->interface[i];
           along->drag_factor = drag_factor(t, along->drag_a, along->drag_b, speed);
           along->mobility = along->drag_factor * t / s->density;
@@ -221,11 +107,11 @@ static void predict(struct isph *s, double dt) {
       s->mobility[i] = left * t / s->density;
       double *to = s->predicted[i];
       for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
-      if (s->on.anisotropy)
+      if (s->anisotropy != NULL)
         symmetric_times(s->anisotropy[i].relative, to, to);
-      else if (s->on.interfaces)
+      else if (s->interface != NULL)
         isph_interface_turn(&s->interface[i], s->interface[i].drag_factor / left, to);
-      if (s->on.links) {
+      if (s->ground != NULL) {
         const double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
         isph_link_predict(s, i, &links, u, t, to);
       }
@@ -279,21 +165,22 @@ static void correct(struct isph *s) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
-      const bool tensor = s->on.anisotropy && s->on.links && s->ground[i] == GROUND_MIXED;
-      const bool edges =
-          !tensor && (s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && !s->on.surface);
+      const bool tensor =
+          s->anisotropy != NULL && s->ground != NULL && s->ground[i] == GROUND_MIXED;
+      const bool edges = !tensor && (s->ground != NULL ? s->ground[i] == GROUND_MIXED
+                                                       : s->porosity != NULL && s->surface == NULL);
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       double flux[3] = {0};
       /* share of the moment present along each axis, walls left out */
       double present[3] = {1, 1, 1};
-      if (edges && again && s->on.links) {
+      if (edges && again && s->ground != NULL) {
         ISPH_ROW(s, i, pressure_gradient, s, chunk, i, NULL, reduced, own, flux, NULL);
         isph_edge_turn(&s->linked[i].edge, flux, reduced);
       } else if (edges) {
         struct isph_edge edge = {.level = 0};
-        struct isph_edge_frame here, *frame = s->on.links ? &s->linked[i].edge : &here;
+        struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
         ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, flux, &edge);
-        isph_edge_find(&edge, s->on.interfaces ? s->interface[i].normal : NULL, frame);
+        isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
         isph_edge_turn(frame, flux, reduced);
       } else {
         ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL, NULL);
@@ -304,7 +191,7 @@ static void correct(struct isph *s) {
         double r[3];
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
-          if (!s->on.soil) continue;
+          if (s->porosity == NULL) continue;
           double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio;
           isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
           double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
@@ -313,23 +200,23 @@ static void correct(struct isph *s) {
                 s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
           continue;
         }
-        double side[3], stretch = isph_open_stretch(s, xi, j, r, side);
+        double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
         double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
         double drop = pressure - held * s->boundary_pressure[j];
         double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
-      if (s->on.anisotropy) isph_anisotropy_present(s, chunk, i, present);
+      if (s->anisotropy != NULL) isph_anisotropy_present(s, chunk, i, present);
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       if (s->linear != NULL) isph_linear_correct(s, i, reduced), isph_linear_correct(s, i, own);
-      double whole = s->on.surface ? surface_close(s, i, reduced, own) : 1;
+      double whole = s->surface != NULL ? surface_close(s, i, reduced, own) : 1;
       double change[3];
       for (int a = 0; a < 3; a++)
         change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
-      if (s->on.anisotropy)
+      if (s->anisotropy != NULL)
         symmetric_times(s->anisotropy[i].relative, change, change);
-      else if (s->on.interfaces)
+      else if (s->interface != NULL)
         isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
       for (int a = 0; a < 3; a++) {
         double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
@@ -374,20 +261,20 @@ static bool carries_pressure(const struct isph *s) {
  * without a surface in soil, and for water that carries its pressure over. Where the drag jumps,
  * that divergence is so large in a step of full length that the flux through a layer four particles
  * thick is 7 % too large (1 % with a sixth of the step, or with the second projection). */
-static enum status project_again(struct isph *s, double relaxation_time) {
+static enum status project_again(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   double *first = s->scratch;
   memcpy(first, s->pressure, s->count * sizeof *first);
   memset(s->pressure, 0, s->count * sizeof *first);
   s->solve.again = true;
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
-  isph_assemble(s, relaxation_time);
+  isph_assemble(s);
   double before = clock_seconds();
   TRY(isph_solve_pressure(s));
-  if (s->on.wells) isph_wells_solved(s);
+  ISPH_HOOK(s, solved, dt);
   before = clock_seconds() - before;
   s->seconds_solve += before, s->seconds_correct -= before;
-  if (s->on.surface) { /* the conditions on the pressure apply to the sum of both */
+  if (s->surface != NULL) { /* the conditions on the pressure apply to the sum of both */
     for (size_t i = s->local.begin; i < s->local.end; i++) s->pressure[i] += first[i];
     isph_enclosed_level(s);
     remove_tension(s);
@@ -411,89 +298,74 @@ static enum status check_finite(const struct isph *s) {
   return STATUS_OK;
 }
 
-enum status isph_refresh(struct isph *s) {
-  enum status status = STATUS_OK;
-  double start = clock_seconds();
-  TRY(isph_sort(s));
-  update_volumes(s);
-  TRY(isph_find_neighbours(s));
-  s->seconds_lists += clock_seconds() - start;
-cleanup:
-  return status;
+/* Most solves in a step of which each is repeated because the pressure changes rows. */
+#define SOLVES_MOST 20
+
+/* Whether the pressure changes the rows of an active effect. */
+static bool changes(struct isph *s) {
+  bool any = false;
+  for (size_t k = 0; k < s->on.active_count; k++)
+    if (s->on.active[k]->changes != NULL && s->on.active[k]->changes(s)) any = true;
+  return any;
 }
 
 enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   /* alpha refers to the scene's dt, if it gives one, also for a shorter last step. */
-  double relaxation_time = scene->isph.relaxation_time;
+  s->relaxation_time = scene->isph.relaxation_time;
   if (!isnan(scene->isph.alpha))
-    relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
+    s->relaxation_time = (isnan(scene->isph.dt) ? dt : scene->isph.dt) / scene->isph.alpha;
+  s->relaxation_time = fmax(s->relaxation_time, dt); /* a shorter time would overshoot */
   omp_set_num_threads(
       isph_threads(scene, (double)(s->local.end - s->local.begin), s->threads_most));
-  relaxation_time = fmax(relaxation_time, dt); /* a shorter time would overshoot */
   isph_apply_tables(s, dt);
-  double start = clock_seconds(), now, kinetic = 0, most = 0, given = 0;
-  const size_t total = s->total;
+  double start = clock_seconds(), now;
   s->solve.carries = carries_pressure(s);
-  if (s->on.energy) kinetic = isph_kinetic_energy(s), most = kinetic + isph_potential_energy(s);
   if (s->gradient != NULL) find_velocity_gradient(s);
   if (s->calm != NULL) isph_calm_find(s);
-  if (s->on.viscous) find_viscosity(s);
+  ISPH_HOOK(s, begin, dt);
   for (size_t k = 0; k < s->on.own_count; k++) {
     if (s->own_force[k] != NULL) s->on.own[k]->force(s, s->own_force[k]);
     if (s->on.own[k]->surface_pressure != NULL)
       s->on.own[k]->surface_pressure(s, s->surface_pressure);
   }
-  if (s->on.anisotropy) isph_anisotropy_begin(s, dt);
   predict(s, dt);
-  if (s->on.energy && s->on.relaxation) isph_energy_limit_relaxation(s, relaxation_time, dt);
-  if (s->on.open_sides) isph_open_straighten(s);
+  ISPH_HOOK(s, predicted, dt);
   isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->predicted), ISPH_FIELD(s->mobility)});
-  if (s->on.anisotropy) isph_anisotropy_pairs(s);
   if (s->linked_mobility != NULL) isph_links_close(s);
-  if (s->on.wells) isph_wells_begin(s, dt);
-  isph_assemble(s, relaxation_time);
+  ISPH_HOOK(s, mobile, dt);
+  isph_assemble(s);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
   if (s->solve.carries)
     isph_carry_pressure(s);
   else
     TRY(isph_solve_pressure(s));
-  for (int n = 0; s->on.wells && n < WELL_ROUNDS && isph_wells_change(s); n++) {
-    isph_assemble(s, relaxation_time);
+  for (int n = 0; n < SOLVES_MOST && changes(s); n++) {
+    isph_assemble(s);
     TRY(isph_solve_pressure(s));
   }
-  if (s->on.wells) isph_wells_solved(s);
+  ISPH_HOOK(s, solved, dt);
   now = clock_seconds(), s->seconds_solve += now - start, start = now;
   isph_enclosed_level(s);
-  if (s->on.surface) remove_tension(s);
+  if (s->surface != NULL) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
-  if (s->solve.carries || (s->on.soil && !s->on.surface)) TRY(project_again(s, relaxation_time));
+  if (s->solve.carries || (s->porosity != NULL && s->surface == NULL)) TRY(project_again(s, dt));
   TRY(ranks_agree(check_finite(s)));
-  if (s->on.wells) isph_wells_take(s, dt);
-  if (s->on.open_sides) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
-  TRY(isph_open_measure(s));
-  if (s->on.energy) given = isph_energy_from_relaxation(s, relaxation_time, dt);
-  isph_budget_forces(s, relaxation_time, dt);
-  isph_move(s, dt, kinetic + given);
+  ISPH_HOOK(s, corrected, dt);
+  isph_budget_forces(s, dt);
+  isph_move(s, dt);
   isph_budget_moved(s);
   TRY(isph_remove_outside(s, dt));
-  TRY(isph_open_move(s, dt));
-  if (s->on.rain) TRY(isph_rain_fall(s, dt));
-  if (s->on.moving_walls) isph_wall_move(s, dt);
-  if (s->on.moving_walls || s->on.open_sides) TRY(isph_sort_walls(s));
-  if (s->on.moving_soil)
-    for (size_t k = 0; k < scene->region_count; k++)
-      for (int a = 0; a < 3; a++) s->soil_offset[k][a] += scene->regions[k].soil_velocity[a] * dt;
+  ISPH_HOOK(s, arrive, dt);
+  ISPH_HOOK(s, moved, dt);
   s->time += dt;
   s->step++;
   s->seconds_correct += clock_seconds() - start;
-  const double moved = s->on.energy ? isph_kinetic_energy(s) : 0;
   TRY(isph_refresh(s));
   isph_budget_settled(s);
-  /* Limits the energy that the new porosity and the walls' guard have added. */
-  if (s->on.energy && s->total == total) isph_energy_limit_velocity(s, most + given, moved);
+  ISPH_HOOK(s, settled, dt);
 cleanup:
   return status;
 }

@@ -9,8 +9,8 @@
 #define PAIRS_PER_THREAD 30e3
 
 double isph_neighbours(const struct scene *scene) {
-  return scene->dimensions == 3 ? 4.19 * pow(scene->isph.support_ratio, 3)
-                                : 3.14 * pow(scene->isph.support_ratio, 2);
+  return scene->dimensions == 3 ? 4.0 / 3 * M_PI * pow(scene->isph.support_ratio, 3)
+                                : M_PI * pow(scene->isph.support_ratio, 2);
 }
 
 int isph_threads(const struct scene *scene, double particles, int most) {

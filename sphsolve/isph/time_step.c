@@ -1,15 +1,11 @@
-/* The largest stable time step, and how the remaining time is divided into steps. */
+#include "sphsolve/isph/time_step.h"
+
 #include <math.h>
 
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
-#include "sphsolve/isph/state.h"
-
-bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
-  for (int a = 0; a < 3; a++)
-    if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
-  return true;
-}
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/constants.h"
 
 static double length(const double v[3]) {
   return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -30,19 +26,8 @@ static double fastest_drive(const struct isph *s) {
   return fastest;
 }
 
-/* Time, s, in which the well of the highest rate takes one particle, since it takes them one by
- * one. */
-static double time_of_a_particle(const struct isph *s) {
-  const double size = s->spacing;
-  double rate = 0;
-  for (size_t k = 0; k < s->scene->region_count; k++)
-    if (s->scene->regions[k].type == REGION_WELL) rate = fmax(rate, s->scene->regions[k].rate);
-  return rate > 0 ? size * size * (s->scene->dimensions == 3 ? size : 1) / rate : INFINITY;
-}
-
 double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = fastest_drive(s),
-         viscosity_most = fmax(s->kinematic_viscosity, s->viscosity_most);
+  double fastest = fastest_drive(s);
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
@@ -53,21 +38,24 @@ double isph_stable_dt(const struct isph *s, const char **limited_by) {
     const char *name;
     double dt;
   } limits[] = {
-      {"advection", (s->on.surface ? 0.2 : 0.1) * s->spacing / fmax(fastest, 1e-30)},
+      {"advection",
+       (s->on.surface ? DT_ADVECTION_SURFACE : DT_ADVECTION) * s->spacing / fmax(fastest, 1e-30)},
       {"force", force > 0 ? 0.25 * sqrt(s->spacing / force) : INFINITY},
-      {"isph_viscosity", s->on.viscous ? 0.1 * s->spacing * s->spacing / viscosity_most : INFINITY},
-      {"isph_wells", time_of_a_particle(s)},
       {s->on.dt_most_by, s->on.dt_most},
   };
-  size_t least = 0;
+  double least = limits[0].dt;
+  *limited_by = limits[0].name;
   for (size_t k = 1; k < sizeof limits / sizeof *limits; k++)
-    if (limits[k].dt < limits[least].dt) least = k;
-  *limited_by = limits[least].name;
-  return limits[least].dt;
+    if (limits[k].dt < least) least = limits[k].dt, *limited_by = limits[k].name;
+  for (size_t k = 0; k < s->on.active_count; k++) {
+    const struct effect *effect = s->on.active[k];
+    const double dt = effect->stable_dt != NULL ? effect->stable_dt(s) : INFINITY;
+    if (dt < least) least = dt, *limited_by = effect->name;
+  }
+  return least;
 }
 
-#define END_STEPS 32  /* with so many steps left or fewer, their lengths are planned */
-#define END_FALL 0.99 /* a limit that falls below this share of the last step applies at once */
+#define END_STEPS 32 /* with so many steps left or fewer, their lengths are planned */
 
 /* Solves rho + rho^2 + .. + rho^n = sum for rho, 0 < sum <= n, by Newton's method from above. */
 static double ratio_of(int n, double sum) {

@@ -1,10 +1,12 @@
-#include "sphsolve/isph/state.h"
+#include "sphsolve/isph/wall.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "common/memory.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* Walls are exact boxes. Each is filled with wall particles that start half a spacing behind its
  * faces, whether or not the faces lie on the lattice of the water; the tank is filled outside the
@@ -12,42 +14,15 @@
  * is the mirror image of whichever water particle has it as a neighbour, about the face between
  * them. */
 
-int isph_wall_layers(const struct isph *s) {
-  return (int)ceil(s->support_max / s->spacing - 1e-9);
-}
-
-enum status isph_wall_add(struct isph *s, size_t *capacity, const double x[3],
-                          enum boundary_kind kind, size_t box, double volume) {
-  if (s->boundary_count == *capacity) {
-    size_t n = *capacity < 1024 ? 1024 : 2 * *capacity;
-    enum status status =
-        memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls");
-    if (status == STATUS_OK)
-      status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
-    if (status == STATUS_OK)
-      status = memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls");
-    if (status == STATUS_OK && s->on.open_sides)
-      status = memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls");
-    if (status != STATUS_OK) return status;
-    *capacity = n;
-  }
-  size_t j = s->boundary_count++;
-  memcpy(s->boundary_position[j], x, sizeof(double[3]));
-  s->boundary_kind[j] = (uint8_t)kind;
-  s->boundary_box[j] = (uint16_t)box;
-  if (s->boundary_volume != NULL) s->boundary_volume[j] = volume;
-  return STATUS_OK;
-}
-
-static enum status fill_tank(struct isph *s, size_t *capacity) {
+enum status isph_wall_fill_tank(struct isph *s, size_t *capacity) {
   int n[3], from[3], to[3];
   double pitch[3];
   for (int a = 0; a < 3; a++) {
     n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
     pitch[a] = (s->high[a] - s->low[a]) / n[a];
     bool closed = !s->periodic[a] && isph_uses_axis(s, a) && !s->reflects[a];
-    from[a] = closed ? -isph_wall_layers(s) : 0;
-    to[a] = closed ? n[a] + isph_wall_layers(s) : n[a];
+    from[a] = closed ? -isph_boundary_layers(s) : 0;
+    to[a] = closed ? n[a] + isph_boundary_layers(s) : n[a];
   }
   for (int k = from[2]; k < to[2]; k++)
     for (int j = from[1]; j < to[1]; j++)
@@ -59,8 +34,8 @@ static enum status fill_tank(struct isph *s, size_t *capacity) {
           x[a] = s->low[a] + (at[a] + 0.5) * pitch[a];
           outside = outside || at[a] < 0 || at[a] >= n[a];
         }
-        if (!outside || isph_open_side_behind(s, x) >= 0) continue;
-        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, 0, s->wall_volume);
+        if (!outside || isph_window_behind(s, x) >= 0) continue;
+        enum status status = isph_boundary_add(s, capacity, x, BOUNDARY_WALL, 0, s->wall_volume);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -72,7 +47,7 @@ static bool in_box(const struct isph *s, const struct isph_wall_box *box, const 
   return true;
 }
 
-static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
+enum status isph_wall_fill_box(struct isph *s, size_t index, size_t *capacity) {
   const struct isph_wall_box *box = &s->wall_boxes[index];
   int n[3];
   double pitch[3];
@@ -93,7 +68,8 @@ static enum status fill_box(struct isph *s, size_t index, size_t *capacity) {
         for (size_t later = index + 1; later < s->wall_box_count; later++)
           taken = taken || in_box(s, &s->wall_boxes[later], x);
         if (taken) continue;
-        enum status status = isph_wall_add(s, capacity, x, BOUNDARY_WALL, index, s->wall_volume);
+        enum status status =
+            isph_boundary_add(s, capacity, x, BOUNDARY_WALL, index, s->wall_volume);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;
@@ -118,10 +94,9 @@ static void join_parts(struct isph *s, struct isph_wall_box *box) {
     }
 }
 
-enum status isph_wall_create(struct isph *s) {
+enum status isph_wall_find(struct isph *s) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
-  size_t capacity = 0;
   TRY(memory_allocate(&s->wall_boxes, 1 + scene->region_count, sizeof *s->wall_boxes, "walls"));
   struct isph_wall_box *tank = &s->wall_boxes[s->wall_box_count++];
   tank->tank = true;
@@ -142,26 +117,16 @@ enum status isph_wall_create(struct isph *s) {
     join_parts(s, box);
   }
   s->wall_volume = pow(s->spacing, s->dimensions);
-  TRY(fill_tank(s, &capacity));
-  TRY(isph_open_fill(s, &capacity));
-  for (size_t b = 1; b < s->wall_box_count; b++) TRY(fill_box(s, b, &capacity));
-  size_t n = s->boundary_count;
-  TRY(memory_resize(&s->boundary_position, n, sizeof *s->boundary_position, "walls"));
-  TRY(memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls"));
-  TRY(memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls"));
-  if (s->side_count > 0)
-    TRY(memory_allocate(&s->boundary_pressure, n, sizeof *s->boundary_pressure, "walls"));
-  if (s->boundary_volume != NULL)
-    TRY(memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls"));
-  isph_apply_tables(s, 0);
-  isph_open_update_dry(s, true);
-  TRY(isph_sort_walls(s));
-  isph_wall_move(s, 0);
 cleanup:
   return status;
 }
 
-/* Moves boxes and their particles by dt, and sets the boundary pressures at time s->time. */
+bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box) {
+  for (int a = 0; a < 3; a++)
+    if (box->low[a] > s->high[a] || box->high[a] < s->low[a]) return false;
+  return true;
+}
+
 void isph_wall_move(struct isph *s, double dt) {
   for (size_t b = 1; b < s->wall_box_count; b++)
     for (int a = 0; a < 3; a++) {
@@ -177,7 +142,7 @@ void isph_wall_move(struct isph *s, double dt) {
     } else if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
       const struct isph_open_side *side = &s->sides[box];
       double z = side->axis == 2 ? side->edge : s->boundary_position[j][2];
-      s->boundary_pressure[j] = isph_open_pressure(s, side, z); /* that on the side itself */
+      s->boundary_pressure[j] = isph_window_pressure(s, side, z); /* that on the side itself */
     }
   }
 }
@@ -195,7 +160,7 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
     corner = corner || x[b] < s->low[b] || x[b] > s->high[b];
     x[b] = fmin(fmax(x[b], s->low[b] + inside), s->high[b] - inside);
   }
-  return corner && isph_open_side_behind(s, x) >= 0;
+  return corner && isph_window_behind(s, x) >= 0;
 }
 
 /* Radius, in spacings, by which edges of boxes are rounded for the mirror in soil. */
@@ -251,9 +216,6 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
 }
 
-/* In spacings: the distance from a wall within which a particle may not come nearer. */
-#define GUARD 0.2
-
 static void guard_plane(double distance, double dt, double gap, double sign, double wall_velocity,
                         double scale, double *velocity) {
   /* Speed towards the wall (pore velocity: scale * v_D) that would use up half of the remaining
@@ -265,18 +227,18 @@ static void guard_plane(double distance, double dt, double gap, double sign, dou
 
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
                      double v[3]) {
-  double gap = GUARD * s->spacing, reach = s->spacing;
+  double gap = WALL_GUARD * s->spacing, reach = s->spacing;
   for (int a = 0; a < 3; a++) {
     if (s->periodic[a] || !isph_uses_axis(s, a)) continue;
     double below = x[a] - s->low[a], above = s->high[a] - x[a];
     double outside[3] = {x[0], x[1], x[2]};
     if (below < reach) {
       outside[a] = s->low[a] - reach;
-      if (isph_open_side_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
+      if (isph_window_behind(s, outside) < 0) guard_plane(below, dt, gap, 1, 0, scale, &v[a]);
     }
     if (above < reach) {
       outside[a] = s->high[a] + reach;
-      if (isph_open_side_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
+      if (isph_window_behind(s, outside) < 0) guard_plane(above, dt, gap, -1, 0, scale, &v[a]);
     }
   }
   for (size_t b = 1; b < s->wall_box_count; b++) {

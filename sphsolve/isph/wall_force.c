@@ -4,6 +4,7 @@
 
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/wall.h"
 
 /* Sum over the pairs of water and wall, as in the budget of momentum: a wall particle j has the
  * pressure of the water particle i of the pair, extrapolated hydrostatically, so that the pair

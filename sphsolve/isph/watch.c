@@ -10,19 +10,13 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/speed_forecast.h"
+#include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/window.h"
+#include "sphsolve/isph/constants.h"
 
 /* The watchdog's bound on the kernel sum (sum of V W, 1 in the bulk). The other bounds are one
  * spacing per step, and the pressure solve's own bound on its residual. */
 #define KERNEL_SUM_MAX 2.0
-/* Kernel sum above which a warning is given, once; impacts reach 1.1. Not within a spacing of a
- * window: behind it columns represent the water outside, and a particle that is leaving may stand
- * beside the foremost of its column until it takes its place (kernel sums up to 1.5, with smooth
- * pressures). */
-#define KERNEL_SUM_WARN 1.3
-/* Kernel sum below which water without a surface has a gap. */
-#define KERNEL_SUM_GAP 0.7
-/* In spacings per step: energies below that of such a speed exceed no bound (watchdog.h). */
-#define ENERGY_FLOOR 0.02
 /* Bound on the speed over isph_speed_most; jets of an impact reach some 5 times that. Without this
  * bound the time step, which shortens as the fastest particle speeds up, would follow a diverging
  * one towards 0, and no other bound would be reached. */
@@ -92,7 +86,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
       double eps = s->porosity != NULL ? s->porosity[i] : 1;
       double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
       const double dense = s->kernel_sum[i];
-      const bool pressed = dense > leaders[PRESSED].value && !isph_is_at_window(s, x);
+      const bool pressed = dense > leaders[PRESSED].value && !isph_window_is_near(s, x);
       const double values[LEADERS] = {dense, square, pressed ? dense : 0};
       sum += square;
       for (int k = 0; k < LEADERS; k++)
@@ -125,7 +119,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
     reading.used[WATCH_ENERGY] =
         watchdog_energy(&s->dog, sqrt(squares / (double)s->total), s->time,
                         sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]), isph_given_speed(s),
-                        ENERGY_FLOOR * s->spacing / dt);
+                        WATCH_ENERGY_FLOOR * s->spacing / dt);
   reading.used[WATCH_RESIDUAL] = s->solve.residual / (1e3 * s->scene->isph.tolerance);
   trip->bound = watchdog_worst(&reading, used);
   const struct leader *first = &leaders[trip->bound == WATCH_DENSITY ? DENSEST : FASTEST];

@@ -20,6 +20,7 @@
 #include "common/ranks.h"
 #include "common/units.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/constants.h"
 
 /* c over the row's diagonal: P - P_d is then a tenth of the pressure difference to a neighbour. */
 #define DRAIN_COEFFICIENT 10.0
@@ -116,16 +117,16 @@ void isph_wells_begin(struct isph *s, double dt) {
   }
 }
 
-void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source,
-                    double *tied) {
+void isph_wells_row(const struct isph *s, size_t i, struct effect_row *row) {
   struct isph_outlet *outlet = &s->outlet[i];
   if (outlet->well == 0) return;
-  *source -= outlet->flow;
+  row->source -= outlet->flow;
   if (!(outlet->tie > 0)) return;
-  outlet->tie = DRAIN_COEFFICIENT * *diagonal;
-  *diagonal += outlet->tie, *tied += outlet->tie;
+  outlet->tie = DRAIN_COEFFICIENT * row->diagonal;
+  row->diagonal += outlet->tie, row->tied += outlet->tie;
   if (s->solve.again) return; /* the solution then is an increment of the pressure */
-  *source += outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
+  row->source +=
+      outlet->tie * drain_pressure(s, s->wells[outlet->well - 1].region, s->position[i][2]);
 }
 
 bool isph_wells_change(struct isph *s) {
@@ -152,10 +153,6 @@ void isph_wells_solved(struct isph *s) {
     outlet->flow += outlet->tie * (s->pressure[i] - held);
   }
 }
-
-/* Vacuum relative to atmospheric pressure: water boils at lower pressures, and no well draws it up
- * so far. */
-#define VACUUM (-1.01325e5) /* Pa */
 
 /* Steps in a row below vacuum or without water after which a well counts as starved: water at rest
  * takes some steps to follow a new well. */

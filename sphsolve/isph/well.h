@@ -6,9 +6,6 @@
 
 #include "sphsolve/isph/state.h"
 
-/* Most solves in a step to find which particles of drains give water. */
-#define WELL_ROUNDS 20
-
 /* A well or a drain. In 2-D amounts and rates are per m along y. */
 struct isph_well {
   const struct region *region;
@@ -36,7 +33,7 @@ bool isph_in_well(const struct isph *s, const double x[3]);
  * of drains give water. */
 void isph_wells_begin(struct isph *s, double dt);
 /* Adds the well's or drain's terms to row i of the pressure equation, after all other terms. */
-void isph_wells_row(const struct isph *s, size_t i, double *diagonal, double *source, double *tied);
+void isph_wells_row(const struct isph *s, size_t i, struct effect_row *row);
 /* After a solve: adds the outflow of drains at the pressure found. */
 void isph_wells_solved(struct isph *s);
 /* Updates which particles of drains give water at the pressure found; returns whether any changed,

@@ -6,9 +6,9 @@
  * include guard, its descriptor, EFFECT(name, .model = ..., ...). One line in
  * METHOD/effects/registry.def registers it. A loop that uses its function includes the file. An
  * effect with a `force` needs no loop of the method: the method calls it once per step for all
- * particles. Files included by pair loops keep the parts needed only by the plan behind #ifdef
- * EFFECTS (defined in effects.c), so that a change of the plan does not recompile the pair
- * loops. */
+ * particles, as it does the hooks below. Files included by pair loops keep the parts needed only by
+ * the plan behind #ifdef EFFECTS (defined in effects.c), so that a change of the plan does not
+ * recompile the pair loops. */
 #ifndef TOSUI_SPHSOLVE_PLAN_EFFECT_H
 #define TOSUI_SPHSOLVE_PLAN_EFFECT_H
 
@@ -16,11 +16,25 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "common/error.h"
 #include "sphsolve/scene/scene.h"
 
 #define EFFECT_WHY 160
 
 struct effect_context; /* scene, lattice and scales; plan.h */
+struct history_columns;
+
+/* A number of its own that each particle has: it is sorted, goes to other ranks with the particle,
+ * and stands in checkpoints and snapshots. 0 at first. */
+struct effect_field {
+  const char *name, *unit, *text;
+};
+
+/* The row of a particle in the pressure equation: sums so far, to which an effect adds. `tied`: the
+ * part of the diagonal that fixes the pressure. */
+struct effect_row {
+  double diagonal, source, tied;
+};
 
 struct effect {
   const char *name;     /* "viscosity_morris" */
@@ -45,6 +59,30 @@ struct effect {
    * surface. */
   void (*surface_pressure)(void *state, double *pressure);
   bool drives; /* it can drive a flow by itself */
+
+  /* Of methods that move particles (isph), all NULL where nothing is to be done. Returns an error
+   * for scenes that the effect cannot solve correctly; asked whether it is on or not. */
+  enum status (*refuse)(const struct effect_context *context);
+  const struct effect_field *fields; /* ends with a field without a name */
+  /* Numbers that it keeps from step to step, so many for each of the `things(scene)` that it is
+   * about, in checkpoints as /state/NUMBERS_0, ... */
+  const char *numbers;
+  int numbers_each;
+  size_t (*things)(const struct scene *scene);
+  /* In the order of a step of length dt (s), with the state of the method; collective. */
+  enum status (*start)(void *state, double dt);     /* once, with the water at rest in its place */
+  enum status (*begin)(void *state, double dt);     /* before the forces */
+  enum status (*predicted)(void *state, double dt); /* v* is known */
+  enum status (*mobile)(void *state, double dt);    /* and mobilities, those of other ranks too */
+  void (*row)(void *state, size_t i, struct effect_row *row); /* of particle i; not collective */
+  enum status (*solved)(void *state, double dt);              /* after each solve that counts */
+  bool (*changes)(void *state); /* whether the pressure changes its rows: a solve is repeated */
+  enum status (*corrected)(void *state, double dt); /* velocities are final */
+  enum status (*arrive)(void *state, double dt);    /* the water has moved; adds particles */
+  enum status (*moved)(void *state, double dt);     /* what else moves */
+  enum status (*settled)(void *state, double dt);   /* sorted, with porosities of the new places */
+  double (*stable_dt)(const void *state);           /* limit by the present state, s */
+  void (*columns)(struct history_columns *columns, const void *state);
 };
 
 #define EFFECT_SWITCH(type, member) (offsetof(type, member) + 1)

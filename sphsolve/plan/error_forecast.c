@@ -6,6 +6,7 @@
 
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/plan/method.h"
+#include "sphsolve/plan/constants.h"
 
 /* Largest number of edges per face, times the mean pore width, of straight walls: bars across the
  * flow have 1 or more, a duct has none. */
@@ -111,19 +112,8 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
   shape->flat = sharp && axes == 1;
 }
 
-/* In terms of q, the slope of ln k per spacing. The constants were fitted to slits, square ducts,
- * simple cubic spheres (c = .216, .45), square cylinders (c = .3) and sands of 30 to 240 sites a
- * side, scanned with and without noise, whose errors differ by a factor of 2 at the same q (make
- * tradeoff); they are compared with other flows by `scripts/studies/tradeoff --predictions`. */
-#define CORNERS 0.0065 /* q^3: less flow in the corners between straight walls */
-#define ANGLE 0.004    /* q: less flow due to walls oblique to the lattice; mean over all angles */
-#define EDGES 2.6      /* divided by the mean width: more flow due to the edges of voxel faces */
-#define ADAMI_SECOND 0.075 /* q^2: .067 in slits, .083 in ducts */
-#define ADAMI_PLACE 0.03   /* q: position error of a curved wall half-way between sites */
-/* Fraction of the mean shift that is effective: protruding wall sites of curved walls count
- * more. */
-#define FROZEN_SHARE 0.8
-
+/* In terms of q, the slope of ln k per spacing; errors of sands differ by a factor of 2 at the same
+ * q (make tradeoff). */
 struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
                                         enum wall_scheme wall, double refined) {
   struct error_forecast e = {NAN, NAN, "no walls"};
@@ -137,23 +127,23 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
     more = method->error_flat;
     how = method->error_flat_why;
   } else if (shape->straight) {
-    if (wall == WALL_SUBVOXEL) less = CORNERS * q * q * q;
+    if (wall == WALL_SUBVOXEL) less = ERROR_CORNERS * q * q * q;
     how = "straight walls and corners";
   } else if (shape->sharp) {
-    more = EDGES / width;
+    more = ERROR_EDGES / width;
     how = "walls are voxel faces, full of edges: first order";
   } else {
     more = method->error_narrow * pow(q, method->error_narrow_order);
-    less = ANGLE * q + method->error_uneven * q * q;
+    less = ERROR_ANGLE * q + method->error_uneven * q * q;
   }
   if (wall == WALL_FROZEN) {
     /* Change of k of a slit: (1 + shift / half width)^3. */
-    const double shift = shape->outer * (shape->sharp ? 1.0 : FROZEN_SHARE);
+    const double shift = shape->outer * (shape->sharp ? 1.0 : ERROR_FROZEN_SHARE);
     more = (1.0 + more) * pow(1.0 + q * shift / 3.0, 3.0) - 1.0;
     how = "frozen walls stand back";
   } else if (wall == WALL_ADAMI) {
-    more = (1.0 + more) * (1.0 + ADAMI_SECOND * q * q + fmax(0.0, q * shape->middle)) - 1.0;
-    less += fmax(0.0, -q * shape->middle) + (shape->sharp ? 0.0 : ADAMI_PLACE * q);
+    more = (1.0 + more) * (1.0 + ERROR_ADAMI_SECOND * q * q + fmax(0.0, q * shape->middle)) - 1.0;
+    less += fmax(0.0, -q * shape->middle) + (shape->sharp ? 0.0 : ERROR_ADAMI_PLACE * q);
     how = "adami walls: half-way between sites";
   }
   both = fmin(more, less);

@@ -13,10 +13,6 @@
  * expected error is below the requested one by this factor. */
 #define ERROR_SAFETY_FACTOR 2.0
 
-/* Range of refinement relative to the scene. */
-#define REFINEMENT_MIN 0.1
-#define REFINEMENT_MAX 50.0
-
 /* Smallest refinement with an error of at most `wanted`, NAN if there is none; the error decreases
  * with refinement. */
 static double refinement(const struct pore_shape *shape, const struct method *method,

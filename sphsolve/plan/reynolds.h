@@ -10,9 +10,7 @@
 #define TOSUI_SPHSOLVE_PLAN_REYNOLDS_H
 
 #include "sphsolve/geometry/lattice.h"
-
-/* Below it inertia changes k by less than 0.1 % (the effect grows with the square of Re). */
-#define REYNOLDS_CREEPING 0.4
+#include "sphsolve/plan/constants.h"
 
 /* Hydraulic diameter, m; 0 without walls. S is the area of voxel faces divided by 3/2, by which
  * they overestimate a smooth surface. */
@@ -22,10 +20,6 @@ double hydraulic_diameter_of_grains(double grain_size, double porosity);
 /* `darcy`: Darcy velocity, m/s. */
 double reynolds_number(const double darcy[3], double porosity, double diameter,
                        double kinematic_viscosity);
-
-/* Share of k by which inertia lowers the conductivity at the gradient of reynolds_inertia_gradient.
- */
-#define INERTIA_SHARE 0.05
 
 /* Hydraulic gradient at which inertia balances INERTIA_SHARE of the force, for a permeability k
  * (m^2), porosity n and kinematic viscosity nu (m^2/s), under standard gravity: g i = nu v / k +

@@ -89,3 +89,10 @@ double scene_hydraulic_gradient(const struct scene *scene) {
   for (int a = 0; a < 3; a++) square += scene->driving[a] * scene->driving[a];
   return sqrt(square) / GRAVITY_STANDARD;
 }
+
+double scene_mean_given(const struct scene *scene, const struct region *region, double steady) {
+  if (region->table.count == 0) return steady;
+  return time_table_integral(&region->table, 0, scene->end_time, 0) / scene->end_time;
+}
+
+/* A head is a height above z = 0 that water falls from. */

@@ -265,4 +265,7 @@ int scene_inflow_axis(const struct scene *scene, const struct region *region, bo
 /* Axis of the largest component of a vector; 0 for the zero vector. */
 int scene_axis_along(const double vector[3]);
 
+/* Mean of a region's table of time up to the end of the run; `steady` if it has none. */
+double scene_mean_given(const struct scene *scene, const struct region *region, double steady);
+
 #endif

@@ -14,11 +14,11 @@
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/stokes/budget.h"
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/stokes/cascade/cascade_add.h"
 #include "sphsolve/stokes/cascade/cascade_next.h"
 #include "sphsolve/stokes/cascade/soil_response.h"
 #include "sphsolve/stokes/output.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 /* Rounds without progress after which a solve is given up. */
 #define STALLED_ROUNDS_MAX 20

@@ -2,7 +2,7 @@
 #define TOSUI_SPHSOLVE_STOKES_OUTPUT_H
 
 #include "sphsolve/output/recorder.h"
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 
 /* Writes a snapshot of all fluid sites of the lattice. Of the solver, grid, stencil and x are
  * read. */

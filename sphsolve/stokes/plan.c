@@ -7,7 +7,7 @@
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/error_forecast.h"
-#include "sphsolve/stokes/cost.h"
+#include "sphsolve/stokes/solver/cost.h"
 
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;

@@ -10,7 +10,7 @@
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/method.h"
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 #include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/modes.h"
 #include "sphsolve/wcsph/state.h"

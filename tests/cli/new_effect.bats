@@ -1,6 +1,6 @@
 #!/usr/bin/env bats
 # An effect added as a newcomer would: a file, and a line of the registry. It is then in what explain tells, in the
-# force, and in the budget, and nothing else was touched.
+# force, and in the budget, and nothing else was touched; nor is it by a term of pairs with a field of its own.
 
 setup() {
   cd "$BATS_TEST_TMPDIR"
@@ -83,6 +83,88 @@ assert budget.attrs["momentum_open_share"] < 1e-9 and budget.attrs["energy_open_
 assert run["history/dt"][1] <= 1.0001e-4
 assert 0 < thickness <= 1
 assert b"isph_wind" in [n for n in run["run/effects/name"][:]]
+END
+}
+
+# Heat: each particle has a temperature, which goes from pair to pair and lifts the water.
+@test "isph: a file and a line make a pair term with a field of its own, in snapshots and checkpoints" {
+  cat > wind.h <<'END'
+#ifndef WIND_H
+#define WIND_H
+#include <math.h>
+#include <stdio.h>
+#include "sphsolve/isph/images.h"
+#include "sphsolve/isph/own.h"
+#include "sphsolve/isph/ranks.h"
+#include "sphsolve/plan/plan.h"
+static const struct effect_field heat_fields[] = {{"temperature", "K", "above the mean"}, {NULL, NULL, NULL}};
+static inline bool heat_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  snprintf(why, EFFECT_WHY, "the water is warm");
+  return context->scene->dimensions == 2;
+}
+static inline enum status heat_start(void *state, double dt) {
+  struct isph *s = state;
+  double *temperature = isph_own_field(s, "temperature");
+  (void)dt;
+  for (size_t i = 0; i < s->count; i++) temperature[i] = sin(2 * M_PI * s->position[i][0] / s->high[0]);
+  return STATUS_OK;
+}
+/* dT/dt = kappa lap T, lap T = 2 sum_j V_j slope_ij (T_j - T_i). */
+static inline enum status heat_begin(void *state, double dt) {
+  struct isph *s = state;
+  double *temperature = isph_own_field(s, "temperature"), *change = s->work[0];
+  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(temperature)});
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+      change[i] = 0;
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        const uint32_t j = s->chunks[c].pair[p] & PAIR_MASK;
+        change[i] += 2 * s->volume[j] * (double)s->chunks[c].slope[p] * (temperature[j] - temperature[i]);
+      }
+    }
+  for (size_t i = s->local.begin; i < s->local.end; i++) temperature[i] += 1e-3 * dt * change[i];
+  return STATUS_OK;
+}
+static inline void heat_force(const void *state, double (*acceleration)[3]) {
+  const struct isph *s = state;
+  const double *temperature = isph_own_field(s, "temperature");
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    acceleration[i][0] = acceleration[i][1] = 0;
+    acceleration[i][2] = 0.01 * temperature[i];
+  }
+}
+#endif
+EFFECT(isph_heat, .model = "kappa lap T, and a lift", .citation = "nobody", .wanted = heat_wanted,
+       .fields = heat_fields, .start = heat_start, .begin = heat_begin, .force = heat_force)
+END
+  with_effect isph
+  cat > box.cfg <<'END'
+scene  = { name = "box"; method = "isph"; end_time = "0.1 s"; };
+domain = { size = ["0.1 m", "0.1 m"]; spacing = "2.5 mm"; periodic = [true, true]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.1 m"]; } );
+force  = { body_acceleration = ["0", "1e-3 m/s^2"]; };
+isph   = { dt = "1 ms"; };
+checkpoint = { interval = "1 us"; };
+END
+  ./sphsolve run box.cfg -o box > run.txt
+  cp box-0001.hdf half.hdf 2> /dev/null || cp "$(ls box-0*.hdf | tail -1)" half.hdf
+  /usr/bin/python3 -c 'import h5py; assert h5py.File("box.ckpt.hdf")["state/temperature"].shape == (1600,)'
+  ./sphsolve run box.cfg -o box --resume --set 'scene.end_time="0.2 s"' > run.txt
+  cp "$(ls box-0*.hdf | tail -1)" whole.hdf
+  /usr/bin/python3 - <<'END'
+import h5py
+import numpy as np
+for name, time in ("half", 0.1), ("whole", 0.2):
+    points = h5py.File(name + ".hdf")["VTKHDF"]
+    x, t = points["Points"][:, 0], points["PointData/temperature"][:]
+    mode = 2 * np.mean(t * np.sin(2 * np.pi * x / 0.1))
+    exact = np.exp(-1e-3 * (2 * np.pi / 0.1) ** 2 * time)  # of T = sin(2 pi x / L) at first
+    assert abs(mode / exact - 1) < 0.02, (name, mode, exact)
+budget = h5py.File("box.hdf")["run/ledger"]
+terms = [t.decode() for t in budget["term"][:]]
+assert budget["work"][terms.index("isph_heat")] > 0  # the warm half rises, the cold one sinks
+assert budget.attrs["energy_open_share"] < 1e-9
 END
 }
 

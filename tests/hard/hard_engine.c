@@ -11,6 +11,11 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
 #include "sphsolve/scene/scene_read.h"
+#include "sphsolve/isph/create.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 #include "tests/unit/engine_vortex.h"
 
 static json_t *results;

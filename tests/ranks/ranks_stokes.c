@@ -8,7 +8,7 @@
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 #include "common/ranks.h"
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 
 enum { NX = 19, NY = 14, NZ = 37 };
 

@@ -15,6 +15,10 @@
 #include "sphsolve/isph/gauge.h"
 #include "sphsolve/isph/method.h"
 #include "sphsolve/scene/scene_read.h"
+#include "sphsolve/isph/create.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 
 struct run {
   struct scene scene;

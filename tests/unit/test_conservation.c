@@ -11,6 +11,7 @@
 
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/wcsph/budget.h"
+#include "sphsolve/isph/step.h"
 #include "tests/unit/engine_march.h"
 #include "tests/unit/isph_scene.h"
 

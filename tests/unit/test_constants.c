@@ -15,6 +15,12 @@
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
+static const struct constant ct2model_constants[] = {
+#define CONSTANT CONSTANT_ROW
+#include "ct2model/constants.def"
+#undef CONSTANT
+    {0}};
+
 static void check_table(const struct constant *table) {
   static const char *const origins[] = {"derived",  "cited",  "fitted",
                                         "measured", "chosen", "unknown"};
@@ -37,6 +43,7 @@ static void test_origins(void **state) {
   (void)state;
   check_table(common_constants);
   check_table(plan_constants);
+  check_table(ct2model_constants);
   for (size_t m = 0; methods_all[m] != NULL; m++) check_table(methods_all[m]->constants);
 }
 

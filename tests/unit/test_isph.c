@@ -20,6 +20,8 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/output.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
 
 static void assert_near(double value, double expected, double tolerance) {

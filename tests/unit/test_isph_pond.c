@@ -11,6 +11,9 @@
 
 #include "tests/unit/isph_scene.h"
 
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+
 /* What Green and Ampt (1911) have of a pond of depth H in dry soil after time t: with L the depth
  * of the front, h what still stands on the soil, eps dL/dt = k (L + h)/L,   h + eps L = H, so that
  * k t/eps = L/(1-eps) - H/(1-eps)^2 ln(1 + (1-eps) L/H). `deep`: L is no more than that. */

@@ -13,6 +13,10 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/moment.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
 #include "tests/unit/isph_scene.h"
 
 /* A sheet of one row that an impact has squeezed to two thirds of its length stays a surface, in

@@ -12,6 +12,8 @@
 #include <string.h>
 
 #include "sphsolve/isph/output.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
 #include "tests/unit/isph_scene.h"
 
 #define SOIL(x0, z0, x1, z1, porosity, k)                                                          \

@@ -8,7 +8,7 @@
 
 #include <cmocka.h>
 
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/effects/rain.h"
 #include "tests/unit/isph_scene.h"
 
 /* A tank of .2 m x .3 m with `regions` in it. */
@@ -45,7 +45,7 @@ static void two_millimetres_arrive(void **state) {
                    "rate = \"1 mm/s\"; }");
   assert_int_equal(run.s.count, 0);
   advance(&run, 2); /* 4 to rounding */
-  const struct isph_rain *rain = &run.s.rains[0];
+  const double *rain = isph_own_numbers(&run.s, "rain");
   double at[5];
   assert_int_equal(run.s.count, 4);
   for (size_t i = 0; i < run.s.count; i++) {
@@ -55,7 +55,8 @@ static void two_millimetres_arrive(void **state) {
   qsort(at, 4, sizeof *at, in_order);
   at[4] = 0.2 + at[0];
   for (int k = 0; k < 4; k++) assert_true(at[k + 1] - at[k] < 0.4 * 0.2);
-  assert_true(fabs((rain->fallen + rain->pending) / (1000 * 1e-3 * 0.2 * run.s.time) - 1) < 1e-12);
+  assert_true(fabs((rain[RAIN_FALLEN] + rain[RAIN_PENDING]) / (1000 * 1e-3 * 0.2 * run.s.time) -
+                   1) < 1e-12);
   assert_true(fabs(run.s.passed.entered / run.s.thickness - mass_of(&run.s)) < 1e-12);
   finish(&run);
 }
@@ -73,12 +74,12 @@ static void a_level_rises(void **state) {
   advance(&run, 4);
   for (int n = 0; n < 20; n++)
     advance(&run, 4 + 0.05 * n), pressure += pressure_at(&run.s, floor) / 20;
-  const struct isph_rain *rain = &run.s.rains[0];
+  const double *rain = isph_own_numbers(&run.s, "rain");
   printf("level %g of %g m\n", pressure / 9810, 0.1 + fell);
-  assert_true(fabs((rain->fallen + rain->pending) / (1000 * 0.2 * fell) - 1) < 1e-12);
-  assert_true(fabs(mass_of(&run.s) - mass - rain->fallen) < 1e-12 * mass);
-  assert_true(rain->pending < run.s.mass[0]);
-  assert_true(fabs(pressure / 9810 - (0.1 + rain->fallen / 200)) < 1e-3);
+  assert_true(fabs((rain[RAIN_FALLEN] + rain[RAIN_PENDING]) / (1000 * 0.2 * fell) - 1) < 1e-12);
+  assert_true(fabs(mass_of(&run.s) - mass - rain[RAIN_FALLEN]) < 1e-12 * mass);
+  assert_true(rain[RAIN_PENDING] < run.s.mass[0]);
+  assert_true(fabs(pressure / 9810 - (0.1 + rain[RAIN_FALLEN] / 200)) < 1e-3);
   finish(&run);
 }
 
@@ -134,7 +135,7 @@ static void begin_rain(struct run *run) {
 }
 
 static void read_rain(const struct isph *s, double found[2]) {
-  found[0] = s->rains[0].fallen, found[1] = s->rains[0].pending;
+  memcpy(found, isph_own_numbers(s, "rain"), 2 * sizeof *found); /* fallen, pending */
 }
 
 static void threads_agree_and_a_state_comes_back(void **state) {

@@ -6,6 +6,8 @@
 #include <cmocka.h>
 
 #include "sphsolve/isph/budget.h"
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
 
 #define WATER                                                                                      \

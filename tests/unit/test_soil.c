@@ -12,7 +12,7 @@
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/cascade/soil_response.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 /* Layers across x: water from 0 to `water`, soil beyond. */
 static void layers(size_t water, size_t soil, double n, double k, struct lattice *l) {

@@ -10,7 +10,7 @@
 #include <omp.h>
 
 #include "common/memory.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 typedef double distance_function(const double at[3], double parameter);
 

@@ -11,8 +11,8 @@
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/throat_width.h"
-#include "sphsolve/stokes/state.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/state.h"
+#include "sphsolve/stokes/solver/step.h"
 
 #define N 48
 static const double along_z[3] = {0.0, 0.0, -1.0};

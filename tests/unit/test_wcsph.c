@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <cmocka.h>
 
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 #include "sphsolve/geometry/percolation.h"
 #include "tests/unit/engine_march.h"
 

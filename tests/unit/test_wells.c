@@ -8,6 +8,7 @@
 #include <cmocka.h>
 
 #include "sphsolve/isph/well.h"
+#include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
 
 #define CONDUCTIVITY 0.01 /* m/s */

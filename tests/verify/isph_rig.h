@@ -17,6 +17,10 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
 #include "sphsolve/scene/scene_read.h"
+#include "sphsolve/isph/create.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+#include "sphsolve/isph/switches.h"
 
 static json_t *results;
 static char scene_file[] = "/tmp/verify_isph_XXXXXX";

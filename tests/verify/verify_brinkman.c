@@ -4,7 +4,7 @@
  * Usage: verify_brinkman RESULTS.json [CASE...] */
 #include "common/memory.h"
 #include "sphsolve/geometry/soil.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 #include "tests/verify/isph_rig.h"
 
 #define POROSITY 0.5

@@ -4,6 +4,10 @@
 
 #include "tests/verify/isph_rig.h"
 
+#include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
+
 /* Sensors of `impact`, windows of means at the first two, what is read of a run (peaks, the impulse
  * at the first, means), the most runs of a dam, the most steps of one. */
 enum {

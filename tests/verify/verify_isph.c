@@ -4,6 +4,8 @@
 #include "tests/verify/free_fall.h"
 #include "tests/verify/isph_rig.h"
 
+#include "sphsolve/isph/refresh.h"
+
 /* Water over soil at rest: rho g H at the bottom whatever the porosity; the level too. */
 static void hydrostatic(void) {
   for (int k = 0; k < 6; k++) {

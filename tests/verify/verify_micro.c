@@ -11,7 +11,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/stokes/cascade/soil_response.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 static FILE *json;
 static int count, failed;

@@ -1,7 +1,7 @@
 /* Rain, wells and drains in soil by method isph against exact solutions. Usage: verify_sources
  * RESULTS.json [CASE...]     all cases, or those whose names start with CASE */
 #include "sphsolve/isph/permeameter.h"
-#include "sphsolve/isph/rain.h"
+#include "sphsolve/isph/effects/rain.h"
 #include "sphsolve/isph/well.h"
 #include "tests/verify/isph_rig.h"
 
@@ -60,7 +60,8 @@ static void recharge(void) {
     }
     snprintf(name, sizeof name, "recharge: head at the divide, spacing %g mm", 1e3 * dx);
     report(name, head, pressure / 9806.65, (fine ? .01 : .02) * head, started);
-    const double fell = (run.s.rains[0].fallen + run.s.rains[0].pending) / 1000;
+    const double *numbers = isph_own_numbers(&run.s, "rain");
+    const double fell = (numbers[RAIN_FALLEN] + numbers[RAIN_PENDING]) / 1000;
     snprintf(name, sizeof name, "recharge: rain over its rate, spacing %g mm", 1e3 * dx);
     report(name, 1, fell / (rain * length * run.s.time), 1e-12, started);
     finish(&run);

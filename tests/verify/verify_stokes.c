@@ -12,7 +12,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/distance.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 #include "tests/verify/rows.h"
 
 /* A geometry: signed distance to the wall at a point, for four parameters. */

@@ -16,6 +16,7 @@
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/isph/method.h"
 
 /* The factor, among those from 6 to 36, that reflects least of waves of length l/2 to 2 l. */
 #define ABSORBING_RATE 10.0
@@ -100,8 +101,48 @@ static inline double absorbing_dt(const struct effect_context *context) {
   return 0.25 / most;
 }
 
+/* Absorbing regions lie before a single closed side, in free water. */
+static inline enum status isph_refuse_absorbing(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *region = &scene->regions[k];
+    bool low;
+    if (region->type != REGION_ABSORBING) continue;
+    const int axis = absorbing_axis(scene, region, &low);
+    if (scene->gravity[scene_axis_along(scene->gravity)] == 0)
+      return FAIL(STATUS_INPUT, "%s:%d: an absorbing region takes waves, which need force.gravity",
+                  scene->path, region->line);
+    if (!context->has_surface)
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: water fills the domain, so there are no waves to absorb; leave room above "
+          "it, or the region out",
+          scene->path, region->line);
+    if (axis < 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: an absorbing region lies against one upright side of the domain that is "
+                  "not periodic; let its box reach one such side, or from side to side",
+                  scene->path, region->line);
+    for (size_t j = 0; j < scene->region_count; j++) {
+      const struct region *other = &scene->regions[j];
+      bool meets = other->type == REGION_POROUS || other->type == REGION_INFLOW ||
+                   (other->type == REGION_ABSORBING && j < k);
+      for (int a = 0; a < 3 && meets; a++)
+        meets = !isph_scene_uses_axis(context, a) ||
+                (other->box[a] < region->box[a + 3] && region->box[a] < other->box[a + 3]);
+      if (meets)
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: the absorbing region would brake what flows in the %s region of line "
+                    "%d; let them not overlap",
+                    scene->path, region->line, region_type_names[other->type], other->line);
+    }
+  }
+  return STATUS_OK;
+}
+
 #endif
 
 EFFECT(isph_absorbing, .model = "- gamma v, gamma = 10 c/l (x/l)^2 towards a side",
        .citation = "Larsen, Dancy 1983; Carmigniani, Violeau 2018", .wanted = absorbing_wanted,
-       .dt_max = absorbing_dt, .limit = "the friction of absorbing sides", .force = absorbing_force)
+       .dt_max = absorbing_dt, .limit = "the friction of absorbing sides", .force = absorbing_force,
+       .refuse = isph_refuse_absorbing)

@@ -18,8 +18,20 @@ static inline bool isph_anisotropy_wanted(const struct effect_context *context,
   return on;
 }
 
+static inline enum status isph_anisotropy_starts(void *state, double dt) {
+  isph_anisotropy_begin(state, dt);
+  return STATUS_OK;
+}
+
+static inline enum status isph_anisotropy_mobile(void *state, double dt) {
+  (void)dt;
+  isph_anisotropy_pairs(state);
+  return STATUS_OK;
+}
+
 #endif
 
 EFFECT(isph_anisotropy, .model = "drag and mobility are tensors; pairs weigh by exp(n.S.n)",
        .citation = "Jaynes 1957; Arroyo, Ortiz 2006", .wanted = isph_anisotropy_wanted,
-       .switches_on = EFFECT_SWITCH(struct isph_switches, anisotropy))
+       .switches_on = EFFECT_SWITCH(struct isph_switches, anisotropy),
+       .begin = isph_anisotropy_starts, .mobile = isph_anisotropy_mobile)

@@ -14,8 +14,7 @@
 
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
-
-#define ARTIFICIAL_VISCOSITY 0.08
+#include "sphsolve/isph/constants.h"
 
 static inline double artificial_viscosity(const struct isph *s) {
   const double *f = s->force;

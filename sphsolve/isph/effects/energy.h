@@ -10,6 +10,7 @@
 #include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/soil_moving.h"
 #include "sphsolve/isph/method.h"
+#include "sphsolve/isph/energy.h"
 
 static inline bool isph_energy_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
   char unused[EFFECT_WHY];
@@ -26,9 +27,47 @@ static inline bool isph_energy_wanted(const struct effect_context *context, char
   return on;
 }
 
+static inline enum status isph_energy_begins(void *state, double dt) {
+  struct isph *s = state;
+  (void)dt;
+  s->energy_step = (struct isph_energy_step){.kinetic = isph_kinetic_energy(s), .total = s->total};
+  s->energy_step.most = s->energy_step.kinetic + isph_potential_energy(s);
+  return STATUS_OK;
+}
+
+static inline enum status isph_energy_predicted(void *state, double dt) {
+  struct isph *s = state;
+  if (s->on.relaxation) isph_energy_limit_relaxation(s, s->relaxation_time, dt);
+  return STATUS_OK;
+}
+
+static inline enum status isph_energy_corrected(void *state, double dt) {
+  struct isph *s = state;
+  s->energy_step.given = isph_energy_from_relaxation(s, s->relaxation_time, dt);
+  return STATUS_OK;
+}
+
+static inline enum status isph_energy_moved(void *state, double dt) {
+  struct isph *s = state;
+  (void)dt;
+  s->energy_step.moved = isph_kinetic_energy(s);
+  return STATUS_OK;
+}
+
+/* Limits the energy that the new porosity and the walls' guard have added. */
+static inline enum status isph_energy_settled(void *state, double dt) {
+  struct isph *s = state;
+  const struct isph_energy_step *step = &s->energy_step;
+  (void)dt;
+  if (s->total == step->total) isph_energy_limit_velocity(s, step->most + step->given, step->moved);
+  return STATUS_OK;
+}
+
 #endif
 
 EFFECT(isph_energy, .model = "kinetic and potential energy together may not grow",
        .citation = "docs/physics/isph.md", .wanted = isph_energy_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, energy),
-       .budget = 1u << BUDGET_ENERGY_BOUND)
+       .budget = 1u << BUDGET_ENERGY_BOUND, .begin = isph_energy_begins,
+       .predicted = isph_energy_predicted, .corrected = isph_energy_corrected,
+       .moved = isph_energy_moved, .settled = isph_energy_settled)

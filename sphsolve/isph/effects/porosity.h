@@ -8,10 +8,11 @@
 
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/constants.h"
 
 /* Inertia coefficient (M15 eq. 9a). */
 static inline double inertia_coefficient(double eps) {
-  return 1 + 0.34 * (1 - eps) / eps;
+  return 1 + INERTIA_ADDED * (1 - eps) / eps;
 }
 
 /* Whether `property` is nonzero for any porous region. */

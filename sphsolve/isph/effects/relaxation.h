@@ -24,28 +24,7 @@
 #include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/plan.h"
-
-/* Deviation of the kernel sum that is not relaxed in scenes with soil. Where rows of particles are
- * offset against each other, as at the edge of soil, the kernel sum is up to .5 % above that of one
- * lattice at the same density. */
-#define RELAXATION_FREE 0.005
-
-/* Lower bound of tau in soil under a surface, as a share of the time in which water that its own
- * weight drives, |f| = a v + b v^2, moves by a particle's size. In gravel that is less than .1 s;
- * in fine soil a tau of .1 s would demand more flow from row to row than seeps. */
-#define RELAXATION_WEIGHT 0.1
-
-/* Under a surface an excess of the kernel sum beyond this is relaxed in that time, whatever the
- * drag. A pond that seeps away falls onto the slower water in the edge of its soil, to kernel sums
- * of 1.75 without this, faster than the water can spread again with the factor B. Rows at the edge
- * of soil permanently differ by up to .08, which must not cause motion. */
-#define RELAXATION_CROWD 0.1
-
-/* The share of an excess of phi next to the surface of calm water that is not relaxed. */
-#define RELAXATION_SPARED 0.7
-
-/* Largest deficit of the kernel sum that counts for a particle ahead of its row. */
-#define RELAXATION_LEAD 0.1
+#include "sphsolve/isph/constants.h"
 
 /* Time in which water driven by its own weight moves by a particle's size, s; 0 in free water and
  * without a force. */
@@ -71,7 +50,8 @@ static inline double leads(const struct isph *s, size_t i) {
  * would hold back; it is applied with the factor `crowd_factor`. */
 static inline double relaxation_crowd(const struct isph *s, size_t i, double relaxation_time) {
   if (s->porosity == NULL || s->surface == NULL) return 0;
-  const double crowded = fmax(-0.05, fmin(0, isph_packing_deficit(s, i) + RELAXATION_CROWD));
+  const double crowded =
+      fmax(-RELAXATION_MOST, fmin(0, isph_packing_deficit(s, i) + RELAXATION_CROWD));
   const double time = fmax(relaxation_time, RELAXATION_WEIGHT * time_by_weight(s, i));
   return s->porosity[i] * crowded * (1 - s->drag_factor[i]) / time;
 }
@@ -86,7 +66,7 @@ static inline double relaxation_spared(const struct isph *s, size_t i, double de
 static inline double relaxation_source(const struct isph *s, size_t i, double relaxation_time) {
   double deficit = isph_packing_deficit(s, i), eps = s->porosity != NULL ? s->porosity[i] : 1;
   const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
-  deficit = deficit < -0.05 ? -0.05 : deficit > 0.05 ? 0.05 : deficit;
+  deficit = fmax(-RELAXATION_MOST, fmin(deficit, RELAXATION_MOST));
   if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
   if (s->surface != NULL) deficit *= 1 - relaxation_spared(s, i, deficit);
   if (s->porosity != NULL && s->surface == NULL) {

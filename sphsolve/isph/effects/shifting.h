@@ -38,10 +38,9 @@
 
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/constants.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
-#define SHIFT_SHARE 0.8     /* of r^2 / s: displacements are not reversed */
-#define SHIFT_MOST 0.1      /* largest shift over the particle's size */
 
 /* Shift of a particle; `gradient_sum` = - grad C, `most`: the bound, `weight`: 0 .. 1. */
 static inline void shift_of(const double gradient_sum[3], double h, double speed, double dt,

@@ -20,8 +20,15 @@ static inline bool isph_soil_moving_wanted(const struct effect_context *context,
   return on;
 }
 
+static inline enum status isph_motion_moved(void *state, double dt) {
+  struct isph *s = state;
+  for (size_t k = 0; k < s->scene->region_count; k++)
+    for (int a = 0; a < 3; a++) s->soil_offset[k][a] += s->scene->regions[k].soil_velocity[a] * dt;
+  return STATUS_OK;
+}
+
 #endif
 
 EFFECT(isph_soil_moving, .model = "soil boxes move and drag the water along",
        .citation = "Morimoto et al. 2015 section 4(1)", .wanted = isph_soil_moving_wanted,
-       .switches_on = EFFECT_SWITCH(struct isph_switches, moving_soil))
+       .switches_on = EFFECT_SWITCH(struct isph_switches, moving_soil), .moved = isph_motion_moved)

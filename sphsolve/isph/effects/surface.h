@@ -25,6 +25,7 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/isph/constants.h"
 
 /* Asymmetry of a neighbourhood, |sum V grad W| he / sum V slope r^2, relative to that in the
  * outermost layer of a level surface; `trace` is the sum in the denominator. */
@@ -35,12 +36,7 @@ static inline double surface_asymmetry(const struct isph *s, double support,
   return length * support / (trace * s->asymmetry_top);
 }
 
-/* least eigenvalue of the moment below which it begins by being in a thin sheet */
-#define SURFACE_MOMENT 0.4
-#define SURFACE_FROM 0.5 /* asymmetry from which on a particle begins to be on the surface, */
-#define SURFACE_FULL 0.8 /* and is on it entirely */
-/* largest asymmetry of a lattice disordered by a tenth of a spacing */
-#define SURFACE_DISORDER 0.33
+#define SURFACE_FROM 0.5 /* asymmetry from which on a particle begins to be on the surface */
 
 /* Surface weight of a particle, 0 .. 1, from the asymmetry of its neighbourhood (walls count as
  * neighbours). The kernel sum alone is not sufficient: that of water entering soil is above 1, as
@@ -67,7 +63,8 @@ static inline double surface_weight(const struct isph *s, double support, double
   if (!(trace > 0)) return 1;
   double asymmetry = (surface_asymmetry(s, support, gradient_sum, trace) - SURFACE_FROM) /
                      (SURFACE_FULL - SURFACE_FROM);
-  double thin = (0.8 + 0.35 * walls - kernel_sum) / 0.08, w = asymmetry > thin ? asymmetry : thin;
+  double thin = (SURFACE_THIN + SURFACE_WALLS * walls - kernel_sum) / SURFACE_THIN_RANGE,
+         w = asymmetry > thin ? asymmetry : thin;
   if (!s->on.soil && w < 1) {
     double whole[6];
     for (int k = 0; k < 6; k++) whole[k] = moment[k] + wall_moment[k];

@@ -9,6 +9,7 @@
 
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/constants.h"
 
 /* |S| from g[3 a + b] = dv_a/dx_b. */
 static inline double strain_rate(const float g[9]) {
@@ -32,8 +33,9 @@ static inline double eddy_viscosity(double constant, double support, double stra
  * bound, the friction coefficient of the wall would be .03 to .3, and not .003. */
 static inline double wall_viscosity(double nu, double speed, double distance) {
   double friction = sqrt(nu * speed / distance);
-  if (!(friction * distance > 11.6 * nu) || nu == 0) return nu;
-  for (int k = 0; k < 8; k++) friction = 0.41 * speed / log(9.8 * friction * distance / nu);
+  if (!(friction * distance > WALL_LAYER * nu) || nu == 0) return nu;
+  for (int k = 0; k < 8; k++)
+    friction = WALL_KARMAN * speed / log(WALL_LOG * friction * distance / nu);
   return friction * friction * distance / speed;
 }
 

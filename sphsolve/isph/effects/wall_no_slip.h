@@ -1,6 +1,6 @@
 /* No-slip walls: images behind them have the velocity v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama,
  * Sekiya 1994; Morris et al. 1997), and the viscosity of wall_viscosity (turbulence.h);
- * isph/step.c. */
+ * isph/viscosity.c. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_NO_SLIP_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_WALL_NO_SLIP_H
 

@@ -1,5 +1,6 @@
 /* k from a cascade of lattices of one body, from coarse to fine: each solve starts from the
- * solution of the coarser lattice, and k and its error are estimated from all of them. */
+ * solution of the coarser lattice, and k and its error are estimated from all of them. Here: what
+ * is known of it so far, and the solve of one lattice; cascade_add.h takes its result. */
 #ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_H
 #define TOSUI_SPHSOLVE_STOKES_CASCADE_H
 
@@ -9,7 +10,7 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/cascade/cascade_levels.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 struct cascade {
   const struct scene *scene;
@@ -51,27 +52,24 @@ enum status cascade_build(const struct cascade *cascade, const struct lattice *l
 /* Convergence criterion: stokes.tolerance where the scene gives one, else scene.steady_tolerance or
  * the share of the wanted error that is allowed to the solver, whichever is larger. */
 struct stokes_goal cascade_goal(const struct cascade *cascade);
-/* Adds the solved k of a lattice to the estimate. `seconds`: processor time of the solve. The
- * solution is not changed. */
-enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,
-                        struct stokes_solver *solver, double seconds);
-/* To be called after the last lattice. Computes the effect of the sides if a time limit was given
- * (it takes as long as several coarse lattices, which are solved first), and the effect of the scan
- * if the third lattice was the last. */
-enum status cascade_finish(struct cascade *cascade);
 /* Takes over the solution of a solver, which is emptied; the next solve starts from it. */
 void cascade_keep(struct cascade *cascade, struct stokes_solver *solver);
-/* Write and read a checkpoint. `solved`: the checkpoint holds the completed solution of the last
- * lattice added, and a run that resumes adds that lattice again; otherwise the solution is of a
- * lattice not yet added. */
-enum status cascade_write(const struct cascade *cascade, bool solved, struct h5_file *file);
-enum status cascade_read(struct cascade *cascade, struct h5_file *file);
 void cascade_end(struct cascade *cascade);
 
-/* Error of resolution of a run whose k was computed differently, by another method or with other
- * walls: lattices up to `base` are solved with subvoxel walls. `found`: intrinsic permeability of
- * the run, m^2. Fills *u. */
-enum status cascade_measure(const struct scene *scene, const struct plan *plan,
-                            const struct lattice *base, double found, struct uncertainty *u);
+/* Convergence criterion of a solve for a part of the error of k. */
+extern const struct stokes_goal cascade_part_goal;
+
+/* Intrinsic permeability along the force, m^2. */
+double cascade_permeability(const struct stokes_solver *solver);
+/* Whether every rank has enough memory to solve so many sites of a lattice. Collective. */
+bool cascade_have_memory(const struct lattice *lattice, double sites);
+/* Solves a lattice for its intrinsic permeability *k, m^2: 0 where nothing flows, NAN where the
+ * solver fails. In that case the part of the error stays unknown, with a warning, and the run goes
+ * on, except after an interrupt. With several ranks a failure in the middle of a solve ends the
+ * run, as the others wait for the failing rank; free memory is therefore checked first. `from`:
+ * solution to start from; with `keep` the cascade keeps the new solution. */
+enum status cascade_solve(struct cascade *cascade, const struct lattice *lattice,
+                          const struct stokes_solver *from, const struct stokes_goal *goal,
+                          bool keep, double *k);
 
 #endif

@@ -8,7 +8,7 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
-#include "sphsolve/stokes/cost.h"
+#include "sphsolve/stokes/solver/cost.h"
 
 /* Number of sites of the first lattice across a mean pore, 4 V / S, and across the body. */
 #define FIRST_SITES_PER_PORE 1.6

@@ -8,7 +8,7 @@
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 /* Ratio of the spacings of successive lattices of an open cascade, which is CASCADE_STEPS steps of
  * its square root. The last lattice may be one to CASCADE_STEPS_MAX steps from the one before. */

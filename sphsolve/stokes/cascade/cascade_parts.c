@@ -5,71 +5,18 @@
 #include "common/convergence.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "common/ranks.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/surface_blur.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
-#include "sphsolve/stokes/cascade/start.h"
 
 /* Displacement of the surface for dk/de, in spacings: it changes k by some per cent to some tens of
  * per cent, far more than the tolerance of the solver. */
 #define SURFACE_STEP 0.05
-const struct stokes_goal cascade_part_goal = {.mean = 3e-4};
-
 bool cascade_sides_wait(const struct cascade *c) {
   return c->plan->goal.seconds > 0.0 && c->fixed == 0 && isnan(c->uncertainty.sides) &&
          cascade_sides_copies(c->base) > 1.0;
-}
-
-double cascade_permeability(const struct stokes_solver *s) {
-  double k = 0.0;
-  for (int a = 0; a < 3; a++) k += s->mean[a] * s->force[a] * s->stencil.unit * s->stencil.unit;
-  return k;
-}
-
-/* Whether every rank has enough memory for its part of a solve: an even share, and
- * RANK_MEMORY_FACTOR as much to allow for uneven parts and ghosts. */
-#define RANK_MEMORY_FACTOR 1.3
-static bool have_memory(const struct lattice *lattice, double sites) {
-  const double share = sites / (double)lattice->count;
-  const double bytes = stokes_solver_bytes(sites, share * (double)lattice->fluid_count,
-                                           lattice->micro_porosity != NULL);
-  return !ranks_any(!memory_has_room((size_t)(RANK_MEMORY_FACTOR * bytes / ranks_count()), 1));
-}
-
-enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
-                          const struct stokes_solver *from, const struct stokes_goal *goal,
-                          bool keep, double *k) {
-  enum status status = STATUS_OK;
-  struct stokes_solver s = {0};
-  *k = NAN;
-  if (ranks_count() > 1 && lattice->fluid_count > 0 &&
-      !have_memory(lattice, (double)lattice->count)) {
-    log_warning("a part of the error of k is not known: memory is short for a solve of its own");
-    return STATUS_OK;
-  }
-  if (lattice->fluid_count > 0) status = cascade_build(c, lattice, WALL_SUBVOXEL, &s);
-  if (status != STATUS_OK && ranks_count() > 1) return status;
-  if (status == STATUS_OK && s.grid.active_all == 0) *k = 0.0;
-  if (status == STATUS_OK && s.grid.active_all > 0) {
-    if (c->fixed == 0 && from->grid.active > 0 && stokes_solver_start(&s, from) != STATUS_OK)
-      error_clear();
-    status = stokes_solver_run(&s, goal);
-    if (status == STATUS_OK) *k = cascade_permeability(&s);
-    if (status == STATUS_OK && keep) status = stokes_solver_find_dissipating(&s);
-  }
-  if (status != STATUS_OK && status != STATUS_INTERRUPTED) {
-    log_warning("a part of the error of k is not known: %s", error_message());
-    error_clear();
-    status = STATUS_OK;
-  }
-  if (keep && *k > 0.0)
-    cascade_keep(c, &s);
-  else
-    stokes_solver_free(&s);
-  return status;
 }
 
 /* Parts of the error by the void ratio and by the threshold: their uncertainties, given by the
@@ -142,7 +89,7 @@ enum status cascade_add_sides(struct cascade *c) {
   c->sides = uncertainty_share_of_sides(k, count);
   double sites;
   while (!isnan(k[0]) && !isnan(k[count - 1]) && !sides_are_settled(before, c->sides) &&
-         cascade_sides_finer(c->base, &spacing, &sites) && have_memory(c->base, sites)) {
+         cascade_sides_finer(c->base, &spacing, &sites) && cascade_have_memory(c->base, sites)) {
     before = k[count - 1] > 0.0 ? c->sides : NAN;
     lattice_free(&wrapped);
     TRY(solve_sides(c, spacing, &wrapped, k, &count));

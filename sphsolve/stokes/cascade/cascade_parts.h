@@ -5,19 +5,6 @@
 
 #include "sphsolve/stokes/cascade/cascade.h"
 
-/* Convergence criterion of such a solve. */
-extern const struct stokes_goal cascade_part_goal;
-
-/* Intrinsic permeability along the force, m^2. */
-double cascade_permeability(const struct stokes_solver *solver);
-/* Solves a lattice for its intrinsic permeability *k, m^2: 0 where nothing flows, NAN where the
- * solver fails. In that case the part of the error stays unknown, with a warning, and the run goes
- * on, except after an interrupt. With several ranks a failure in the middle of a solve ends the
- * run, as the others wait for the failing rank; free memory is therefore checked first. `from`:
- * solution to start from; with `keep` the cascade keeps the new solution. */
-enum status cascade_solve(struct cascade *cascade, const struct lattice *lattice,
-                          const struct stokes_solver *from, const struct stokes_goal *goal,
-                          bool keep, double *k);
 /* Whether the effect of the sides is computed at the end, because a time limit was given. */
 bool cascade_sides_wait(const struct cascade *cascade);
 /* Computes the change of k when pores that end at a side (or at the first or last layer, where

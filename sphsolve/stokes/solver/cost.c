@@ -1,6 +1,6 @@
 /* Predicted cost of a solve. The constants were measured on sand models of 60 to 240 sites a side
  * and on the exact cases of verify_stokes. */
-#include "sphsolve/stokes/cost.h"
+#include "sphsolve/stokes/solver/cost.h"
 
 #include <math.h>
 #include <string.h>

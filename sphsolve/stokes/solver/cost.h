@@ -3,7 +3,7 @@
 #define TOSUI_SPHSOLVE_STOKES_COST_H
 
 #include "sphsolve/plan/error_forecast.h"
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 /* Iterations of GMRES until the goal is reached. */
 double stokes_iterations(const struct pore_shape *pores, const struct stokes_goal *goal,

@@ -3,7 +3,7 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_STEP_H
 #define TOSUI_SPHSOLVE_STOKES_STEP_H
 
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 
 /* Convergence criterion: this relative residual, with a divergence under 1e-4; or, if `residual` is
  * 0, an estimated relative error `mean` of the mean velocity. */

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/step.h"
+#include "sphsolve/stokes/solver/step.h"
 
 #include <math.h>
 #include <omp.h>

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 
 #include <math.h>
 #include <omp.h>

@@ -2,7 +2,7 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_START_H
 #define TOSUI_SPHSOLVE_STOKES_START_H
 
-#include "sphsolve/stokes/state.h"
+#include "sphsolve/stokes/solver/state.h"
 
 /* Reduces a solver to its solution: grid, stencil, units and x; all else is freed. */
 void stokes_solver_strip(struct stokes_solver *solver);

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/start.h"
+#include "sphsolve/stokes/solver/start.h"
 
 #include <math.h>
 #include <omp.h>

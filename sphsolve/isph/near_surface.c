@@ -1,0 +1,39 @@
+#include "sphsolve/isph/near_surface.h"
+
+#include <math.h>
+
+#include "sphsolve/isph/images.h"
+
+void isph_find_near_surface(const struct isph *s, double *near) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      near[i] = s->surface[i];
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+        near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
+    }
+  }
+}
+
+/* Neighbours' contribution to isph_near_surface. */
+ROW void surface_around(enum isph_images images, const struct isph *s,
+                        const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    uint32_t j = chunk->pair[p] & PAIR_MASK;
+    *near = fmax(*near, s->surface[j]);
+    double out[3];
+    isph_turn(images, s, chunk->pair[p], s->gradient_sum[j], out);
+    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
+  }
+}
+
+double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                         double normal[3]) {
+  double near = s->surface[i], square = 0;
+  for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
+  ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);
+  for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
+  for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
+  return near;
+}
