@@ -4,6 +4,7 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/scanner/gaussian.h"
@@ -51,6 +52,8 @@ enum { WELL_FIRST = 40, WELL_LAST = 180 };
 static const double VOXEL_VARIANCE = 1.0 / 12.0;
 /* Iterations before the grains are separated. */
 enum { ITERATIONS_FIRST = 10 };
+/* Time to separate the grains, in iterations. */
+enum { COST_OF_GRAINS = 12 };
 /* Grey above which a voxel is certainly grain after these iterations; pores that the scan hides are
  * darker. With values from 0.65 to 0.9 the grains are restored alike
  * (docs/physics/restoration.md). */
@@ -187,18 +190,12 @@ static void row_residual(const struct deblur *deblur, size_t row, float *out) {
   memset(out + end, 0, (n[0] - end) * sizeof *out);
 }
 
-static bool scan_fills_slab(const struct deblur *deblur) {
-  size_t beyond = 0;
-  for (int d = 0; d < 3; d++) beyond += deblur->beyond[d][0] + deblur->beyond[d][1];
-  return beyond == 0;
-}
-
 /* Direction of descent of the misfit: a = H^T (g - H a) / A, where a holds A y at the start. If the
  * scan fills the slab, deblur->grey holds H^T g and H^T H is a single filter. Here and in iterate
  * each row is finished while it is in the cache, since memory bandwidth limits the speed. */
 static void descent_of_misfit(struct deblur *deblur, const struct filters *filters) {
   const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
-  const bool whole = scan_fills_slab(deblur);
+  const bool whole = deblur->compared;
   float *a = deblur->a, *b = deblur->b, *share = deblur->share;
   gaussian_filter(a, size, whole ? filters->twice : filters->once, b, share);
 #pragma omp parallel for schedule(static)
@@ -227,6 +224,16 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
   }
 }
 
+/* Tells the progress after some iterations. */
+static void tell(struct deblur *deblur, int iterations) {
+  deblur->iteration += iterations;
+  if (deblur->progress != NULL)
+    progress_update(deblur->progress,
+                    deblur->done + (double)deblur->iteration /
+                                       (ITERATIONS_FIRST + COST_OF_GRAINS + deblur->iterations),
+                    NULL);
+}
+
 /* Iterates from the current u; deblur->grey as descent_of_misfit expects it. */
 static void iterate(struct deblur *deblur, const struct filters *filters, int iterations) {
   const size_t nx = deblur->size[0], rows = deblur->size[1] * deblur->size[2];
@@ -250,6 +257,7 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int it
       multiply(deblur->grain + at, y + at, nx, a + at);
     }
     t = next;
+    tell(deblur, 1);
   }
 }
 
@@ -270,7 +278,7 @@ static void smooth_steps(struct deblur *deblur) {
 enum status deblur_run(struct deblur *deblur) {
   enum status status = STATUS_OK;
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
-  const bool whole = scan_fills_slab(deblur);
+  const bool whole = deblur->compared;
   struct filters filters = {.largest = 0.0};
   double average[3];
   for (int d = 0; d < 3; d++)
@@ -282,9 +290,11 @@ enum status deblur_run(struct deblur *deblur) {
     laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
   }
   memset(deblur->contacts, 0, n);
+  deblur->iteration = 0;
   iterate(deblur, &filters, ITERATIONS_FIRST);
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
+  tell(deblur, COST_OF_GRAINS);
   iterate(deblur, &filters, deblur->iterations);
   if (deblur->scanner.two_phases > 0.0) smooth_steps(deblur);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);

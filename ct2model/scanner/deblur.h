@@ -2,6 +2,7 @@
 #ifndef TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 #define TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -32,12 +33,19 @@ struct deblur_scanner {
   double two_phases;  /* weight from 0 to 1 with which each voxel is to be grain or pore */
 };
 
+struct progress;
+
 struct deblur {
   size_t size[3]; /* of the slab being restored, at most the voxels given to deblur_start */
   /* Number of these voxels at either end of each axis that lie outside the scan; their greys are
    * not used. */
   size_t beyond[3][2];
   struct deblur_scanner scanner;
+  /* Told after each iteration if not NULL: `done`, and the share of this slab that is done. */
+  struct progress *progress;
+  double done;
+  int iteration;
+  bool compared;  /* with a simulated scan restored in the same way, without a margin */
   int iterations; /* DEBLUR_ITERATIONS, or as set after deblur_start */
   float *grey;    /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
   float *share;   /* result [z][y][x]: share of grain, 0 to 1 */

@@ -174,7 +174,7 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   if (wide) current.blur = BLUR_FIRST * scanner->unit;
   for (int round = 0; found && round < ROUNDS; round++) {
     const struct grey_phases phases = {.pore_peak = current.pore, .grain_peak = current.grain};
-    restore_scanner(region, &current, current.blur, 1, &work);
+    restore_scanner(region, &current, current.blur, &work);
     work.surface = SMOOTH_SURFACE_COST;
     TRY(windows_read_middle(region, &phases, SIDE, &scan));
     const size_t *size = scan.window[0].size;

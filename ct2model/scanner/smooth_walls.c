@@ -135,7 +135,7 @@ static enum status find_octaves(const struct region *region, const struct scanne
   const double fine[2] = {COST_FINE, 1.0};
   struct removal seen, ratio;
   double contrast, least_risk;
-  restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
+  restore_scanner(region, scanner, scanner->blur, &deblur->scanner);
   TRY(measure_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
@@ -198,13 +198,14 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   scanner->smooth_walls = scanner->fine_relief = 0.0;
   if (!scanner->known || !isfinite(scanner->noise_correlation)) return STATUS_OK;
   smooth_scanner.smooth_walls = 1.0;
-  restore_scanner(region, &smooth_scanner, scanner->blur, 1, &work);
+  restore_scanner(region, &smooth_scanner, scanner->blur, &work);
   if (!(work.surface > 1.0)) return STATUS_OK; /* noise too fine to be told from the voxels */
   TRY(windows_read_middle(region, &phases, SIDE, &scan));
   const size_t *size = scan.window[0].size, n = size[0] * size[1] * size[2];
   TRY(memory_allocate(&lower, n, sizeof *lower, "a piece of the scan"));
   TRY(deblur_start(n, &work, &deblur));
   deblur.iterations = DEBLUR_ITERATIONS_COMPARED;
+  deblur.compared = true;
   const double smooth[2] = {1.0, work.surface};
   TRY(measure_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   TRY(find_touching(region, &deblur, scanner->blur, &touching));
