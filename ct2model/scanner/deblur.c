@@ -178,7 +178,8 @@ TARGETS static void subtract_from(const float *restrict a, size_t n, float *rest
 }
 
 /* Replaces `out`, a row of H A y, by the residual g - H A y; 0 outside the faces of the scan. */
-static void row_residual(const struct deblur *deblur, size_t row, float *out) {
+static void row_residual(const void *context, size_t row, float *out) {
+  const struct deblur *deblur = context;
   const size_t *n = deblur->size, at[2] = {row % n[1], row / n[1]}; // NOLINT: a volume has a row
   size_t first = deblur->beyond[0][0], end = n[0] - deblur->beyond[0][1];
   for (int d = 0; d < 2; d++) {
@@ -190,26 +191,31 @@ static void row_residual(const struct deblur *deblur, size_t row, float *out) {
   memset(out + end, 0, (n[0] - end) * sizeof *out);
 }
 
+static void row_divided(const void *context, size_t row, float *out) {
+  const struct deblur *deblur = context;
+  divide_by(deblur->grain + row * deblur->size[0], deblur->size[0], out);
+}
+
+static void row_kept(const void *context, size_t row, float *out) {
+  (void)context, (void)row, (void)out;
+}
+
 /* Direction of descent of the misfit: a = H^T (g - H a) / A, where a holds A y at the start. If the
- * scan fills the slab, deblur->grey holds H^T g and H^T H is a single filter. Here and in iterate
- * each row is finished while it is in the cache, since memory bandwidth limits the speed. */
+ * slab is compared, deblur->grey holds H^T g and H^T H is a single filter. */
 static void descent_of_misfit(struct deblur *deblur, const struct filters *filters) {
   const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
-  const bool whole = deblur->compared;
   float *a = deblur->a, *b = deblur->b, *share = deblur->share;
-  gaussian_filter(a, size, whole ? filters->twice : filters->once, b, share);
-#pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < rows; row++) {
-    laplacian_subtract_row(share, size, filters->fringe, row, b + row * nx);
-    if (!whole) row_residual(deblur, row, b + row * nx);
+  if (!deblur->compared) {
+    gaussian_sharpen(a, size, filters->once, filters->fringe, b, share, row_residual, deblur);
+    gaussian_sharpen(share, size, filters->once, filters->fringe, b, a, row_divided, deblur);
+    return;
   }
-  if (!whole) gaussian_filter(b, size, filters->once, a, share);
+  gaussian_sharpen(a, size, filters->twice, filters->fringe, b, share, row_kept, deblur);
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < rows; row++) {
-    const size_t at = row * nx;
-    laplacian_subtract_row(whole ? b : share, size, filters->fringe, row, a + at);
-    if (whole) subtract_from(deblur->grey + at, nx, a + at);
-    divide_by(deblur->grain + at, nx, a + at);
+    laplacian_subtract_row(share, size, filters->fringe, row, a + row * nx);
+    subtract_from(deblur->grey + row * nx, nx, a + row * nx);
+    row_divided(deblur, row, a + row * nx);
   }
 }
 

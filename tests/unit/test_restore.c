@@ -27,7 +27,8 @@ static float *draw(void) {
   assert_int_equal(memory_allocate(&grey, VOXELS, sizeof *grey, "a drawing"), STATUS_OK);
   assert_int_equal(memory_allocate(&work, VOXELS, sizeof *work, "a drawing"), STATUS_OK);
   for (size_t i = 0; i < VOXELS; i++) {
-    const double x = (double)(i % SIDE), y = (double)(i / SIDE % SIDE), z = (double)(i / SIDE / SIDE);
+    const double x = (double)(i % SIDE), y = (double)(i / SIDE % SIDE),
+                 z = (double)(i / SIDE / SIDE);
     const double a = remainder(x + 0.2 * y, 13.7), b = remainder(y + 0.3 * z, 12.9);
     const double c = remainder(z + 0.1 * x, 13.3);
     grey[i] = (float)fmin(fmax(6.9 - hypot(a, hypot(b, c)), 0.0), 1.0);
