@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/grain_surface.h"
 #include "ct2model/scanner/grains.h"
@@ -28,7 +29,7 @@
  * a length l makes less of such relief: its spectrum is P exp(-(l q)^2), and relief that is just
  * resolved has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), the
  * gain in likelihood by relief, equals lambda q^2. So N = P exp(-RELIEF (l^2 - l0^2) / s^2),
- * relative to the finest noise that voxels resolve, of length l0 = DEBLUR_CORRELATION_LEAST. A
+ * relative to the finest noise that voxels resolve, of length l0 = CORRELATION_LEAST. A
  * fringe f raises the scanner's transfer of relief of wavenumber 1 / s by a factor 1 + f'
  * (edge_fit_transfer), which enters the likelihood squared; surface costs more by the same factor.
  * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
@@ -39,26 +40,9 @@
  * with w rising slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual
  * Reconstruction): grain and pore become two phases, and a throat is as wide as the pore volume
  * that it contributes to the scan. u then has steps from voxel to voxel, which a narrow Gaussian
- * removes.
- *
- * SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
- * 30 times the noise, and RELIEF was chosen on some of them (docs/physics/restoration.md). */
-static const double SURFACE = 0.13, RELIEF = 1.5;
-/* w at the end, the iterations between which it rises, and the standard deviation of the Gaussian,
- * voxels (docs/physics/restoration.md). */
-static const double WELL = 0.03, WELL_SMOOTHED = 0.5;
-enum { WELL_FIRST = 40, WELL_LAST = 180 };
+ * removes. */
 /* Variance that the average over a voxel adds to the blur, voxels^2. */
 static const double VOXEL_VARIANCE = 1.0 / 12.0;
-/* Iterations before the grains are separated. */
-enum { ITERATIONS_FIRST = 10 };
-/* Time to separate the grains, in iterations. */
-enum { COST_OF_GRAINS = 12 };
-/* Grey above which a voxel is certainly grain after these iterations; pores that the scan hides are
- * darker. With values from 0.65 to 0.9 the grains are restored alike
- * (docs/physics/restoration.md). */
-static const float GREY_SURELY_GRAIN = 0.65F;
-
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H, in voxels */
   double fringe[3];         /* of H: weights of the second differences */
@@ -69,9 +53,9 @@ struct filters {
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner,
-                            .iterations = scanner->two_phases > 0.0 ? DEBLUR_ITERATIONS_TWO_PHASES
-                                                                    : DEBLUR_ITERATIONS};
+  *deblur =
+      (struct deblur){.scanner = *scanner,
+                      .iterations = scanner->two_phases > 0.0 ? ITERATIONS_TWO_PHASES : ITERATIONS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -108,9 +92,8 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
     blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
   const double wide = fmax(blur, 1.0);
-  const double longer = fmax(scanner->correlation * scanner->correlation -
-                                 DEBLUR_CORRELATION_LEAST * DEBLUR_CORRELATION_LEAST,
-                             0.0);
+  const double longer = fmax(
+      scanner->correlation * scanner->correlation - CORRELATION_LEAST * CORRELATION_LEAST, 0.0);
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
   filters->cost =
       SURFACE * scanner->surface * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
@@ -129,7 +112,7 @@ static void find_grain(struct deblur *deblur, const struct filters *filters) {
   gaussian_filter(deblur->y, deblur->size, filters->once, work, a);
   laplacian_subtract(a, deblur->size, filters->fringe, b);
   for (size_t i = 0; i < n; i++) {
-    const float inner = deblur->y[i] > 0.0F && a[i] > 0.98F ? 1.0F : 0.0F;
+    const float inner = deblur->y[i] > 0.0F && a[i] > (float)INNER_LEAST ? 1.0F : 0.0F;
     a[i] = deblur->grey[i] * inner;
     b[i] *= inner;
   }
@@ -160,7 +143,7 @@ static void guess_grain(struct deblur *deblur, const struct filters *filters, fl
 static void find_grain_again(struct deblur *deblur, const struct filters *filters) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   for (size_t i = 0; i < n; i++)
-    deblur->y[i] = deblur->u[i] * deblur->grain[i] > GREY_SURELY_GRAIN ? 1.0F : 0.0F;
+    deblur->y[i] = deblur->u[i] * deblur->grain[i] > (float)GREY_SURELY_GRAIN ? 1.0F : 0.0F;
   find_grain(deblur, filters);
 }
 

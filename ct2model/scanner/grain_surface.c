@@ -5,10 +5,10 @@
 #include <stdbool.h>
 
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/grains.h"
 
 /* |grad u| is computed as sqrt(|grad u|^2 + ROUNDING^2), which is differentiable at 0. */
-#define ROUNDING 0.1F
 
 /* The rows adjacent to a row; at the ends of the volume the row itself. */
 struct rows {
@@ -30,7 +30,7 @@ TARGETS static void find_weights(const float *restrict u, const struct rows *nea
     const float ey = c & GRAINS_LAST(1) ? u[x] : 0.0F;
     const float ez = c & GRAINS_LAST(2) ? u[x] : 0.0F;
     weight[x] = cost / sqrtf((dx * dx + ex * ex) * inverse[0] + (dy * dy + ey * ey) * inverse[1] +
-                             (dz * dz + ez * ez) * inverse[2] + ROUNDING * ROUNDING);
+                             (dz * dz + ez * ez) * inverse[2] + (float)ROUNDING * (float)ROUNDING);
   }
 }
 
@@ -59,7 +59,7 @@ TARGETS static void add_pull(const float *restrict u, const struct rows *near,
 }
 
 double grain_surface_stiffness(const struct grain_surface *surface) {
-  return 12.0 * surface->cost / (double)ROUNDING;
+  return 12.0 * surface->cost / (double)(float)ROUNDING;
 }
 
 /* Rows of one slice: the weights, or the pull by those of this slice and of the one before. */

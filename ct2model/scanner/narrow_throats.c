@@ -2,28 +2,8 @@
 
 #include <math.h>
 
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/ramp.h"
-
-/* All constants were chosen on generated sands of seeds up to 9521, and 9579
- * (docs/physics/restoration.md). */
-
-/* If the greys of pore and grain are right, the measured void ratio is enclosed by the middle level
- * of 127.5, or one a little lower where there are specks. A pore grey that is too bright by the
- * whole contrast lowers it by LEVELS_PER_CONTRAST. With the true greys it is lowered by up to
- * LOWERED_CHANCE. */
-static const double LEVEL_EXPECTED = 124.0, LEVELS_PER_CONTRAST = 250.0;
-static const double LOWERED_CHANCE = 6.0, LOWERED_SIGNIFICANT = 11.0;
-/* Where it is lowered by more than LOWERED_MOST something else than the grey is wrong, such as the
- * blur; from LOWERED_IMPLAUSIBLE on the grey is not corrected. */
-static const double LOWERED_MOST = 38.0, LOWERED_IMPLAUSIBLE = 50.0;
-/* Mean pore widths, in blurs, between which pores begin to show their grey; and Sauter mean
- * diameters of grains, in blurs, between which throats begin to stay open. Those of the restored
- * scan are a sixth too large, as closed throats are missing. Open throats need no help, and two
- * phases would make k 5 % too low there, as walls then follow the voxels. */
-static const double WIDTH_SHOWS_NO_GREY = 5.5, WIDTH_SHOWS_GREY = 6.0;
-static const double DIAMETER_CLOSED = 8.5, DIAMETER_OPEN = 9.5;
-/* Contrast over noise between which noise would be taken for a phase of its own. */
-static const double CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
 
 /* Voxels, voxels of pores, and voxels whose next one along an axis is of the other phase. */
 struct crossings {

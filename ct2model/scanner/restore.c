@@ -6,25 +6,11 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/gaussian.h"
 
-enum { LEVELS = 255, SAMPLE_BLOCKS = 3 };
-/* Cost of surface on smooth walls, relative to the usual one: they have no relief that a low cost
- * would keep, and show all the relief that noise makes (docs/physics/restoration.md). */
-static const double COST_SMOOTH = 8.0;
-/* Cost of surface, relative to the usual one, where relief is much finer than in uniform sand: the
- * usual one would remove grains there (docs/physics/restoration.md). */
-static const double COST_FINE = 0.25;
-/* Overlap of the blocks, in blurs: what is farther away changes few levels, by one
- * (docs/physics/restoration.md). */
-static const double OVERLAP_BLURS = 7.0;
-/* Distance beyond the faces of the scan, in blurs, over which grains are restored together with the
- * others, as far as the scan shows them. If the scan were reflected at its faces instead, as no
- * grain cut by a face is, walls within two blurs of a face would be twice as far off
- * (docs/physics/restoration.md). */
-static const double BEYOND_BLURS = 2.0;
-
+enum { LEVELS = 255 };
 /* Number of voxels beyond the faces of the scan at either end of each axis. */
 static void voxels_beyond(const size_t size[3], const double blur[3], size_t beyond[3]) {
   for (int d = 0; d < 3; d++) {
@@ -214,11 +200,11 @@ void restore_scanner(const struct region *region, const struct scanner *scanner,
   for (int d = 0; d < 3; d++) work->stretch[d] = region->voxel[d] / least;
   /* The correlation length is limited to the blur: anything longer is texture of the grains. */
   const double length =
-      fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(blur, least));
+      fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(blur, least));
   const double correlation_volume = noise_volume(length, region->voxel);
   work->correlation = length / least;
   work->power = pow(scanner->noise / contrast, 2.0) * correlation_volume / volume;
-  /* Noise finer than DEBLUR_CORRELATION_LEAST is already overestimated, so that smooth walls need
+  /* Noise finer than CORRELATION_LEAST is already overestimated, so that smooth walls need
    * less additional cost. */
   const double actual_volume =
       noise_volume(fmin(scanner->noise_correlation, length), region->voxel);

@@ -31,7 +31,6 @@ struct restore_block {
 /* Chooses the blocks, of up to `voxels` voxels with their neighbours' parts (RESTORE_VOXELS unless
  * tested), and the sample: a few of them, spread over the scan; all of a small scan. Free with
  * coarse_end(&restore->levels), on failure too. */
-#define RESTORE_VOXELS 24e6
 enum status restore_start(const struct region *region, double blur, double voxels,
                           struct restore *restore);
 /* Number of blocks in the sample, and block number `i` of it. */

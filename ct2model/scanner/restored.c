@@ -6,16 +6,13 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/narrow_throats.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
 
 enum { BATCH = 32 };
-
-/* Range of levels, of 255, in which the surface must lie: outside it, the void ratio requires more
- * or less grain than the edges of the scan allow. */
-static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0, LEVEL_MIDDLE = 127.5;
 
 /* Islands of few voxels ("specks") are removed from CHUNK_SLICES slices at a time, with
  * OVERLAP_SLICES slices on either side; no speck is longer. The first slice is adjacent to the last
@@ -28,13 +25,12 @@ enum { CHUNK_SLICES = 64, OVERLAP_SLICES = 12 };
 static size_t speck_limit(const struct region *region, const struct scanner *scanner) {
   double volume = 3.14159265358979323846 / 6.0; /* of a ball as wide as the resolution */
   for (int d = 0; d < 3; d++) volume *= scanner->resolution / region->voxel[d];
-  return (size_t)fmin(fmax(volume, 8.0), SPECK_MOST);
+  return (size_t)fmin(fmax(volume, SPECK_LEAST), SPECK_MOST);
 }
 
 /* Moves the levels of specks to the other side of `threshold`, by the same distance and at least
  * LEVEL_STEP: the threshold changes when the void ratio is matched once more, which must not
  * restore the specks. */
-static const double LEVEL_STEP = 16.0;
 static enum status drop_specks(const struct region *region, const struct scanner *scanner,
                                double threshold, struct coarse *scan) {
   enum status status = STATUS_OK;
@@ -112,14 +108,6 @@ static void match(const struct restore *restore, double void_ratio, struct resto
   restored->threshold = grey_histogram_quantile(levels, void_ratio / (1.0 + void_ratio));
 }
 
-/* 95 % half width of the level at which the scan's own edges lie: LEVEL_SURE for a clear scan;
- * LEVEL_NOISY over the square of the contrast over noise, as the bias of a restoration grows with
- * the variance of the noise; and LEVEL_NARROW times (blur / mean pore width)^2, as narrow pores
- * look brighter than they are. Set on 14 scans (generate_sand 9651 to 9658, projected_scan.py 1 to
- * 9) and one more with fines under a wide blur (101). */
-static const double LEVEL_SURE = 9.0, LEVEL_NOISY = 800.0, LEVEL_NARROW = 600.0,
-                    LEVEL_UNSURE_MOST = 100.0;
-
 /* Reads the void ratio that the scan shows from a restoration that knows nothing of a measured
  * one. */
 static void see_void_ratio(const struct restore *restore, const struct scanner *scanner,
@@ -135,9 +123,6 @@ static void see_void_ratio(const struct restore *restore, const struct scanner *
   restored->scan_void_ratio_error = 0.5 * (void_ratio_at(levels, LEVEL_MIDDLE + unsure) -
                                            void_ratio_at(levels, LEVEL_MIDDLE - unsure));
 }
-
-/* Correction of the grey of pore, as a fraction of the contrast, that is not worth a word. */
-static const double EXCESS_SMALL = 0.01;
 
 static bool allows_void_ratio(const struct restored *restored) {
   return restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX;

@@ -11,6 +11,7 @@
 #include <cmocka.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/restore.h"
 
