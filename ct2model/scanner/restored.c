@@ -114,7 +114,8 @@ static void see_void_ratio(const struct restore *restore, const struct scanner *
                            struct restored *restored) {
   const struct grey_histogram *levels = &restore->levels.histogram;
   restored->scan_void_ratio = restored->scan_void_ratio_error = NAN;
-  if (!scanner->known || scanner->by_void_ratio) return;
+  /* Greys that no surface shows by itself say nothing: those of a narrow phase were fitted. */
+  if (!scanner->known || scanner->by_void_ratio || scanner->narrow) return;
   const double noise = LEVEL_NOISY / pow(scanner->contrast_to_noise, 2.0);
   const double width = narrow_throats_measure(restore, LEVEL_MIDDLE).pore_width;
   const double narrow = LEVEL_NARROW * pow(scanner->blur / width, 2.0);
