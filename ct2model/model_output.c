@@ -84,8 +84,8 @@ cleanup:
 }
 
 /* Writes the properties of the scanner, and the edge response from which they are derived. */
-static enum status write_scanner(struct h5_file *file, const struct scanner *scanner, bool removed,
-                                 size_t averaged) {
+static enum status write_scanner(struct h5_file *file, const struct scanner *scanner,
+                                 bool removed) {
   enum status status = STATUS_OK;
   const size_t bins = EDGE_BINS;
   double distance[EDGE_BINS], response[EDGE_BINS];
@@ -99,7 +99,6 @@ static enum status write_scanner(struct h5_file *file, const struct scanner *sca
     TRY(write_number(file, "/scanner", scanner_fields[i].attribute,
                      scanner_field_value(&scanner_fields[i], scanner)));
   TRY(write_number(file, "/scanner", "removed", removed ? 1.0 : 0.0));
-  if (removed) TRY(write_number(file, "/scanner", "averaged", (double)averaged));
   TRY(h5_write(file, "/scanner/distance", H5_F64, 1, &bins, distance, false));
   TRY(h5_write(file, "/scanner/edge_response", H5_F64, 1, &bins, response, false));
 cleanup:
@@ -257,7 +256,7 @@ enum status model_output_write(const struct pipeline *pipeline, const struct opt
   TRY(model_write(file, &model));
   TRY(write_calibration(file, pipeline));
   TRY(write_quality(file, pipeline));
-  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed, pipeline->averaged));
+  TRY(write_scanner(file, &pipeline->scanner, pipeline->blur_removed));
   TRY(write_provenance(file, pipeline, options));
   struct h5_file *whole = file;
   file = NULL; /* freed by h5_commit */

@@ -363,16 +363,10 @@ static enum status restore(struct pipeline *pipeline) {
   pipeline->scanner.two_phases = pipeline->restored.two_phases;
   if (!pipeline->blur_removed) return STATUS_OK;
   misfit_warn_of_doubt(pipeline);
-  pipeline->averaged = pipeline->restored.scan.step;
   if (pipeline->scanner.assumed)
     log_warning("no surface of the scan stands alone for its blur to be measured: pores or grains "
                 "are narrow; one of %.2g voxels is assumed and taken out",
                 MODEL_BLUR_ASSUMED);
-  if (pipeline->averaged > 1)
-    log_warning(
-        "the scan has too many voxels for its blur to be taken out of each: it is taken out "
-        "of means of %zu a side, and k is the less certain; --crop",
-        pipeline->restored.scan.step);
   TRY(restored_resample(&pipeline->restored, pipeline->request->filter, size, pipeline->volume));
   TRY(volume_threshold(pipeline->volume, &mirroring, e / (1.0 + e), &pipeline->solid_threshold));
 cleanup:

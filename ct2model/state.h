@@ -72,7 +72,6 @@ struct pipeline {
   struct restored restored;     /* the scan without blur and noise */
   bool restoring;               /* whether this is attempted */
   bool blur_removed;            /* whether it was done */
-  size_t averaged;              /* voxels a side over which the scan was averaged first; 1: none */
   struct wall_level walls;
   struct sweep_table table;
   double threshold_original, threshold;             /* at full resolution; of the model */

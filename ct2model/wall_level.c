@@ -48,7 +48,6 @@ enum status wall_level_find(struct pipeline *pipeline) {
                                .void_ratio = NAN};
   if (restored) {
     walls->region = restored_region(&pipeline->restored, &pipeline->region);
-    walls->step = pipeline->restored.scan.step;
     walls->threshold = pipeline->restored.threshold;
     walls->contrast = 1.0 / pipeline->restored.scan.unit;
     walls->void_ratio = pipeline->restored.void_ratio;

@@ -56,8 +56,9 @@ size_t region_buffer_size(const struct region *region) {
 enum status region_read_rows(const struct region *region, size_t z, void *buffer,
                              struct pixel_rows *rows) {
   const struct stack *stack = region->stack;
-  const size_t bytes = pixel_size(stack->type), whole = stack->size[0] * stack->size[1];
+  const size_t whole = region->held == NULL ? stack->size[0] * stack->size[1] : 0;
   if (region_has_levels(region)) {
+    const size_t bytes = pixel_size(stack->type);
     *rows = (struct pixel_rows){
         (char *)buffer + (region->origin[1] * stack->size[0] + region->origin[0]) * bytes,
         stack->size[0] * bytes, stack->type, (float)region->scale};
@@ -75,7 +76,11 @@ enum status region_read_rows(const struct region *region, size_t z, void *buffer
   return read_one(region, z, buffer, slice);
 }
 
-enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
+/* Reads columns first[0] on and rows first[1] on, size[0] x size[1], of n slices, whose numbers are
+ * numbers[i] or, if that is NULL, follow first[2]. */
+static enum status read_slices(const struct region *region, const size_t *numbers, size_t n,
+                               const size_t first[3], const size_t size[3], const size_t pitch[2],
+                               float *out) {
   enum status status = STATUS_OK;
 #pragma omp parallel
   {
@@ -84,11 +89,12 @@ enum status region_read(const struct region *region, const size_t *numbers, size
     enum status thread_status = memory_allocate(&buffer, region_buffer_size(region), 1, "a slice");
 #pragma omp for schedule(dynamic)
     for (size_t i = 0; i < n; i++) {
+      const size_t z = numbers != NULL ? numbers[i] : first[2] + i;
+      if (thread_status == STATUS_OK) thread_status = region_read_rows(region, z, buffer, &rows);
       if (thread_status == STATUS_OK)
-        thread_status = region_read_rows(region, numbers[i], buffer, &rows);
-      for (size_t y = 0; y < region->size[1] && thread_status == STATUS_OK; y++)
-        pixel_rows_read(&rows, y, region->size[0],
-                        out + (i * region->size[1] + y) * region->size[0]);
+        rows.first = (const char *)rows.first + first[0] * pixel_size(rows.type);
+      for (size_t y = 0; y < size[1] && thread_status == STATUS_OK; y++)
+        pixel_rows_read(&rows, first[1] + y, size[0], out + i * pitch[1] + y * pitch[0]);
     }
     memory_free(&buffer);
     if (thread_status != STATUS_OK) {
@@ -97,6 +103,16 @@ enum status region_read(const struct region *region, const size_t *numbers, size
     }
   }
   return status;
+}
+
+enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out) {
+  const size_t pitch[2] = {region->size[0], region->size[0] * region->size[1]};
+  return read_slices(region, numbers, n, (const size_t[3]){0, 0, 0}, region->size, pitch, out);
+}
+
+enum status region_read_box(const struct region *region, const size_t first[3],
+                            const size_t size[3], const size_t pitch[2], float *out) {
+  return read_slices(region, NULL, size[2], first, size, pitch, out);
 }
 
 enum status region_turn(struct region *region, int axis, float **store) {

@@ -44,6 +44,10 @@ size_t region_batch(const struct region *region);
 /* Reads slices numbers[0 .. n-1] of the region into out[n][size y][size x]. */
 enum status region_read(const struct region *region, const size_t *numbers, size_t n, float *out);
 
+/* Reads a box of the region, from voxel `first` on, into out[z * pitch[1] + y * pitch[0] + x]. */
+enum status region_read_box(const struct region *region, const size_t first[3],
+                            const size_t size[3], const size_t pitch[2], float *out);
+
 /* Turns the region so that `axis` (0 x, 1 y, 2 z: no change of order) of the scan becomes its z, by
  * a cyclic permutation of the axes; size and voxel follow. The whole region is then held in *store
  * (memory_free after the last read). */

@@ -4,8 +4,10 @@
 #include <stdbool.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/grain_surface.h"
 #include "ct2model/scanner/grains.h"
@@ -27,7 +29,7 @@
  * a length l makes less of such relief: its spectrum is P exp(-(l q)^2), and relief that is just
  * resolved has a wavenumber q with (q s)^2 of 1 to 1.5, where exp(-(q s)^2) / (2 sqrt(pi) s), the
  * gain in likelihood by relief, equals lambda q^2. So N = P exp(-RELIEF (l^2 - l0^2) / s^2),
- * relative to the finest noise that voxels resolve, of length l0 = DEBLUR_CORRELATION_LEAST. A
+ * relative to the finest noise that voxels resolve, of length l0 = CORRELATION_LEAST. A
  * fringe f raises the scanner's transfer of relief of wavenumber 1 / s by a factor 1 + f'
  * (edge_fit_transfer), which enters the likelihood squared; surface costs more by the same factor.
  * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
@@ -38,24 +40,9 @@
  * with w rising slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual
  * Reconstruction): grain and pore become two phases, and a throat is as wide as the pore volume
  * that it contributes to the scan. u then has steps from voxel to voxel, which a narrow Gaussian
- * removes.
- *
- * SURFACE was fitted to generated sands with a blur of 0.5 to 3 voxels and a contrast of 4 to
- * 30 times the noise, and RELIEF was chosen on some of them (docs/physics/restoration.md). */
-static const double SURFACE = 0.13, RELIEF = 1.5;
-/* w at the end, the iterations between which it rises, and the standard deviation of the Gaussian,
- * voxels (docs/physics/restoration.md). */
-static const double WELL = 0.03, WELL_SMOOTHED = 0.5;
-enum { WELL_FIRST = 40, WELL_LAST = 180 };
+ * removes. */
 /* Variance that the average over a voxel adds to the blur, voxels^2. */
 static const double VOXEL_VARIANCE = 1.0 / 12.0;
-/* Iterations before the grains are separated. */
-enum { ITERATIONS_FIRST = 10 };
-/* Grey above which a voxel is certainly grain after these iterations; pores that the scan hides are
- * darker. With values from 0.65 to 0.9 the grains are restored alike
- * (docs/physics/restoration.md). */
-static const float GREY_SURELY_GRAIN = 0.65F;
-
 struct filters {
   double once[3], twice[3]; /* standard deviations of H and of H^T H, in voxels */
   double fringe[3];         /* of H: weights of the second differences */
@@ -66,9 +53,9 @@ struct filters {
 enum status deblur_start(size_t voxels, const struct deblur_scanner *scanner,
                          struct deblur *deblur) {
   enum status status = STATUS_OK;
-  *deblur = (struct deblur){.scanner = *scanner,
-                            .iterations = scanner->two_phases > 0.0 ? DEBLUR_ITERATIONS_TWO_PHASES
-                                                                    : DEBLUR_ITERATIONS};
+  *deblur =
+      (struct deblur){.scanner = *scanner,
+                      .iterations = scanner->two_phases > 0.0 ? ITERATIONS_TWO_PHASES : ITERATIONS};
   float **all[] = {&deblur->grey, &deblur->share, &deblur->grain, &deblur->u,
                    &deblur->y,    &deblur->a,     &deblur->b};
   for (size_t i = 0; i < sizeof all / sizeof *all; i++)
@@ -105,9 +92,8 @@ static void choose_filters(const struct deblur_scanner *scanner, struct filters 
     blur = fmax(blur, square * pow(scanner->stretch[d], 2.0));
   }
   const double wide = fmax(blur, 1.0);
-  const double longer = fmax(scanner->correlation * scanner->correlation -
-                                 DEBLUR_CORRELATION_LEAST * DEBLUR_CORRELATION_LEAST,
-                             0.0);
+  const double longer = fmax(
+      scanner->correlation * scanner->correlation - CORRELATION_LEAST * CORRELATION_LEAST, 0.0);
   const double noise = scanner->power * exp(-RELIEF * longer / wide);
   filters->cost =
       SURFACE * scanner->surface * noise * pow(1.0 + scanner->fringe * blur / wide, 2.0) / wide;
@@ -126,7 +112,7 @@ static void find_grain(struct deblur *deblur, const struct filters *filters) {
   gaussian_filter(deblur->y, deblur->size, filters->once, work, a);
   laplacian_subtract(a, deblur->size, filters->fringe, b);
   for (size_t i = 0; i < n; i++) {
-    const float inner = deblur->y[i] > 0.0F && a[i] > 0.98F ? 1.0F : 0.0F;
+    const float inner = deblur->y[i] > 0.0F && a[i] > (float)INNER_LEAST ? 1.0F : 0.0F;
     a[i] = deblur->grey[i] * inner;
     b[i] *= inner;
   }
@@ -157,7 +143,7 @@ static void guess_grain(struct deblur *deblur, const struct filters *filters, fl
 static void find_grain_again(struct deblur *deblur, const struct filters *filters) {
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   for (size_t i = 0; i < n; i++)
-    deblur->y[i] = deblur->u[i] * deblur->grain[i] > GREY_SURELY_GRAIN ? 1.0F : 0.0F;
+    deblur->y[i] = deblur->u[i] * deblur->grain[i] > (float)GREY_SURELY_GRAIN ? 1.0F : 0.0F;
   find_grain(deblur, filters);
 }
 
@@ -175,7 +161,8 @@ TARGETS static void subtract_from(const float *restrict a, size_t n, float *rest
 }
 
 /* Replaces `out`, a row of H A y, by the residual g - H A y; 0 outside the faces of the scan. */
-static void row_residual(const struct deblur *deblur, size_t row, float *out) {
+static void row_residual(const void *context, size_t row, float *out) {
+  const struct deblur *deblur = context;
   const size_t *n = deblur->size, at[2] = {row % n[1], row / n[1]}; // NOLINT: a volume has a row
   size_t first = deblur->beyond[0][0], end = n[0] - deblur->beyond[0][1];
   for (int d = 0; d < 2; d++) {
@@ -187,32 +174,31 @@ static void row_residual(const struct deblur *deblur, size_t row, float *out) {
   memset(out + end, 0, (n[0] - end) * sizeof *out);
 }
 
-static bool scan_fills_slab(const struct deblur *deblur) {
-  size_t beyond = 0;
-  for (int d = 0; d < 3; d++) beyond += deblur->beyond[d][0] + deblur->beyond[d][1];
-  return beyond == 0;
+static void row_divided(const void *context, size_t row, float *out) {
+  const struct deblur *deblur = context;
+  divide_by(deblur->grain + row * deblur->size[0], deblur->size[0], out);
+}
+
+static void row_kept(const void *context, size_t row, float *out) {
+  (void)context, (void)row, (void)out;
 }
 
 /* Direction of descent of the misfit: a = H^T (g - H a) / A, where a holds A y at the start. If the
- * scan fills the slab, deblur->grey holds H^T g and H^T H is a single filter. Here and in iterate
- * each row is finished while it is in the cache, since memory bandwidth limits the speed. */
+ * slab is compared, deblur->grey holds H^T g and H^T H is a single filter. */
 static void descent_of_misfit(struct deblur *deblur, const struct filters *filters) {
   const size_t *size = deblur->size, nx = size[0], rows = size[1] * size[2];
-  const bool whole = scan_fills_slab(deblur);
   float *a = deblur->a, *b = deblur->b, *share = deblur->share;
-  gaussian_filter(a, size, whole ? filters->twice : filters->once, b, share);
-#pragma omp parallel for schedule(static)
-  for (size_t row = 0; row < rows; row++) {
-    laplacian_subtract_row(share, size, filters->fringe, row, b + row * nx);
-    if (!whole) row_residual(deblur, row, b + row * nx);
+  if (!deblur->compared) {
+    gaussian_sharpen(a, size, filters->once, filters->fringe, b, share, row_residual, deblur);
+    gaussian_sharpen(share, size, filters->once, filters->fringe, b, a, row_divided, deblur);
+    return;
   }
-  if (!whole) gaussian_filter(b, size, filters->once, a, share);
+  gaussian_sharpen(a, size, filters->twice, filters->fringe, b, share, row_kept, deblur);
 #pragma omp parallel for schedule(static)
   for (size_t row = 0; row < rows; row++) {
-    const size_t at = row * nx;
-    laplacian_subtract_row(whole ? b : share, size, filters->fringe, row, a + at);
-    if (whole) subtract_from(deblur->grey + at, nx, a + at);
-    divide_by(deblur->grain + at, nx, a + at);
+    laplacian_subtract_row(share, size, filters->fringe, row, a + row * nx);
+    subtract_from(deblur->grey + row * nx, nx, a + row * nx);
+    row_divided(deblur, row, a + row * nx);
   }
 }
 
@@ -225,6 +211,16 @@ TARGETS static void descend(const float *restrict downhill, float step, float mo
     y[i] = next + momentum * (next - u[i]);
     u[i] = next;
   }
+}
+
+/* Tells the progress after some iterations. */
+static void tell(struct deblur *deblur, int iterations) {
+  deblur->iteration += iterations;
+  if (deblur->progress != NULL)
+    progress_update(deblur->progress,
+                    deblur->done + (double)deblur->iteration /
+                                       (ITERATIONS_FIRST + COST_OF_GRAINS + deblur->iterations),
+                    NULL);
 }
 
 /* Iterates from the current u; deblur->grey as descent_of_misfit expects it. */
@@ -250,6 +246,7 @@ static void iterate(struct deblur *deblur, const struct filters *filters, int it
       multiply(deblur->grain + at, y + at, nx, a + at);
     }
     t = next;
+    tell(deblur, 1);
   }
 }
 
@@ -270,7 +267,7 @@ static void smooth_steps(struct deblur *deblur) {
 enum status deblur_run(struct deblur *deblur) {
   enum status status = STATUS_OK;
   const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
-  const bool whole = scan_fills_slab(deblur);
+  const bool whole = deblur->compared;
   struct filters filters = {.largest = 0.0};
   double average[3];
   for (int d = 0; d < 3; d++)
@@ -282,9 +279,11 @@ enum status deblur_run(struct deblur *deblur) {
     laplacian_subtract(deblur->a, deblur->size, filters.fringe, deblur->grey);
   }
   memset(deblur->contacts, 0, n);
+  deblur->iteration = 0;
   iterate(deblur, &filters, ITERATIONS_FIRST);
   if (!whole) find_grain_again(deblur, &filters);
   TRY(grains_find(deblur->u, deblur->size, deblur->scanner.stretch, deblur->contacts));
+  tell(deblur, COST_OF_GRAINS);
   iterate(deblur, &filters, deblur->iterations);
   if (deblur->scanner.two_phases > 0.0) smooth_steps(deblur);
   laplacian_subtract(deblur->u, deblur->size, average, deblur->share);

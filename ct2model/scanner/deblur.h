@@ -2,22 +2,11 @@
 #ifndef TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 #define TOSUI_CT2MODEL_SCANNER_DEBLUR_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
 #include "common/error.h"
-
-/* Smallest correlation length of the noise, in shortest voxel edges, that is assumed: finer noise
- * would make relief between the voxels. */
-#define DEBLUR_CORRELATION_LEAST 0.6
-
-/* Iterations after the grains are separated. Under blurs of over two voxels and contrasts of over
- * 15 half as many leave throats too wide, and k up to 6 % too high; twice as many change it by 2 %
- * at most (docs/physics/restoration.md). Slabs that are compared with a simulated scan restored
- * in the same way need fewer. */
-enum { DEBLUR_ITERATIONS = 60, DEBLUR_ITERATIONS_COMPARED = 30 };
-/* The same where grain and pore are told to be two phases. */
-enum { DEBLUR_ITERATIONS_TWO_PHASES = 200 };
 
 /* Properties of the scanner in the units of the slab. Arrays of 3 are along x, y, z, in voxels of
  * the slab. */
@@ -32,13 +21,20 @@ struct deblur_scanner {
   double two_phases;  /* weight from 0 to 1 with which each voxel is to be grain or pore */
 };
 
+struct progress;
+
 struct deblur {
   size_t size[3]; /* of the slab being restored, at most the voxels given to deblur_start */
   /* Number of these voxels at either end of each axis that lie outside the scan; their greys are
    * not used. */
   size_t beyond[3][2];
   struct deblur_scanner scanner;
-  int iterations; /* DEBLUR_ITERATIONS, or as set after deblur_start */
+  /* Told after each iteration if not NULL: `done`, and the share of this slab that is done. */
+  struct progress *progress;
+  double done;
+  int iteration;
+  bool compared;  /* with a simulated scan restored in the same way, without a margin */
+  int iterations; /* ITERATIONS, or as set after deblur_start */
   float *grey;    /* input [z][y][x], 0 in pores and 1 in grains; overwritten */
   float *share;   /* result [z][y][x]: share of grain, 0 to 1 */
   float *grain, *u, *y, *a, *b;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/surfels.h"
 
@@ -71,7 +72,7 @@ bool edge_fit_find(const struct edge_response *response, double reach, double fr
   *fit = (struct edge_fit){.deviation = NAN};
   find_filled(response, reach, &filled);
   for (size_t i = 0; i < filled.count; i++) count += filled.n[i];
-  if (count < 500.0 || filled.count < 12) return false;
+  if (count < EDGE_VOXELS || filled.count < EDGE_BINS_LEAST) return false;
   double deviations[2] = {0.3, fmin(reach, 5.0)}, shifts[2] = {-0.6, 0.6};
   for (int round = 0; round < 5; round++) {
     double best[2] = {deviation, shift};
@@ -199,15 +200,17 @@ void edge_response_add(const float *grey, const float *smooth, const float *dist
       length += normal[a] * normal[a];
     }
     length = sqrt(length);
-    if (!(length > 0.8)) continue; /* between two surfaces */
+    if (!(length > EDGE_NORMAL)) continue; /* between two surfaces */
     for (int a = 0; a < 3; a++)
       for (int side = 0; side < 2; side++)
         ends[side][a] =
             (double)at[a] + normal[a] / length * ((side ? -reach : reach) - d) / stretch[a];
     if (!voxel_at(ends[0], size, &pore) || !voxel_at(ends[1], size, &grain)) continue;
-    const double clear = 0.85 * reach - 0.5;
+    const double clear = EDGE_CLEAR * reach - 0.5;
     if ((double)distance[pore] < clear || (double)distance[grain] > -clear) continue;
-    if (smooth[grain] > 1.35f || smooth[grain] < 0.7f || smooth[pore] > 0.3f) continue;
+    if (smooth[grain] > (float)EDGE_GRAIN_MOST || smooth[grain] < (float)EDGE_GRAIN_LEAST ||
+        smooth[pore] > (float)EDGE_PORE_MOST)
+      continue;
     const double bin = (d + EDGE_REACH) * EDGE_FINE;
     if (bin >= 0.0 && bin < EDGE_BINS) {
       size_t octant = 0;

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/windows.h"
 
@@ -13,9 +14,6 @@
  *
  * Overlapping windows show a surface twice, but in the same octant. */
 enum { OCTANTS = 8 };
-/* Relative error assumed where the blur cannot be fitted without one of the octants. */
-static const double ERROR_UNKNOWN = 0.25;
-
 static void add_octants(const struct windows *all, double reach,
                         struct edge_response octant[OCTANTS]) {
   memset(octant, 0, OCTANTS * sizeof *octant);
@@ -51,12 +49,12 @@ double few_surfaces_error(const struct windows *all, double reach) {
         rest.sum[b] += octant[i].sum[b];
         rest.count[b] += octant[i].count[b];
       }
-    if (!edge_fit_find(&rest, reach, NAN, &fit)) return ERROR_UNKNOWN;
+    if (!edge_fit_find(&rest, reach, NAN, &fit)) return BLUR_ERROR_UNKNOWN;
     sum += edge_fit_blur(&fit);
     square += edge_fit_blur(&fit) * edge_fit_blur(&fit);
     n += 1.0;
   }
-  if (n < 2.0) return ERROR_UNKNOWN;
+  if (n < 2.0) return BLUR_ERROR_UNKNOWN;
   const double mean = sum / n;
   return sqrt((n - 1.0) * fmax(square / n - mean * mean, 0.0)) / mean;
 }

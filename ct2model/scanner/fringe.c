@@ -3,6 +3,8 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "ct2model/scanner/constants.h"
+
 /* A blur of variance V with a fringe f has the transfer exp(-x / 2) (1 + f x), x = q^2 V, of
  * logarithm -(1 - 2 f) x / 2 - f^2 x^2 / 2 ...: up to terms in f^2 it equals a narrower blur of
  * variance (1 - 2 f) V without a fringe. So at f = 0 the joint fit of both is singular:
@@ -10,14 +12,6 @@
  * result. They affect a scan simulated from the same grains in the same way. Each fringe, in steps
  * from 0, is therefore simulated with the blur that it requires, until the responses of scan and
  * simulation agree less well again. */
-enum { TRIALS = 8 };
-static const double FRINGE_STEP = 0.1;
-/* Relative reduction of the misfit up to which a fringe is attributed to chance. */
-static const double MISFIT_CHANCE = 0.05;
-/* The surfaces of scan and simulation may be displaced by up to SHIFTS steps of SHIFT voxels. */
-enum { SHIFTS = 30 };
-static const double SHIFT = 0.02;
-
 /* A fringe, the blur that it requires, and the misfit between the responses of scan and simulation,
  * with the greys of pore and grain that minimise it. */
 struct trial {
@@ -104,7 +98,7 @@ enum status fringe_find(const struct windows *scan, const struct edge_response *
   if (found) TRY(try_fringe(scan, seen, request, &ratio, &none, &found));
   if (!found) return STATUS_OK;
   best = none;
-  for (int i = 1; i < TRIALS; i++) {
+  for (int i = 1; i < FRINGE_TRIALS; i++) {
     next = (struct trial){.fringe = i * FRINGE_STEP};
     TRY(try_fringe(scan, seen, request, &ratio, &next, &found));
     if (!found) return STATUS_OK;
@@ -112,7 +106,7 @@ enum status fringe_find(const struct windows *scan, const struct edge_response *
     last = best;
     best = next;
   }
-  if (!(best.misfit < (1.0 - MISFIT_CHANCE) * none.misfit)) {
+  if (!(best.misfit < (1.0 - FRINGE_CHANCE) * none.misfit)) {
     best = none;
   } else if (next.misfit > best.misfit) {
     best = (struct trial){.fringe = parabola_minimum((struct trial[]){last, best, next})};

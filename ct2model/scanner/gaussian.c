@@ -1,6 +1,7 @@
 #include "ct2model/scanner/gaussian.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdbool.h>
 #include <string.h>
 
@@ -88,61 +89,81 @@ struct pass {
   float weight[GAUSSIAN_MOST + 1];
 };
 
-/* Filters one slice of the volume or, along z, the rows of one y. Rows that follow each other along
- * the axis are summed in turn: most of the input of the next one is then still in the cache. */
-static void filter_slice(const float *in, const size_t size[3], const struct pass *pass,
-                         size_t slice, float *out) {
-  const int axis = pass->axis, reach = pass->reach;
-  const size_t nx = size[0], ny = size[1], along = axis == 2 ? size[2] : ny;
-  const size_t first = axis == 2 ? slice : slice * ny, step = axis == 2 ? ny : 1;
+/* Filters `along` rows of nx voxels, in_step and out_step apart: along x each by itself, along y or
+ * z across them. These are summed in turn: most of the input of the next one is then still in the
+ * cache. */
+static void filter_rows(const float *in, size_t in_step, size_t along, size_t nx,
+                        const struct pass *pass, float *out, size_t out_step) {
+  const int reach = pass->reach;
   for (size_t at = 0; at < along; at++) {
     const float *rows[2 * GAUSSIAN_MOST + 1];
-    float *to = out + (first + at * step) * nx;
-    if (axis == 0) {
-      filter_row(in + (first + at * step) * nx, pass->weight, reach, nx, to);
+    float *to = out + at * out_step;
+    if (pass->axis == 0) {
+      filter_row(in + at * in_step, pass->weight, reach, nx, to);
       continue;
     }
     const bool inside = at >= (size_t)reach && at + (size_t)reach < along;
-    if (inside) /* most rows: pointers without reflection */
-      for (int k = -reach; k <= reach; k++)
-        rows[reach + k] = in + (first + at * step) * nx + k * (long)(step * nx);
-    else
-      for (int k = -reach; k <= reach; k++)
-        rows[reach + k] = in + (first + gaussian_reflect((long)at + k, along) * step) * nx;
+    for (int k = -reach; k <= reach; k++) { /* most rows need no reflection */
+      const long row = (long)at + k;
+      rows[reach + k] = in + (inside ? (size_t)row : gaussian_reflect(row, along)) * in_step;
+    }
     weigh_rows(rows + reach, pass->weight, reach, nx, to);
+  }
+}
+
+/* The filter along an axis; false if there is none. */
+static bool pass_start(const size_t size[3], const double sigma[3], int axis, struct pass *pass) {
+  if (sigma[axis] < 0.1 || size[axis] < 2) return false;
+  pass->axis = axis;
+  pass->reach = weights_of(sigma[axis], pass->weight);
+  return true;
+}
+
+/* Filters along two axes, slice by slice. Each thread has its first slice of `work` for what is
+ * between the two. `out` may be `in`. */
+static void filter_twice(const float *in, const size_t size[3], const struct pass pass[2],
+                         float *work, float *out) {
+  const size_t nx = size[0], ny = size[1], plane = nx * ny;
+#pragma omp parallel
+  {
+    float *between = NULL;
+#pragma omp for schedule(static)
+    for (size_t slice = 0; slice < size[2]; slice++) {
+      if (between == NULL) between = work + slice * plane;
+      filter_rows(in + slice * plane, nx, ny, nx, &pass[0], between, nx);
+      filter_rows(between, nx, ny, nx, &pass[1], out + slice * plane, nx);
+    }
   }
 }
 
 void gaussian_filter(const float *in, const size_t size[3], const double sigma[3], float *work,
                      float *out) {
-  const size_t bytes = size[0] * size[1] * size[2] * sizeof *in;
+  const size_t nx = size[0], ny = size[1], plane = nx * ny;
   const float *from = in;
   struct pass pass[3];
   int n = 0;
-  for (int a = 0; a < 3; a++) {
-    if (sigma[a] < 0.1 || size[a] < 2) continue;
-    pass[n].axis = a;
-    pass[n].reach = weights_of(sigma[a], pass[n].weight);
-    n++;
-  }
+  for (int a = 0; a < 3; a++) n += pass_start(size, sigma, a, &pass[n]);
   /* Passes alternate between `work` and `out`, starting so that the last one ends in `out` if the
    * first one may do so; otherwise the result is copied. */
   bool into_work = n % 2 == 0 || in == out;
   for (int i = 0; i < n;) {
     float *to = into_work ? work : out, *then = into_work ? out : work;
-    /* The passes along x and y are done slice by slice, while the slice is in the cache. */
     const bool both = i + 1 < n && pass[i + 1].axis == 1;
-    const size_t slices = pass[i].axis == 2 ? size[1] : size[2];
+    if (both) {
+      filter_twice(from, size, &pass[i], to, then);
+    } else {
+      const bool over = pass[i].axis == 2;
+      const size_t first = over ? nx : plane, step = over ? plane : nx;
 #pragma omp parallel for schedule(static)
-    for (size_t slice = 0; slice < slices; slice++) {
-      filter_slice(from, size, &pass[i], slice, to);
-      if (both) filter_slice(to, size, &pass[i + 1], slice, then);
+      for (size_t slice = 0; slice < (over ? ny : size[2]); slice++)
+        filter_rows(from + slice * first, step, over ? size[2] : ny, nx, &pass[i],
+                    to + slice * first, step);
     }
     from = both ? then : to;
     into_work = both ? into_work : !into_work;
     i += both ? 2 : 1;
   }
-  if (from != out) memcpy(out, from, bytes);
+  if (from != out) memcpy(out, from, plane * size[2] * sizeof *in);
 }
 
 TARGETS static void sharpen_row(const float *restrict in, const float *restrict y_last,
@@ -155,6 +176,53 @@ TARGETS static void sharpen_row(const float *restrict in, const float *restrict 
   for (size_t x = 1; x + 1 < n; x++) out[x] -= w[0] * (in[x - 1] + in[x + 1]);
   out[0] -= w[0] * (in[0] + in[n > 1 ? 1 : 0]);
   if (n > 1) out[n - 1] -= w[0] * (in[n - 1] + in[n - 2]);
+}
+
+/* Filters the rows of one y along z into plane[z][x]. */
+static void filter_plane(const float *in, const size_t size[3], const struct pass *pass, size_t y,
+                         float *plane) {
+  const size_t nx = size[0], step = nx * size[1];
+  if (pass != NULL) {
+    filter_rows(in + y * nx, step, size[2], nx, pass, plane, nx);
+    return;
+  }
+  for (size_t z = 0; z < size[2]; z++)
+    memcpy(plane + z * nx, in + y * nx + z * step, nx * sizeof *in);
+}
+
+void gaussian_sharpen(float *in, const size_t size[3], const double sigma[3],
+                      const double weight[3], float *work, float *out,
+                      void (*finish)(const void *context, size_t row, float *out),
+                      const void *context) {
+  const size_t nx = size[0], ny = size[1], nz = size[2], plane = nx * nz;
+  const float w[3] = {(float)weight[0], (float)weight[1], (float)weight[2]};
+  const size_t threads = (size_t)omp_get_max_threads(), most = ny / 3 > 0 ? ny / 3 : 1;
+  const size_t parts = threads < most ? threads : most;
+  struct pass over;
+  const bool filtered = pass_start(size, sigma, 2, &over);
+  gaussian_filter(in, size, (const double[3]){sigma[0], sigma[1], 0.0}, out, work);
+#pragma omp parallel for schedule(static) num_threads(parts)
+  for (size_t part = 0; part < parts; part++) {
+    const size_t first = ny * part / parts, end = ny * (part + 1) / parts;
+    float *planes = in + part * 3 * plane; /* of y - 1, y and y + 1, y modulo 3 */
+    for (size_t y = first > 0 ? first - 1 : 0; y < end + (end < ny); y++) {
+      filter_plane(work, size, filtered ? &over : NULL, y, planes + y % 3 * plane);
+      /* The row before this one has all its neighbours now, and so has the last of all. */
+      for (size_t at = y > 0 ? y - 1 : 0; at + 1 <= y + (y + 1 == ny); at++) {
+        if (at < first || at >= end) continue;
+        const float *here = planes + at % 3 * plane;
+        const float *y_last = at > 0 ? planes + (at - 1) % 3 * plane : here;
+        const float *y_next = at + 1 < ny ? planes + (at + 1) % 3 * plane : here;
+        for (size_t z = 0; z < nz; z++) {
+          const size_t row = z * ny + at, back = z > 0 ? (z - 1) * nx : 0;
+          const size_t ahead = (z + 1 < nz ? z + 1 : z) * nx;
+          sharpen_row(here + z * nx, y_last + z * nx, y_next + z * nx, here + back, here + ahead, w,
+                      nx, out + row * nx);
+          finish(context, row, out + row * nx);
+        }
+      }
+    }
+  }
 }
 
 void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],

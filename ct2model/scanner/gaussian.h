@@ -15,7 +15,14 @@ void gaussian_filter(const float *in, const size_t size[3], const double sigma[3
                      float *out);
 /* out = in - sum over axes of weight[axis] times the second difference along the axis. */
 void laplacian_subtract(const float *in, const size_t size[3], const double weight[3], float *out);
-/* The same for one row, number y + ny z, into out[nx]. */
+/* Both: `in` filtered, then laplacian_subtract, into `out`; `finish` is called with the number
+ * y + ny z and the values of each row. `in` is overwritten; `work` is as large. All is done while
+ * it is in the cache, as memory bandwidth limits the speed. */
+void gaussian_sharpen(float *in, const size_t size[3], const double sigma[3],
+                      const double weight[3], float *work, float *out,
+                      void (*finish)(const void *context, size_t row, float *out),
+                      const void *context);
+/* The same as laplacian_subtract for one row, number y + ny z, into out[nx]. */
 void laplacian_subtract_row(const float *in, const size_t size[3], const double weight[3],
                             size_t row, float *out);
 /* Index of position `at`, which may lie outside, in a row of n voxels extended by reflection. */

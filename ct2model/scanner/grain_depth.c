@@ -7,13 +7,9 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/gaussian.h"
 
-/* Standard deviation of the smoothing of depths, in voxels. Distances between voxels take few
- * values, and the watershed must decide which of two equal voxels is the deeper one, if need be by
- * their order; the parts would then depend on the orientation of the scan. After smoothing hardly
- * any two depths are equal. */
-static const double SMOOTHING = 1.0;
 static const float FAR_AWAY = 1e12F;
 
 /* Squared distances along the first axis to the nearest voxel that is 0; on entry each voxel is 0
@@ -119,7 +115,7 @@ enum status grain_depth_find(const float *share, const size_t size[3], const dou
     const float most = signed_depth < deepest ? signed_depth : deepest;
     depth[i] = most > -deepest ? most : -deepest;
   }
-  for (int d = 0; d < 3; d++) sigma[d] = SMOOTHING / stretch[d];
+  for (int d = 0; d < 3; d++) sigma[d] = DEPTH_SMOOTHED / stretch[d];
   gaussian_filter(depth, size, sigma, outside, depth);
 cleanup:
   memory_free(&outside);

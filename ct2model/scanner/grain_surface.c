@@ -1,13 +1,14 @@
 #include "ct2model/scanner/grain_surface.h"
 
 #include <math.h>
+#include <omp.h>
 #include <stdbool.h>
 
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/grains.h"
 
 /* |grad u| is computed as sqrt(|grad u|^2 + ROUNDING^2), which is differentiable at 0. */
-#define ROUNDING 0.1F
 
 /* The rows adjacent to a row; at the ends of the volume the row itself. */
 struct rows {
@@ -29,7 +30,7 @@ TARGETS static void find_weights(const float *restrict u, const struct rows *nea
     const float ey = c & GRAINS_LAST(1) ? u[x] : 0.0F;
     const float ez = c & GRAINS_LAST(2) ? u[x] : 0.0F;
     weight[x] = cost / sqrtf((dx * dx + ex * ex) * inverse[0] + (dy * dy + ey * ey) * inverse[1] +
-                             (dz * dz + ez * ez) * inverse[2] + ROUNDING * ROUNDING);
+                             (dz * dz + ez * ez) * inverse[2] + (float)ROUNDING * (float)ROUNDING);
   }
 }
 
@@ -58,29 +59,56 @@ TARGETS static void add_pull(const float *restrict u, const struct rows *near,
 }
 
 double grain_surface_stiffness(const struct grain_surface *surface) {
-  return 12.0 * surface->cost / (double)ROUNDING;
+  return 12.0 * surface->cost / (double)(float)ROUNDING;
 }
 
+/* Rows of one slice: the weights, or the pull by those of this slice and of the one before. */
+static void slice_weights(const struct grain_surface *surface, const float inverse[3],
+                          const float *share, size_t z, float *weight) {
+  const size_t nx = surface->size[0], ny = surface->size[1], nz = surface->size[2];
+  for (size_t y = 0; y < ny; y++) {
+    const size_t row = (z * ny + y) * nx;
+    const float *at = share + row;
+    const struct rows near = {y + 1 < ny ? at + nx : at, NULL, z + 1 < nz ? at + ny * nx : at,
+                              NULL};
+    find_weights(at, &near, surface->contacts + row, inverse, (float)surface->cost, nx,
+                 weight + y * nx);
+  }
+}
+
+static void slice_pull(const struct grain_surface *surface, const float inverse[3],
+                       const float *share, size_t z, const float *weight, const float *weight_z,
+                       float *downhill) {
+  const size_t nx = surface->size[0], ny = surface->size[1], nz = surface->size[2];
+  for (size_t y = 0; y < ny; y++) {
+    const size_t row = (z * ny + y) * nx;
+    const float *at = share + row, *own = weight + y * nx;
+    const struct rows near = {y + 1 < ny ? at + nx : at, y > 0 ? at - nx : at,
+                              z + 1 < nz ? at + ny * nx : at, z > 0 ? at - ny * nx : at};
+    add_pull(at, &near, surface->contacts + row, own, y > 0 ? own - nx : own, weight_z + y * nx,
+             inverse, nx, downhill + row);
+  }
+}
+
+/* Slice by slice, while the weights are in the cache: each thread has two slices of `work`. */
 void grain_surface_pull(const struct grain_surface *surface, const float *share, float *work,
                         float *downhill) {
-  const size_t nx = surface->size[0], ny = surface->size[1], nz = surface->size[2];
+  const size_t plane = surface->size[0] * surface->size[1], nz = surface->size[2];
+  const size_t threads = (size_t)omp_get_max_threads(), most = nz / 2 > 0 ? nz / 2 : 1;
+  const size_t parts = threads < most ? threads : most;
   float inverse[3];
   for (int d = 0; d < 3; d++) inverse[d] = (float)(1.0 / pow(surface->stretch[d], 2.0));
-#pragma omp parallel
-  for (int part = 0; part < 2; part++) {
-#pragma omp for schedule(static)
-    for (size_t row = 0; row < ny * nz; row++) {
-      const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
-      const float *at = share + row * nx;
-      float *weight = work + row * nx;
-      const struct rows near = {y + 1 < ny ? at + nx : at, y > 0 ? at - nx : at,
-                                z + 1 < nz ? at + ny * nx : at, z > 0 ? at - ny * nx : at};
-      const uint8_t *contact = surface->contacts + row * nx;
-      if (part == 0)
-        find_weights(at, &near, contact, inverse, (float)surface->cost, nx, weight);
-      else
-        add_pull(at, &near, contact, weight, y > 0 ? weight - nx : weight,
-                 z > 0 ? weight - ny * nx : weight, inverse, nx, downhill + row * nx);
+#pragma omp parallel for schedule(static) num_threads(parts)
+  for (size_t part = 0; part < parts; part++) {
+    const size_t first = nz * part / parts, end = nz * (part + 1) / parts;
+    float *slices = work + 2 * part * plane;
+    if (first > 0)
+      slice_weights(surface, inverse, share, first - 1, slices + (first - 1) % 2 * plane);
+    for (size_t z = first; z < end; z++) {
+      const float *own = slices + z % 2 * plane;
+      slice_weights(surface, inverse, share, z, slices + z % 2 * plane);
+      slice_pull(surface, inverse, share, z, own, z > 0 ? slices + (z - 1) % 2 * plane : own,
+                 downhill);
     }
   }
 }

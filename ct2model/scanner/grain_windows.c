@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/restore.h"
 
@@ -13,9 +14,10 @@ enum status grain_window(const struct window *window, const double stretch[3],
   memcpy(deblur->size, window->size, sizeof deblur->size);
   memcpy(deblur->grey, window->grey, window_voxels(window) * sizeof *window->grey);
   deblur->scanner = *scanner;
-  deblur->iterations = DEBLUR_ITERATIONS_COMPARED;
+  deblur->iterations = ITERATIONS_COMPARED;
+  deblur->compared = true;
   TRY(deblur_run(deblur));
-  TRY(edge_distances(deblur->share, window->size, stretch, GRAIN_WINDOW_FAR, distance));
+  TRY(edge_distances(deblur->share, window->size, stretch, WALL_RANGE, distance));
 cleanup:
   return status;
 }
@@ -28,7 +30,7 @@ enum status grain_windows(const struct windows *scan, const struct scanner *scan
   *grains = *scan;
   grains->count = 0;
   /* All windows have one size. */
-  restore_scanner(scan->region, scanner, scanner->blur, 1, &work);
+  restore_scanner(scan->region, scanner, scanner->blur, &work);
   TRY(deblur_start(window_voxels(&scan->window[0]), &work, &deblur));
   for (size_t i = 0; i < scan->count; i += windows_step(scan)) {
     struct window *w = &grains->window[grains->count++];

@@ -6,11 +6,8 @@
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/windows.h"
 
-/* Distance from a wall, in voxels, beyond which the share of grain is 0 or 1. */
-#define GRAIN_WINDOW_FAR 0.5
-
 /* Restores the grains of a window under `scanner` and sets `distance` to the distances to their
- * surface, in shortest voxel edges, limited to GRAIN_WINDOW_FAR. `deblur`: space for the voxels of
+ * surface, in shortest voxel edges, limited to WALL_RANGE. `deblur`: space for the voxels of
  * the window. */
 enum status grain_window(const struct window *window, const double stretch[3],
                          const struct deblur_scanner *scanner, struct deblur *deblur,

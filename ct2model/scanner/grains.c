@@ -5,6 +5,7 @@
 #include <stdlib.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/grain_depth.h"
 
 /* The watershed floods the grains from the deepest voxels: each voxel joins the part of its deepest
@@ -12,13 +13,10 @@
  * alone, so that ways are found in parallel; they lead to the deepest voxel of a part. The order of
  * the flood matters only where parts meet, since parts of one grain are joined then. */
 
-/* Two parts belong to one grain if the depth where they meet is at least this fraction of the depth
- * of the shallower one; else the meeting is a neck between two grains. */
-static const float MERGE_DEPTH_RATIO = 0.7F;
-/* PORE_RANGE: pores further than this from grains, in voxels, belong to none. LEVELS_PER_VOXEL:
+/* LEVELS_PER_VOXEL:
  * levels per voxel of depth; voxels of one level are flooded in the order of the scan. NOBODY:
  * number of the part of voxels that belong to none. */
-enum { PORE_RANGE = 6, LEVELS_PER_VOXEL = 65536, NOBODY = 0 };
+enum { LEVELS_PER_VOXEL = 65536, NOBODY = 0 };
 /* Neighbours: along axis d the previous one is way 2 d, the next one way 2 d + 1. DEEPEST: the
  * voxel is the deepest of a part. NONE: it belongs to no grain. */
 enum { WAYS = 6, DEEPEST = 6, NONE = 7 };
@@ -178,7 +176,7 @@ static bool may_join(const struct flood *flood, size_t voxel, const size_t at[3]
     if (!has_neighbour(flood, at, way)) continue;
     const uint32_t other = flood->part[neighbour_of(flood, voxel, way)];
     if (other != part && other != NOBODY &&
-        !(depth < MERGE_DEPTH_RATIO * fminf(flood->peak[part], flood->peak[other])))
+        !(depth < (float)MERGE_DEPTH * fminf(flood->peak[part], flood->peak[other])))
       return true;
   }
   return false;
@@ -215,7 +213,7 @@ static void join_at(struct flood *flood, const struct meeting *meeting) {
       continue;
     const uint32_t a = root_of(flood->parent, flood->part[voxel]),
                    b = root_of(flood->parent, flood->part[other]);
-    if (a == b || flood->depth[voxel] < MERGE_DEPTH_RATIO * fminf(flood->peak[a], flood->peak[b]))
+    if (a == b || flood->depth[voxel] < (float)MERGE_DEPTH * fminf(flood->peak[a], flood->peak[b]))
       continue;
     const bool first = flood->peak[a] >= flood->peak[b];
     flood->parent[first ? b : a] = first ? a : b;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 
 /* Stein's unbiased estimate (1981, Ann. Statist. 9: 1135) of the risk |H A u - f|^2, where f is the
  * scan without its noise and u the restored grains (deblur.c):
@@ -15,9 +16,6 @@
  * (Ramani, Blu and Unser 2008, IEEE Trans. Image Process. 17: 1540). */
 enum { COSTS = 6 };
 static const double COST[COSTS] = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}; /* each twice the previous one */
-/* Multiple of the noise that is added to measure J n. */
-static const double PERTURBATION = 0.1;
-
 /* Computes H A u of the piece after adding a multiple of the noise, and its misfit to the piece
  * itself. */
 static enum status restore_and_blur(const struct window *piece, const float *noise, double multiple,

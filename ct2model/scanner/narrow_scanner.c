@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/noise.h"
@@ -18,19 +19,6 @@
  * This bias is measured on a scan simulated from the same grains with a known scanner: the one
  * sought gives there the same estimate as on the real scan (indirect inference, Gourieroux, Monfort
  * and Renault 1993). */
-enum { SIDE = 64, BLUR_TRIALS = 10, ROUNDS = 2, CORRECTIONS = 2 };
-/* Smallest blur tried, in voxels, and the ratio of successive trials. */
-static const double BLUR_MIN = 0.4, BLUR_RATIO = 1.26;
-/* Starting value of the blur, in voxels, where the measured one is wider than the widest trial. */
-static const double BLUR_FIRST = 2.0;
-/* Cost of surface, relative to the usual one, with which the grains are restored. */
-static const double SMOOTH_SURFACE_COST = 8.0;
-/* An image with less noise is synthetic, and its blur need not be Gaussian. */
-static const double CONTRAST_TO_NOISE_MAX = 50.0;
-/* Relative standard error of the blur. For two thirds of bodies with known blur the estimate is
- * within 0.1, for the others within 0.1 to 0.45 (docs/physics/restoration.md). */
-static const double BLUR_ERROR = 0.25;
-
 struct estimate {
   bool levels;                 /* pore and contrast are fixed at 0 and 1: the levels are known */
   double fringe;               /* strength, as in struct scanner; not fitted */
@@ -69,8 +57,8 @@ static void estimate_noise(const float *model, struct window *piece, const doubl
   for (size_t i = 0; i < n; i++)
     piece->smooth[i] =
         piece->grey[i] - (float)(estimate->pore + estimate->contrast * (double)model[i]);
-  noise_add(piece->smooth, piece->distance, piece->size, -GRAIN_WINDOW_FAR - 1.0, 1.0, 0.0,
-            INFINITY, &sums);
+  noise_add(piece->smooth, piece->distance, piece->size, -WALL_RANGE - 1.0, 1.0, 0.0, INFINITY,
+            &sums);
   double length = 0.0, axes = 0.0;
   for (int a = 0; a < 3; a++) {
     if (sums.pairs[a] < 30.0) continue;
@@ -122,7 +110,7 @@ static enum status correct_bias(const struct windows *scan, const struct deblur_
   struct windows simulated = {0};
   struct estimate simulated_estimate = {.levels = seen->levels, .fringe = seen->fringe};
   *estimate = *seen;
-  for (int round = 0; *found && round < CORRECTIONS; round++) {
+  for (int round = 0; *found && round < NARROW_CORRECTIONS; round++) {
     TRY(windows_simulate(scan, estimate->blur, estimate->fringe,
                          estimate->noise / estimate->contrast, estimate->length, &simulated));
     float *grey = simulated.window[0].grey;
@@ -172,11 +160,11 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
   bool found = true;
   const bool wide = current.blur > narrow_scanner_widest() * scanner->unit;
   if (wide) current.blur = BLUR_FIRST * scanner->unit;
-  for (int round = 0; found && round < ROUNDS; round++) {
+  for (int round = 0; found && round < NARROW_ROUNDS; round++) {
     const struct grey_phases phases = {.pore_peak = current.pore, .grain_peak = current.grain};
-    restore_scanner(region, &current, current.blur, 1, &work);
-    work.surface = SMOOTH_SURFACE_COST;
-    TRY(windows_read_middle(region, &phases, SIDE, &scan));
+    restore_scanner(region, &current, current.blur, &work);
+    work.surface = COST_SMOOTH;
+    TRY(windows_read_middle(region, &phases, PIECE_SIDE, &scan));
     const size_t *size = scan.window[0].size;
     TRY(deblur_start(size[0] * size[1] * size[2], &work, &deblur));
     TRY(estimate_scanner(&scan, &work, &deblur, &seen, &found));
@@ -187,10 +175,10 @@ enum status narrow_scanner_find(const struct region *region, struct scanner *sca
     deblur_end(&deblur);
     windows_end(&scan);
   }
-  if (!found || current.contrast_to_noise > CONTRAST_TO_NOISE_MAX) goto cleanup;
+  if (!found || current.contrast_to_noise > CONTRAST_SYNTHETIC) goto cleanup;
   current.known = true;
   current.assumed = false;
-  current.blur_error = BLUR_ERROR * current.blur;
+  current.blur_error = BLUR_ERROR_UNKNOWN * current.blur;
   current.resolution *= current.blur / scanner->blur;
   *scanner = current;
 cleanup:

@@ -2,53 +2,50 @@
 
 #include <math.h>
 
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/ramp.h"
 
-/* All constants were chosen on generated sands of seeds up to 9521, and 9579
- * (docs/physics/restoration.md). */
+/* Voxels, voxels of pores, and voxels whose next one along an axis is of the other phase. */
+struct crossings {
+  size_t voxels, pores, faces[3];
+};
 
-/* If the greys of pore and grain are right, the measured void ratio is enclosed by the middle level
- * of 127.5, or one a little lower where there are specks. A pore grey that is too bright by the
- * whole contrast lowers it by LEVELS_PER_CONTRAST. With the true greys it is lowered by up to
- * LOWERED_CHANCE. */
-static const double LEVEL_EXPECTED = 124.0, LEVELS_PER_CONTRAST = 250.0;
-static const double LOWERED_CHANCE = 6.0, LOWERED_SIGNIFICANT = 11.0;
-/* Where it is lowered by more than LOWERED_MOST something else than the grey is wrong, such as the
- * blur; from LOWERED_IMPLAUSIBLE on the grey is not corrected. */
-static const double LOWERED_MOST = 38.0, LOWERED_IMPLAUSIBLE = 50.0;
-/* Mean pore widths, in blurs, between which pores begin to show their grey; and Sauter mean
- * diameters of grains, in blurs, between which throats begin to stay open. Those of the restored
- * scan are a sixth too large, as closed throats are missing. Open throats need no help, and two
- * phases would make k 5 % too low there, as walls then follow the voxels. */
-static const double WIDTH_SHOWS_NO_GREY = 5.5, WIDTH_SHOWS_GREY = 6.0;
-static const double DIAMETER_CLOSED = 8.5, DIAMETER_OPEN = 9.5;
-/* Contrast over noise between which noise would be taken for a phase of its own. */
-static const double CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
-
-struct narrow_throats narrow_throats_measure(const struct coarse *scan, const double voxel[3],
-                                             double threshold) {
-  const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2];
+static void count_block(const struct coarse *scan, const struct restore_block *block,
+                        double threshold, struct crossings *crossings) {
+  const size_t nx = scan->size[0], ny = scan->size[1], *n = block->size, *first = block->first;
   size_t pores = 0, faces[3] = {0};
 #pragma omp parallel for schedule(static) reduction(+ : pores, faces[:3])
-  for (size_t row = 0; row < ny * nz; row++) {
-    const size_t y = row % ny, z = row / ny; // NOLINT: a volume has a row
-    const uint8_t *at = scan->levels + row * nx;
-    const uint8_t *y_next = y + 1 < ny ? at + nx : at, *z_next = z + 1 < nz ? at + nx * ny : at;
-    for (size_t x = 0; x < nx; x++) {
+  for (size_t row = 0; row < n[1] * n[2]; row++) {
+    const size_t y = row % n[1], z = row / n[1]; // NOLINT: a block has rows
+    const uint8_t *at = scan->levels + ((first[2] + z) * ny + first[1] + y) * nx + first[0];
+    const uint8_t *y_next = y + 1 < n[1] ? at + nx : at, *z_next = z + 1 < n[2] ? at + nx * ny : at;
+    for (size_t x = 0; x < n[0]; x++) {
       const bool grain = at[x] > threshold;
       pores += !grain;
-      faces[0] += grain != (at[x + 1 < nx ? x + 1 : x] > threshold);
+      faces[0] += grain != (at[x + 1 < n[0] ? x + 1 : x] > threshold);
       faces[1] += grain != (y_next[x] > threshold);
       faces[2] += grain != (z_next[x] > threshold);
     }
   }
+  crossings->voxels += n[0] * n[1] * n[2];
+  crossings->pores += pores;
+  for (int d = 0; d < 3; d++) crossings->faces[d] += faces[d];
+}
+
+struct narrow_throats narrow_throats_measure(const struct restore *restore, double threshold) {
+  struct crossings all = {0};
+  for (size_t i = 0; i < restore_sampled(restore); i++) {
+    const struct restore_block block = restore_sample_block(restore, i);
+    count_block(&restore->levels, &block, threshold, &all);
+  }
   /* By stereology the surface per volume is twice the intersections per length of random lines
    * (Saltykov 1958); here the mean of lines along the three axes. */
   double crossings = 0.0; /* per length, times the voxels */
-  for (int d = 0; d < 3; d++) crossings += (double)faces[d] / (voxel[d] * (double)scan->step) / 3.0;
+  for (int d = 0; d < 3; d++) crossings += (double)all.faces[d] / restore->region->voxel[d] / 3.0;
   const double surface = crossings > 0.0 ? 2.0 * crossings : NAN;
-  return (struct narrow_throats){.pore_width = 4.0 * (double)pores / surface,
-                                 .grain_diameter = 6.0 * (double)(nx * ny * nz - pores) / surface};
+  return (struct narrow_throats){.pore_width = 4.0 * (double)all.pores / surface,
+                                 .grain_diameter =
+                                     6.0 * (double)(all.voxels - all.pores) / surface};
 }
 
 double narrow_throats_pore_excess(const struct narrow_throats *throats,

@@ -3,11 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 
-/* Distance between the two slices of a pair, in slices. */
-enum { SLICES_APART = 6 };
-/* A scan with a larger fraction of voxels at the end of its range is a synthetic image without
- * noise. */
-static const double CLIPPED_FRACTION_MAX = 0.5;
+#include "ct2model/scanner/constants.h"
 
 static bool is_inside(float grey, float distance, double depth, double sign, double level,
                       double most) {
@@ -69,7 +65,7 @@ double noise_deviation(const struct noise_sums *sums) {
 double noise_clipping_ratio(const struct noise_sums *sums) {
   const double share = sums->at_end / sums->count;
   double low = 0.0, high = 6.0;
-  if (!(share > 0.0 && share < CLIPPED_FRACTION_MAX)) return 1.0;
+  if (!(share > 0.0 && share < CLIPPED_MOST)) return 1.0;
   for (int i = 0; i < 40; i++) {
     const double middle = 0.5 * (low + high);
     *(0.5 * erfc(middle / sqrt(2.0)) > share ? &low : &high) = middle;

@@ -7,6 +7,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/ramp.h"
 #include "ct2model/surface/phase_bits.h"
 
@@ -20,37 +21,13 @@
  *   S (1 - B x + BEND x^3),   x = r / a,   a = 4 n (1 - n) / S,
  *
  * where a is the distance at which the extrapolated probability reaches that of independent points
- * at porosity n. BEND is that of the true grains of sixty generated sands, angular, round,
- * elongated and with fines, whose B is 0.21 to 0.37 (docs/physics/restoration.md).
+ * at porosity n. The B of true grains of sands is 0.21 to 0.37.
  * Restored grains show the correct probability beyond about two blurs: S and B are fitted from that
- * distance to twice that. */
-static const double BEND = 1.0 / 64.0;
-/* Range of the fit: from RANGE_BLURS blurs, but at most RANGE_MOST of a and at least RANGE_VOXELS
- * voxels, to RANGE_FACTOR times that. */
-static const double RANGE_BLURS = 2.0, RANGE_VOXELS = 2.0, RANGE_MOST = 0.7, RANGE_FACTOR = 2.0;
-/* B tells edges and contacts from walls that are smooth all over, where noise and relief cannot be
- * told apart: it is 0.21 or more for true sands, 0.23 to 0.3 for touching balls and 0.25 or less
- * for balls that stand apart; tubes, fibres and slits do not follow the law equally in all
- * directions (docs/physics/restoration.md). Up to B_APART the smooth restored surface is
- * kept, from B_TOUCHING on S is that of the law; the half width of the latter covers the restored
- * surface, too. */
-static const double B_APART = 0.15, B_TOUCHING = 0.21;
-/* For 102 sands B is 0.254 or more: walls with this B are not smooth
- * (docs/physics/restoration.md). */
-static const double B_GRAINS = 0.25;
-/* Largest plausible ratio of S to the surface of the restored walls; for sands it is 1.17 at most.
- * A larger one, as between plane walls a few voxels apart, means that the law does not apply: there
- * 2 / r times the probability is constant up to that distance and falls steeply beyond. */
-static const double RATIO_MOST = 1.19;
-/* Relative 95 % half widths of S. ERROR_LAW: of the law, combined with ERROR_PER_BLUR times blur /
- * a, since a blur hides the finest grains completely, and no scan shows whether there were any.
- * ERROR_SMOOTH: of the restored surface of smooth walls. ERROR_UNKNOWN: where the law does not
- * apply. If directions differ so much that the standard error of their mean exceeds ERROR_LAW / 2,
- * as for a slit, the law is not used; for sands they leave 2 % at most, for a felt 7 %. */
-static const double ERROR_LAW = 0.045, ERROR_PER_BLUR = 0.25, ERROR_SMOOTH = 0.09,
-                    ERROR_UNKNOWN = 0.2;
-
-enum { VECTORS = 256, CHUNK = 64 };
+ * distance to twice that. B tells edges and contacts from walls that are smooth all over, where
+ * noise and relief cannot be told apart: there the restored surface is kept. Where S is far above
+ * the surface of the walls, as between plane walls a few voxels apart, or directions differ, as for
+ * a slit, the law does not apply. */
+enum { CHUNK = 64 };
 
 /* The vector between the two points of a pair, in voxels, the number of such pairs and of those
  * whose phases differ. */
@@ -206,7 +183,7 @@ enum status porod_surface(const struct restored *restored, const struct scanner 
   const double n = restored->void_ratio / (1.0 + restored->void_ratio);
   const double a = 4.0 * n * (1.0 - n) / *surface;
   const bool usable = scanner->known && !scanner->narrow;
-  *error = (usable && scanner->smooth_walls == 1.0 ? ERROR_SMOOTH : ERROR_UNKNOWN) * *surface;
+  *error = (usable && scanner->smooth_walls == 1.0 ? ERROR_SMOOTH : ERROR_NO_LAW) * *surface;
   if (!usable) return STATUS_OK;
   TRY(measure_law(restored, scanner->blur, voxel, *surface, &found, &slope, &scatter));
   if (!law_applies(found, scatter, *surface)) return STATUS_OK;

@@ -1,46 +1,16 @@
 #include "ct2model/scanner/restore.h"
 
 #include <math.h>
+#include <stdbool.h>
 #include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/gaussian.h"
 
 enum { LEVELS = 255 };
-/* Numbers of voxels: in a slab that is worked on at a time, at most; held in memory as levels, at
- * most; and above which voxels are averaged as far as the blur allows. */
-static const double VOXELS_WORKED = 24e6, VOXELS_HELD = 1.5e9, VOXELS_UNAVERAGED = 150e6;
-/* Cost of surface on smooth walls, relative to the usual one: they have no relief that a low cost
- * would keep, and show all the relief that noise makes (docs/physics/restoration.md). */
-static const double COST_SMOOTH = 8.0;
-/* Cost of surface, relative to the usual one, where relief is much finer than in uniform sand: the
- * usual one would remove grains there (docs/physics/restoration.md). */
-static const double COST_FINE = 0.25;
-/* Overlap of the slabs, in blurs: what is farther away does not matter. */
-static const double MARGIN_BLURS = 7.0;
-/* Distance beyond the faces of the scan, in blurs, over which grains are restored together with the
- * others, as far as the scan shows them. If the scan were reflected at its faces instead, as no
- * grain cut by a face is, walls within two blurs of a face would be twice as far off
- * (docs/physics/restoration.md). */
-static const double BEYOND_BLURS = 2.0;
-
-size_t restore_step(const size_t size[3], const double voxel[3], double blur) {
-  double voxels = 1.0, largest = 0.0;
-  for (int d = 0; d < 3; d++) {
-    voxels *= (double)size[d];
-    largest = fmax(largest, voxel[d]);
-  }
-  size_t step = 1;
-  for (size_t s = 2; s <= 4 && voxels / pow((double)step, 3.0) > VOXELS_UNAVERAGED; s++) {
-    bool fits = blur >= 0.9 * (double)s * largest;
-    for (int d = 0; d < 3; d++) fits &= size[d] % s == 0;
-    if (fits) step = s;
-  }
-  return step;
-}
-
 /* Number of voxels beyond the faces of the scan at either end of each axis. */
 static void voxels_beyond(const size_t size[3], const double blur[3], size_t beyond[3]) {
   for (int d = 0; d < 3; d++) {
@@ -70,58 +40,142 @@ static void slab_reflect(struct deblur *slab) {
   }
 }
 
-/* Reads slices of the region, averaged over `step` voxels, from slice `first` (of the averages) on,
- * and scales them to 0 in pores and 1 in grains. The voxels beyond the faces are filled, too. */
-static enum status slab_read(const struct region *region, const struct scanner *scanner,
-                             size_t step, size_t first, struct deblur *slab) {
-  enum status status = STATUS_OK;
-  const size_t *all = slab->size, plane = region->size[0] * region->size[1];
-  const size_t at[3] = {slab->beyond[0][0], slab->beyond[1][0], slab->beyond[2][0]};
-  size_t n[3];
-  for (int d = 0; d < 3; d++) n[d] = all[d] - slab->beyond[d][0] - slab->beyond[d][1];
-  const size_t batch = region_batch(region);
-  const float pore = (float)scanner->pore;
-  const float scale = (float)(1.0 / (scanner->grain - scanner->pore) / pow((double)step, 3.0));
-  float *slices = NULL;
-  size_t numbers[64];
-  TRY(memory_allocate(&slices, batch * plane, sizeof *slices, "slices"));
-  memset(slab->grey, 0, all[0] * all[1] * all[2] * sizeof *slab->grey);
-  for (size_t z = 0; z < n[2] * step; z += batch) {
-    const size_t count = n[2] * step - z < batch ? n[2] * step - z : batch;
-    for (size_t i = 0; i < count; i++) numbers[i] = first * step + z + i;
-    TRY(region_read(region, numbers, count, slices));
-#pragma omp parallel for schedule(static)
-    for (size_t y = 0; y < n[1]; y++)
-      for (size_t i = 0; i < count * step; i++) {
-        const float *in = slices + (i / step * region->size[1] + y * step + i % step) * // NOLINT
-                                       region->size[0];
-        const size_t to = (z + i / step) / step + at[2]; // NOLINT: step > 0
-        float *out = slab->grey + (to * all[1] + y + at[1]) * all[0] + at[0];
-        for (size_t x = 0; x < n[0] * step; x++) out[x / step] += scale * (in[x] - pore); // NOLINT
-      }
+/* Voxel of the scan at which block `number` of an axis begins. */
+static size_t block_start(const struct restore *restore, int d, size_t number) {
+  return number * restore->region->size[d] / restore->count[d];
+}
+
+/* Largest number of voxels along an axis of a block, with its neighbours' parts. */
+static size_t block_extent(const struct restore *restore, int d) {
+  const size_t n = restore->region->size[d], count = restore->count[d];
+  return count == 1 ? n + 2 * restore->beyond[d]
+                    : (n + count - 1) / count + 2 * restore->overlap[d];
+}
+
+static size_t block_count(const struct restore *restore) {
+  return restore->count[0] * restore->count[1] * restore->count[2];
+}
+
+static struct restore_block block_at(const struct restore *restore, size_t number) {
+  const size_t *count = restore->count;
+  const size_t at[3] = {number % count[0], number / count[0] % count[1],
+                        number / count[0] / count[1]};
+  struct restore_block block;
+  for (int d = 0; d < 3; d++) {
+    block.first[d] = block_start(restore, d, at[d]);
+    block.size[d] = block_start(restore, d, at[d] + 1) - block.first[d];
   }
-  slab_reflect(slab);
+  return block;
+}
+
+/* Halves, thirds, ... the longest axis of the blocks until they have at most `voxels` voxels, or
+ * would be less than their overlap. */
+static void choose_blocks(double voxels, struct restore *restore) {
+  for (;;) {
+    double all = 1.0;
+    int longest = 0;
+    for (int d = 0; d < 3; d++) {
+      all *= (double)block_extent(restore, d);
+      if (block_extent(restore, d) > block_extent(restore, longest)) longest = d;
+    }
+    if (all <= voxels || block_extent(restore, longest) <= 3 * restore->overlap[longest]) return;
+    restore->count[longest]++;
+  }
+}
+
+enum status restore_start(const struct region *region, double blur, double voxels,
+                          struct restore *restore) {
+  enum status status = STATUS_OK;
+  double blurs[3];
+  *restore = (struct restore){.region = region, .count = {1, 1, 1}};
+  restore->levels = (struct coarse){.step = 1, .unit = 1.0 / LEVELS};
+  memcpy(restore->levels.size, region->size, sizeof region->size);
+  for (int d = 0; d < 3; d++) {
+    blurs[d] = blur / region->voxel[d];
+    restore->overlap[d] = (size_t)ceil(OVERLAP_BLURS * fmax(blurs[d], 1.0));
+  }
+  voxels_beyond(region->size, blurs, restore->beyond);
+  choose_blocks(voxels, restore);
+  TRY(memory_allocate(&restore->levels.levels, region->size[0] * region->size[1] * region->size[2],
+                      1, "the scan without its blur (--crop or --blur keep need less)"));
+  TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restore->levels.histogram));
 cleanup:
-  memory_free(&slices);
   return status;
 }
 
-/* Stores `count` slices of the restored slab as levels, from slice `first` of the result on; the
- * first `skipped` slices of the slab are overlap. */
-static void slab_keep(const struct deblur *slab, size_t skipped, size_t count, size_t first,
-                      struct coarse *restored) {
-  const size_t nx = restored->size[0], ny = restored->size[1];
-  uint8_t *levels = restored->levels + first * nx * ny;
-  for (size_t row = 0; row < count * ny; row++, levels += nx) {
-    const size_t y = row % ny + slab->beyond[1][0];           // NOLINT: a volume has a row
-    const size_t z = row / ny + skipped + slab->beyond[2][0]; // NOLINT
-    const float *share = slab->share + (z * slab->size[1] + y) * slab->size[0] + slab->beyond[0][0];
-    for (size_t x = 0; x < nx; x++) {
+size_t restore_sampled(const struct restore *restore) {
+  return block_count(restore) < SAMPLE_BLOCKS ? block_count(restore) : SAMPLE_BLOCKS;
+}
+
+/* Number of a block of the sample: one in each third of each axis, in another third for each axis
+ * (a Latin hypercube: McKay, Beckman, Conover 1979, Technometrics 21: 239). */
+static size_t sample_number(const struct restore *restore, size_t i) {
+  const size_t *count = restore->count;
+  size_t number = 0;
+  if (block_count(restore) <= SAMPLE_BLOCKS) return i;
+  for (size_t d = 3; d-- > 0;)
+    number =
+        number * count[d] + count[d] * (2 * ((i + d) % SAMPLE_BLOCKS) + 1) / (2 * SAMPLE_BLOCKS);
+  return number;
+}
+
+static bool in_sample(const struct restore *restore, size_t number) {
+  for (size_t i = 0; i < restore_sampled(restore); i++)
+    if (sample_number(restore, i) == number) return true;
+  return false;
+}
+
+struct restore_block restore_sample_block(const struct restore *restore, size_t i) {
+  return block_at(restore, sample_number(restore, i));
+}
+
+/* Reads a block and its neighbours' parts, scaled to 0 in pores and 1 in grains, into the slab, and
+ * fills the voxels beyond the faces. skip[]: voxels of the slab before those of the block. */
+static enum status block_read(const struct restore *restore, const struct scanner *scanner,
+                              const struct restore_block *block, struct deblur *slab,
+                              size_t skip[3]) {
+  enum status status = STATUS_OK;
+  const size_t *all = restore->region->size;
+  size_t from[3], size[3];
+  for (int d = 0; d < 3; d++) {
+    const size_t overlap = restore->overlap[d], end = block->first[d] + block->size[d];
+    const size_t to = end + overlap < all[d] ? end + overlap : all[d];
+    from[d] = block->first[d] > overlap ? block->first[d] - overlap : 0;
+    size[d] = to - from[d];
+    slab->beyond[d][0] = from[d] == 0 ? restore->beyond[d] : 0;
+    slab->beyond[d][1] = to == all[d] ? restore->beyond[d] : 0;
+    slab->size[d] = slab->beyond[d][0] + size[d] + slab->beyond[d][1];
+    skip[d] = slab->beyond[d][0] + block->first[d] - from[d];
+  }
+  const size_t pitch[2] = {slab->size[0], slab->size[0] * slab->size[1]};
+  const float pore = (float)scanner->pore, scale = (float)(1.0 / (scanner->grain - scanner->pore));
+  TRY(region_read_box(restore->region, from, size, pitch,
+                      slab->grey + slab->beyond[2][0] * pitch[1] + slab->beyond[1][0] * pitch[0] +
+                          slab->beyond[0][0]));
+#pragma omp parallel for schedule(static)
+  for (size_t i = 0; i < pitch[1] * slab->size[2]; i++)
+    slab->grey[i] = scale * (slab->grey[i] - pore);
+  slab_reflect(slab);
+cleanup:
+  return status;
+}
+
+/* Stores the restored block as levels. */
+static void block_keep(const struct deblur *slab, const struct restore_block *block,
+                       const size_t skip[3], struct coarse *restored) {
+  const size_t *n = restored->size, rows = block->size[1] * block->size[2];
+  for (size_t row = 0; row < rows; row++) {
+    const size_t y = row % block->size[1], z = row / block->size[1]; // NOLINT: a block has rows
+    const float *share =
+        slab->share + ((z + skip[2]) * slab->size[1] + y + skip[1]) * slab->size[0] + skip[0];
+    uint8_t *levels = restored->levels +
+                      ((block->first[2] + z) * n[1] + block->first[1] + y) * n[0] + block->first[0];
+    for (size_t x = 0; x < block->size[0]; x++) {
       levels[x] = (uint8_t)(share[x] * (float)LEVELS + 0.5f);
       restored->histogram.counts[levels[x]]++;
     }
   }
-  restored->histogram.total += count * nx * ny;
+  restored->histogram.total += block->size[0] * rows;
 }
 
 /* Correlation volume of the noise (m^3): its power at low frequencies over its variance. White
@@ -133,24 +187,24 @@ static double noise_volume(double length, const double voxel[3]) {
 }
 
 void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
-                     size_t step, struct deblur_scanner *work) {
+                     struct deblur_scanner *work) {
   const double contrast = scanner->grain - scanner->pore;
   double volume = 1.0, least = INFINITY;
   *work = (struct deblur_scanner){.fringe = scanner->fringe};
   for (int d = 0; d < 3; d++) {
-    const double voxel = region->voxel[d] * (double)step;
+    const double voxel = region->voxel[d];
     volume *= voxel;
     least = fmin(least, voxel);
     work->blur[d] = blur / voxel;
   }
-  for (int d = 0; d < 3; d++) work->stretch[d] = region->voxel[d] * (double)step / least;
+  for (int d = 0; d < 3; d++) work->stretch[d] = region->voxel[d] / least;
   /* The correlation length is limited to the blur: anything longer is texture of the grains. */
   const double length =
-      fmin(fmax(scanner->noise_correlation, DEBLUR_CORRELATION_LEAST * least), fmax(blur, least));
+      fmin(fmax(scanner->noise_correlation, CORRELATION_LEAST * least), fmax(blur, least));
   const double correlation_volume = noise_volume(length, region->voxel);
   work->correlation = length / least;
   work->power = pow(scanner->noise / contrast, 2.0) * correlation_volume / volume;
-  /* Noise finer than DEBLUR_CORRELATION_LEAST is already overestimated, so that smooth walls need
+  /* Noise finer than CORRELATION_LEAST is already overestimated, so that smooth walls need
    * less additional cost. */
   const double actual_volume =
       noise_volume(fmin(scanner->noise_correlation, length), region->voxel);
@@ -160,53 +214,47 @@ void restore_scanner(const struct region *region, const struct scanner *scanner,
                                                : 1.0;
 }
 
-enum status restore_run(const struct region *region, const struct scanner *scanner,
-                        double two_phases, struct coarse *restored) {
+/* Restores the blocks of the sample, or the others. */
+static enum status restore_blocks(struct restore *restore, const struct scanner *scanner,
+                                  double two_phases, bool sample) {
   enum status status = STATUS_OK;
   struct deblur slab = {0};
   struct deblur_scanner work;
   struct progress progress;
-  const size_t step = restore_step(region->size, region->voxel, scanner->blur);
-  double voxels = 1.0;
-  *restored = (struct coarse){.step = step, .unit = 1.0 / LEVELS};
-  for (int d = 0; d < 3; d++) {
-    restored->size[d] = region->size[d] / step;
-    voxels *= (double)restored->size[d];
-  }
-  if (voxels > VOXELS_HELD) return STATUS_OK;
-  restore_scanner(region, scanner, scanner->blur, step, &work);
+  const size_t count = block_count(restore), sampled = restore_sampled(restore);
+  const size_t blocks = sample ? sampled : count - sampled;
+  if (blocks == 0) return STATUS_OK;
+  restore_scanner(restore->region, scanner, scanner->blur, &work);
   work.two_phases = two_phases;
-  size_t beyond[3];
-  voxels_beyond(restored->size, work.blur, beyond);
-  const size_t plane = restored->size[0] * restored->size[1], nz = restored->size[2];
-  const size_t worked = (restored->size[0] + 2 * beyond[0]) * (restored->size[1] + 2 * beyond[1]);
-  const size_t margin = (size_t)ceil(MARGIN_BLURS * fmax(work.blur[2], 1.0));
-  size_t depth = (size_t)(VOXELS_WORKED / (double)worked);
-  depth = depth > 3 * margin ? depth - 2 * margin : margin;
-  if (nz <= depth + margin) depth = nz;
-  const size_t most = depth + 2 * margin < nz ? depth + 2 * margin : nz;
-  TRY(memory_allocate(&restored->levels, plane * nz, 1, "the scan without its blur"));
-  TRY(grey_histogram_start(-0.5, 1.0, LEVELS + 1, &restored->histogram));
-  TRY(deblur_start(worked * (most + 2 * beyond[2]), &work, &slab));
-  for (int d = 0; d < 2; d++) {
-    slab.size[d] = restored->size[d] + 2 * beyond[d];
-    slab.beyond[d][0] = slab.beyond[d][1] = beyond[d];
-  }
-  progress_start(&progress, "restoring", "slices", (double)nz);
-  for (size_t z = 0; z < nz; z += depth) {
-    const size_t count = nz - z < depth ? nz - z : depth, first = z > margin ? z - margin : 0;
-    const size_t end = z + count + margin < nz ? z + count + margin : nz;
-    slab.beyond[2][0] = first == 0 ? beyond[2] : 0;
-    slab.beyond[2][1] = end == nz ? beyond[2] : 0;
-    slab.size[2] = end - first + slab.beyond[2][0] + slab.beyond[2][1];
-    TRY(slab_read(region, scanner, step, first, &slab));
+  TRY(deblur_start(block_extent(restore, 0) * block_extent(restore, 1) * block_extent(restore, 2),
+                   &work, &slab));
+  progress_start(&progress, sample && blocks < count ? "restoring a sample" : "restoring", NULL,
+                 (double)blocks);
+  slab.progress = &progress;
+  for (size_t i = 0; i < count; i++) {
+    const struct restore_block block = block_at(restore, i);
+    size_t skip[3];
+    if (in_sample(restore, i) != sample) continue;
+    TRY(block_read(restore, scanner, &block, &slab, skip));
     TRY(deblur_run(&slab));
-    slab_keep(&slab, z - first, count, z, restored);
-    progress_update(&progress, (double)(z + count), NULL);
+    block_keep(&slab, &block, skip, &restore->levels);
+    slab.done += 1.0;
   }
   progress_end(&progress);
 cleanup:
   deblur_end(&slab);
-  if (status != STATUS_OK) coarse_end(restored);
   return status;
+}
+
+enum status restore_sample(struct restore *restore, const struct scanner *scanner,
+                           double two_phases) {
+  struct grey_histogram *histogram = &restore->levels.histogram;
+  memset(histogram->counts, 0, histogram->bins * sizeof *histogram->counts);
+  histogram->total = 0;
+  return restore_blocks(restore, scanner, two_phases, true);
+}
+
+enum status restore_others(struct restore *restore, const struct scanner *scanner,
+                           double two_phases) {
+  return restore_blocks(restore, scanner, two_phases, false);
 }

@@ -9,22 +9,37 @@
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/surface/coarse.h"
 
-/* Number of voxels a side over which the scan is averaged before it is restored: 1 up to 150
- * million voxels; beyond, as many as are needed and possible if `blur` (m) shall still span nine
- * tenths of the average. Averaging loses wedges between grains. For the sample sand with a blur of
- * 1.9 voxels, averages of 2 x 2 x 2 lose a tenth of the surface more, and k comes out 9 % too high
- * (docs/physics/restoration.md). */
-size_t restore_step(const size_t size[3], const double voxel[3], double blur);
-
-/* Properties of the scanner as deblur_start expects them, for a region averaged over `step` voxels
- * a side, with no weight of two phases. */
+/* Properties of the scanner as deblur_start expects them, with no weight of two phases. */
 void restore_scanner(const struct region *region, const struct scanner *scanner, double blur,
-                     size_t step, struct deblur_scanner *work);
+                     struct deblur_scanner *work);
 
-/* Restores the region into `restored`, whose levels 0 to 255 are shares 0 to 1 (free with
- * coarse_end). A region that is too large is averaged first (restore_step). `two_phases`: as in
- * deblur.h. `restored` has no levels if they would not fit in memory. */
-enum status restore_run(const struct region *region, const struct scanner *scanner,
-                        double two_phases, struct coarse *restored);
+/* A scan that is restored in blocks, each with a part of its neighbours, one after the other: of
+ * the scan only its levels, 0 to 255 for shares 0 to 1, and one block are held. The blocks follow
+ * from the size of the scan and the blur, not from memory or threads, and so does the result. */
+struct restore {
+  const struct region *region;
+  size_t count[3], overlap[3]; /* blocks along each axis; voxels of neighbours on either side */
+  size_t beyond[3];            /* voxels beyond the faces of the scan, as in deblur.h */
+  struct coarse levels;        /* histogram: of the blocks restored */
+};
+
+/* A block without its neighbours' parts: its first voxel in the scan, and its size. */
+struct restore_block {
+  size_t first[3], size[3];
+};
+
+/* Chooses the blocks, of up to `voxels` voxels with their neighbours' parts (RESTORE_VOXELS unless
+ * tested), and the sample: a few of them, spread over the scan; all of a small scan. Free with
+ * coarse_end(&restore->levels), on failure too. */
+enum status restore_start(const struct region *region, double blur, double voxels,
+                          struct restore *restore);
+/* Number of blocks in the sample, and block number `i` of it. */
+size_t restore_sampled(const struct restore *restore);
+struct restore_block restore_sample_block(const struct restore *restore, size_t i);
+/* Restores the sample, or all other blocks. `two_phases`: as in deblur.h. */
+enum status restore_sample(struct restore *restore, const struct scanner *scanner,
+                           double two_phases);
+enum status restore_others(struct restore *restore, const struct scanner *scanner,
+                           double two_phases);
 
 #endif

@@ -6,16 +6,13 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "ct2model/resample/reduce.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/narrow_throats.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
 
 enum { BATCH = 32 };
-
-/* Range of levels, of 255, in which the surface must lie: outside it, the void ratio requires more
- * or less grain than the edges of the scan allow. */
-static const double LEVEL_MIN = 10.0, LEVEL_MAX = 245.0, LEVEL_MIDDLE = 127.5;
 
 /* Islands of few voxels ("specks") are removed from CHUNK_SLICES slices at a time, with
  * OVERLAP_SLICES slices on either side; no speck is longer. The first slice is adjacent to the last
@@ -25,23 +22,20 @@ enum { CHUNK_SLICES = 64, OVERLAP_SLICES = 12 };
 
 /* Volume of the largest speck, in voxels of the restored scan: an island smaller than what the
  * scanner resolves is noise, since a grain touches others. */
-static size_t speck_limit(const struct region *region, const struct coarse *scan,
-                          const struct scanner *scanner) {
+static size_t speck_limit(const struct region *region, const struct scanner *scanner) {
   double volume = 3.14159265358979323846 / 6.0; /* of a ball as wide as the resolution */
-  for (int d = 0; d < 3; d++)
-    volume *= scanner->resolution / (region->voxel[d] * (double)scan->step);
-  return (size_t)fmin(fmax(volume, 8.0), SPECK_MOST);
+  for (int d = 0; d < 3; d++) volume *= scanner->resolution / region->voxel[d];
+  return (size_t)fmin(fmax(volume, SPECK_LEAST), SPECK_MOST);
 }
 
 /* Moves the levels of specks to the other side of `threshold`, by the same distance and at least
  * LEVEL_STEP: the threshold changes when the void ratio is matched once more, which must not
  * restore the specks. */
-static const double LEVEL_STEP = 16.0;
 static enum status drop_specks(const struct region *region, const struct scanner *scanner,
                                double threshold, struct coarse *scan) {
   enum status status = STATUS_OK;
   const size_t nx = scan->size[0], ny = scan->size[1], nz = scan->size[2], plane = nx * ny;
-  const size_t words = phase_words(nx), limit = speck_limit(region, scan, scanner);
+  const size_t words = phase_words(nx), limit = speck_limit(region, scanner);
   const size_t most = (nz < CHUNK_SLICES ? nz : CHUNK_SLICES) + 2 * OVERLAP_SLICES,
                kept = nz < OVERLAP_SLICES ? nz : OVERLAP_SLICES;
   int16_t *field = NULL;
@@ -102,80 +96,80 @@ struct region restored_region(const struct restored *restored, const struct regi
   return coarse_region(&restored->scan, region);
 }
 
-static double void_ratio_at(const struct restored *restored, double level) {
-  const double n = grey_histogram_porosity(&restored->scan.histogram, level);
+static double void_ratio_at(const struct grey_histogram *levels, double level) {
+  const double n = grey_histogram_porosity(levels, level);
   return n / (1.0 - n);
 }
 
-/* Restores the scan and finds the void ratio at the middle level and the level that encloses
- * `void_ratio`. */
-static enum status restore_and_match(const struct region *region, const struct scanner *scanner,
-                                     double two_phases, double void_ratio,
-                                     struct restored *restored) {
-  enum status status = STATUS_OK;
-  const struct coarse *scan = &restored->scan;
-  restored_end(restored);
-  TRY(restore_run(region, scanner, two_phases, &restored->scan));
-  if (scan->levels == NULL) return STATUS_OK;
-  restored->middle = void_ratio_at(restored, LEVEL_MIDDLE);
-  restored->threshold = grey_histogram_quantile(&scan->histogram, void_ratio / (1.0 + void_ratio));
-cleanup:
-  return status;
+/* Finds the void ratio at the middle level, and the level that encloses `void_ratio`. */
+static void match(const struct restore *restore, double void_ratio, struct restored *restored) {
+  const struct grey_histogram *levels = &restore->levels.histogram;
+  restored->middle = void_ratio_at(levels, LEVEL_MIDDLE);
+  restored->threshold = grey_histogram_quantile(levels, void_ratio / (1.0 + void_ratio));
 }
-
-/* 95 % half width of the level at which the scan's own edges lie: LEVEL_SURE for a clear scan;
- * LEVEL_NOISY over the square of the contrast over noise, as the bias of a restoration grows with
- * the variance of the noise; and LEVEL_NARROW times (blur / mean pore width)^2, as narrow pores
- * look brighter than they are. Set on 14 scans (generate_sand 9651 to 9658, projected_scan.py 1 to
- * 9) and one more with fines under a wide blur (101). */
-static const double LEVEL_SURE = 9.0, LEVEL_NOISY = 800.0, LEVEL_NARROW = 600.0,
-                    LEVEL_UNSURE_MOST = 100.0;
 
 /* Reads the void ratio that the scan shows from a restoration that knows nothing of a measured
  * one. */
-static void see_void_ratio(const struct region *region, const struct scanner *scanner,
+static void see_void_ratio(const struct restore *restore, const struct scanner *scanner,
                            struct restored *restored) {
+  const struct grey_histogram *levels = &restore->levels.histogram;
   restored->scan_void_ratio = restored->scan_void_ratio_error = NAN;
-  if (restored->scan.levels == NULL || !scanner->known || scanner->by_void_ratio) return;
+  /* Greys that no surface shows by itself say nothing: those of a narrow phase were fitted. */
+  if (!scanner->known || scanner->by_void_ratio || scanner->narrow) return;
   const double noise = LEVEL_NOISY / pow(scanner->contrast_to_noise, 2.0);
-  const double width =
-      narrow_throats_measure(&restored->scan, region->voxel, LEVEL_MIDDLE).pore_width;
+  const double width = narrow_throats_measure(restore, LEVEL_MIDDLE).pore_width;
   const double narrow = LEVEL_NARROW * pow(scanner->blur / width, 2.0);
   const double unsure = fmin(hypot(LEVEL_SURE, hypot(noise, narrow)), LEVEL_UNSURE_MOST);
-  restored->scan_void_ratio = restored->middle;
-  restored->scan_void_ratio_error = 0.5 * (void_ratio_at(restored, LEVEL_MIDDLE + unsure) -
-                                           void_ratio_at(restored, LEVEL_MIDDLE - unsure));
+  restored->scan_void_ratio = void_ratio_at(levels, LEVEL_MIDDLE);
+  restored->scan_void_ratio_error = 0.5 * (void_ratio_at(levels, LEVEL_MIDDLE + unsure) -
+                                           void_ratio_at(levels, LEVEL_MIDDLE - unsure));
 }
-
-/* Correction of the grey of pore, as a fraction of the contrast, that is not worth a word. */
-static const double EXCESS_SMALL = 0.01;
 
 static bool allows_void_ratio(const struct restored *restored) {
   return restored->threshold > LEVEL_MIN && restored->threshold < LEVEL_MAX;
 }
 
-/* Restores the scan again with what its narrow throats require. */
-static enum status open_throats(const struct region *region, const struct scanner *scanner,
-                                double void_ratio, struct restored *restored) {
+/* Corrects the scanner by what narrow throats require, and restores the sample again with it. */
+static enum status open_throats(struct restore *restore, double void_ratio, struct scanner *scanner,
+                                struct restored *restored) {
   enum status status = STATUS_OK;
-  struct scanner corrected = *scanner;
-  const struct narrow_throats throats =
-      narrow_throats_measure(&restored->scan, region->voxel, restored->threshold);
+  const struct narrow_throats throats = narrow_throats_measure(restore, restored->threshold);
   const double excess = narrow_throats_pore_excess(&throats, scanner, restored->threshold);
-  corrected.pore -= excess * (scanner->grain - scanner->pore);
+  restored->two_phases = narrow_throats_two_phases(&throats, scanner);
+  scanner->pore -= excess * (scanner->grain - scanner->pore);
   if (excess > EXCESS_SMALL)
     log_warning("pores are too narrow to show their grey: it is taken as darker by %.0f %% of the "
                 "contrast, so that the edges of the scan give a void ratio near %.3g; check the "
                 "void ratio",
                 100.0 * excess, void_ratio);
-  restored->two_phases = narrow_throats_two_phases(&throats, scanner);
-  if (excess > 0.0 || restored->two_phases > 0.0)
-    TRY(restore_and_match(region, &corrected, restored->two_phases, void_ratio, restored));
+  if (!(excess > 0.0 || restored->two_phases > 0.0)) return STATUS_OK;
+  TRY(restore_sample(restore, scanner, restored->two_phases));
+  match(restore, void_ratio, restored);
   if (restored->two_phases > 0.0 && !allows_void_ratio(restored)) {
     restored->two_phases = 0.0;
-    TRY(restore_and_match(region, &corrected, 0.0, void_ratio, restored));
+    TRY(restore_sample(restore, scanner, 0.0));
+    match(restore, void_ratio, restored);
   }
 cleanup:
+  return status;
+}
+
+/* Restores a sample, finds what narrow throats require, and restores the rest. */
+static enum status restore_all(const struct region *region, const struct scanner *measured,
+                               double void_ratio, struct restored *restored) {
+  enum status status = STATUS_OK;
+  struct scanner scanner = *measured;
+  struct restore restore;
+  TRY(restore_start(region, scanner.blur, RESTORE_VOXELS, &restore));
+  TRY(restore_sample(&restore, &scanner, 0.0));
+  match(&restore, void_ratio, restored);
+  see_void_ratio(&restore, &scanner, restored);
+  if (allows_void_ratio(restored)) TRY(open_throats(&restore, void_ratio, &scanner, restored));
+  if (allows_void_ratio(restored)) TRY(restore_others(&restore, &scanner, restored->two_phases));
+  match(&restore, void_ratio, restored);
+cleanup:
+  restored->scan = restore.levels;
+  if (status != STATUS_OK) restored_end(restored);
   return status;
 }
 
@@ -184,15 +178,7 @@ enum status restored_make(const struct region *region, const struct scanner *sca
                           struct restored *restored) {
   enum status status = STATUS_OK;
   struct coarse *scan = &restored->scan;
-  TRY(restore_and_match(region, scanner, 0.0, void_ratio, restored));
-  see_void_ratio(region, scanner, restored);
-  if (scan->levels != NULL && allows_void_ratio(restored))
-    TRY(open_throats(region, scanner, void_ratio, restored));
-  if (scan->levels == NULL) {
-    log_warning("the scan is too large for its blur to be taken out in memory: %zux%zux%zu; --crop",
-                region->size[0], region->size[1], region->size[2]);
-    return STATUS_OK;
-  }
+  TRY(restore_all(region, scanner, void_ratio, restored));
   if (!allows_void_ratio(restored)) {
     log_warning("the edges of the scan give a void ratio of %.3g, not %.3g: the surface is taken "
                 "where the threshold says, with the scanner's blur and noise",

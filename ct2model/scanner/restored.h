@@ -22,8 +22,8 @@ struct restored {
 };
 
 /* Removes the blur from the region and finds the level that encloses `void_ratio`. `restored` has
- * no levels, and a warning is given, where the edges of the scan do not allow that void ratio or
- * memory would not suffice. `sides`: as in enclosed.h. Free with restored_end. */
+ * no levels, and a warning is given, where the edges of the scan do not allow that void ratio.
+ * `sides`: as in enclosed.h. Free with restored_end. */
 enum status restored_make(const struct region *region, const struct scanner *scanner,
                           double void_ratio, const struct enclosed_sides *sides,
                           struct restored *restored);

@@ -5,46 +5,13 @@
 
 #include "common/model_file.h"
 #include "ct2model/scan/survey.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
 #include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/narrow_scanner.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
-
-enum { WINDOWS_FOR_SCATTER = 3 };
-/* Rounds of correct_fit: first with the grains as their smoothed surfaces show them, then with the
- * grains restored under the blur that the first rounds gave. */
-enum { CORRECTIONS_FIRST = 1, CORRECTIONS_RESTORED = 3 };
-/* Range of the edge fit, in standard deviations of the blur. A longer range separates a fringe from
- * a wider blur better, but fewer surfaces are then free of neighbours. */
-static const double REACH_IN_DEVIATIONS = 2.6;
-/* Fringe strength below which the fit alone cannot tell a fringe from none. */
-static const double FRINGE_DETECTABLE = 0.1;
-/* A phase shows its own grey where DEEP_FRACTION of its voxels lie at least DEPTH_OWN_GREY voxels
- * from the surface. Where less than DEEP_FRACTION_NARROW does, each surface has another one near,
- * and the relative standard error of the blur is NARROW_BLUR_ERROR. */
-static const double DEPTH_OWN_GREY = 4.0, DEEP_FRACTION = 0.05, DEEP_FRACTION_NARROW = 0.01,
-                    NARROW_BLUR_ERROR = 0.25;
-/* Voxels needed for a mean grey. */
-static const double VOXELS_FOR_MEAN = 500.0;
-/* Near neighbours of a surface look like a fringe of up to this strength in the uncorrected fit. */
-static const double FRINGE_BY_NEIGHBOURS = 0.3;
-/* Pairs of voxels and single voxels needed to measure the noise: some tens of voxels count as one
- * where it is correlated over a voxel. */
-static const double NOISE_PAIRS = 5000.0, NOISE_VOXELS = 2000.0;
-/* Noise of the grains over that of the pores below which the grains are taken to have less noise,
- * if the standard error of this ratio is below NOISE_ERROR_SMALL or the difference exceeds
- * NOISE_STANDARD_ERRORS standard errors. Noise correlated over a voxel leaves few independent
- * voxels (docs/physics/restoration.md). */
-static const double NOISE_RATIO_LESS = 0.97, NOISE_ERROR_SMALL = 0.025, NOISE_STANDARD_ERRORS = 2.3;
-/* Fraction of the lesser phase that must have a grey between those of both phases for the image to
- * count as blurred. Under a blur of MODEL_BLUR_ASSUMED 1.6 voxels across a flat surface lie in the
- * middle half between the two greys, so that a phase four voxels wide has as many such voxels as
- * voxels of its own: a tenth of that is few. */
-static const double BLURRED_FRACTION = 0.1;
-/* Slices needed to tell pores from grains in three dimensions. */
-enum { SLICES_MINIMUM = 8 };
 
 /* Adds up the edge response of all windows and fits it. The scatter of the fits of single windows
  * gives the standard error of the blur. False where the response cannot be fitted. */
@@ -71,16 +38,15 @@ static bool fit_windows(const struct windows *all, double reach, struct scanner 
   const double mean = sum / fmax(n, 1.0), blur = edge_fit_blur(fit);
   const double scatter = n > 1.0 ? sqrt(fmax(square / n - mean * mean, 0.0) / (n - 1.0)) : 0.0;
   scanner->blur = blur * all->unit;
-  /* Few windows tell their scatter poorly: it is taken as at least a twentieth of the blur, or a
-   * tenth with fewer than WINDOWS_FOR_SCATTER windows. */
-  scanner->blur_error = fmax(scatter, (n < WINDOWS_FOR_SCATTER ? 0.1 : 0.05) * blur) * all->unit;
+  scanner->blur_error =
+      fmax(scatter, (n < WINDOWS_FOR_SCATTER ? BLUR_SCATTER_FEW : BLUR_SCATTER) * blur) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   return true;
 }
 
 /* Distance from the grey of a phase, in contrasts, beyond which a voxel is a mineral of its own. */
 static double mineral_distance(double noise_ratio) {
-  return fmax(0.5, 4.5 / noise_ratio);
+  return fmax(MINERAL_DISTANCE, MINERAL_NOISE / noise_ratio);
 }
 
 /* Noise sums over voxels deep inside one phase. The required depth, in standard deviations of the
@@ -89,7 +55,8 @@ static double mineral_distance(double noise_ratio) {
 static struct noise_sums sum_noise(const struct windows *all, double noise_ratio,
                                    const struct edge_fit *fit, bool grain, double end) {
   struct noise_sums sums = {0};
-  for (double depth = 3.0; depth >= 2.0 && sums.apart_pairs < NOISE_PAIRS; depth -= 0.5) {
+  for (double depth = NOISE_DEPTH; depth >= 2.0 && sums.apart_pairs < NOISE_PAIRS;
+       depth -= NOISE_DEPTH_STEP) {
     sums = (struct noise_sums){.end = end};
     for (size_t i = 0; i < all->count; i++)
       noise_add(all->window[i].grey, all->window[i].distance, all->window[i].size,
@@ -162,7 +129,7 @@ static enum status correct_fit(const struct windows *grains, const struct edge_f
     TRY(windows_find_surfaces(&simulated, scan->contrast_to_noise,
                               edge_response_limit(scan->reach, grains->stretch)));
     if (!fit_windows(&simulated, scan->reach, &simulated_scanner, &simulated_fit) ||
-        !(simulated_fit.grain - simulated_fit.pore > 0.3))
+        !(simulated_fit.grain - simulated_fit.pore > CONTRAST_LEAST))
       break;
     windows_end(&simulated);
     fit->deviation = edge_fit_deviation(blur * edge_fit_blur(seen) / edge_fit_blur(&simulated_fit));
@@ -316,11 +283,11 @@ static bool find_levels(const struct windows *all, const struct survey *survey,
   const double contrast = grain - pore;
   if (by_mean && scanner->grain - scanner->pore < 0.5 * contrast) return false;
   /* A wide and uncertain blur was fitted to surfaces with near neighbours, too. */
-  const bool wide_and_uncertain = scanner->blur_error >= NARROW_BLUR_ERROR * scanner->blur &&
+  const bool wide_and_uncertain = scanner->blur_error >= BLUR_ERROR_UNKNOWN * scanner->blur &&
                                   scanner->blur > narrow_scanner_widest() * all->unit;
   scanner->narrow = wide_and_uncertain || lesser.deep < DEEP_FRACTION_NARROW * lesser.count;
   if (scanner->narrow)
-    scanner->blur_error = fmax(scanner->blur_error, NARROW_BLUR_ERROR * scanner->blur);
+    scanner->blur_error = fmax(scanner->blur_error, BLUR_ERROR_UNKNOWN * scanner->blur);
   if (!by_mean || lesser.deep > DEEP_FRACTION * lesser.count) return true;
   scanner->by_void_ratio = true;
   scanner->pore = pore;
@@ -381,11 +348,11 @@ enum status scanner_measure(const struct region *region, const struct survey *su
   TRY(windows_read(region, phases, &all));
   TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
   /* First with a medium range, then with the range that suits the blur found. */
-  double reach = 5.0;
+  double reach = REACH_FIRST;
   bool found = fit_windows(&all, reach, scanner, &fit);
-  if (!found) found = fit_windows(&all, reach = 3.0, scanner, &fit);
+  if (!found) found = fit_windows(&all, reach = REACH_NARROW, scanner, &fit);
   for (int round = 0; found && round < 2; round++) {
-    const double wanted = fmin(fmax(REACH_IN_DEVIATIONS * fit.deviation, 3.5), EDGE_REACH);
+    const double wanted = fmin(fmax(REACH_DEVIATIONS * fit.deviation, REACH_LEAST), EDGE_REACH);
     struct scanner other_scanner = *scanner;
     struct edge_fit other_fit;
     if (fabs(wanted / reach - 1.0) < 0.1 || !fit_windows(&all, wanted, &other_scanner, &other_fit))
@@ -394,14 +361,15 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     fit = other_fit;
     reach = wanted;
   }
-  if (!found || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+  if (!found || !(fit.grain - fit.pore > CONTRAST_LEAST)) goto cleanup;
   /* The peaks of noisy phases lie between their true greys. The fit gives better levels, and with
    * them the surfaces are found anew. */
   const bool deep = shows_own_grey(&all, survey);
   if (deep) {
     windows_rescale(&all, fit.pore, fit.grain);
     TRY(windows_find_surfaces(&all, phases->contrast_to_noise, EDGE_REACH + 2.0));
-    if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > 0.3)) goto cleanup;
+    if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > CONTRAST_LEAST))
+      goto cleanup;
   }
   scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
   const double noise_kept = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/scanner/least_risk.h"
 #include "ct2model/scanner/porod.h"
@@ -20,42 +21,15 @@
  * cost would remove either. The third moment of the removed share is compared: edges, corners and
  * contacts of grains are few, but lose more than noise does anywhere.
  *
- * Smooth walls: the usual cost is compared with that of smooth walls. The ratio of scan to
- * simulation is 1.1 to 1.9 for sands and 0.76 to 1.18 for bodies with smooth walls
- * (docs/physics/restoration.md). */
-static const double RATIO_SMOOTH = 1.11, RATIO_ROUGH = 1.18;
-/* Fine relief: COST_FINE times the usual cost is compared with the usual one. The noise may have
- * been measured 10 to 20 % too low, or 10 % too high where fines add to it, and the removed moment
- * grows faster than the noise. So the simulated noise is adjusted until it leaves the same residual
- * as the scan does. */
-static const double COST_FINE = 0.25;
-/* From this ratio on, the scanner must differ from the one that was measured. */
-static const double RATIO_IMPLAUSIBLE = 2.0;
-/* Change of the cost of surface, in octaves, per octave of the cost of least risk (least_risk.h),
- * and for a ratio of fine relief of 2. With these values the error of k of 102 generated sands is
- * smallest (docs/physics/restoration.md). A change of up to OCTAVES_CHANCE may be chance;
- * from OCTAVES_SIGNIFICANT on it is applied in full. */
-static const double OCTAVES_BY_RISK = 0.66, OCTAVES_BY_RELIEF = 2.44, OCTAVES_CHANCE = 0.2,
-                    OCTAVES_SIGNIFICANT = 0.4;
-/* With a blur of BLUR_SHARP voxels relief is visible; with one of BLUR_WIDE corners look like
- * relief, and a reduction of the cost is itself reduced by this fraction (ibid.). */
-static const double BLUR_SHARP = 2.2, BLUR_WIDE = 2.8, REDUCTION_WIDE = 0.67;
-/* Noise with a correlation length like the blur, or a voxel, looks like fine relief: from
- * LENGTH_LONG times that on the two cannot be distinguished. Simulated noise is not longer than
- * that either (restore_scanner). Under much noise what smooth walls would remove tells the relief
- * then: octaves per octave of the cost of least risk, and for a ratio of 1 above that of plain
- * sands (docs/physics/restoration.md). */
-static const double LENGTH_SHORT = 0.6, LENGTH_LONG = 0.9;
-static const double LONG_BY_RISK = 1.0, LONG_BY_RATIO = 1.0, RATIO_SAND = 1.45;
-/* Range of the octaves: from the finest relief, a quarter of the usual cost, to smooth walls. At
- * contrasts of up to CONTRAST_NOISY times the noise, costs under OCTAVES_NOISY let noise through;
- * from CONTRAST_CLEAR on there is little noise. */
-static const double OCTAVES_FINEST = -2.0, OCTAVES_SMOOTH = 3.0, OCTAVES_NOISY = -1.5,
-                    CONTRAST_NOISY = 7.0, CONTRAST_CLEAR = 9.0;
-/* Side of the piece, in voxels: enough walls, and small enough to be restored some 26 times. */
-enum { SIDE = 64 };
-/* Distance from walls, in voxels, beyond which shares of grain are 0 or 1. */
-static const double WALL_RANGE = 0.5;
+ * Smooth walls: the usual cost is compared with that of smooth walls. Fine relief: COST_FINE times
+ * the usual cost is compared with the usual one. The noise may have been measured 10 to 20 % too
+ * low, or 10 % too high where fines add to it, and the removed moment grows faster than the noise.
+ * So the simulated noise is adjusted until it leaves the same residual as the scan does.
+ *
+ * The cost changes by octaves: with the cost of least risk (least_risk.h) and with fine relief, so
+ * that the error of k of generated sands is least. Under a wide blur corners look like relief, and
+ * a reduction counts less. Noise with a correlation length like the blur, or a voxel, looks like
+ * fine relief, too; under much noise what smooth walls would remove tells the relief then. */
 
 /* What a higher cost of surface removes, summed over voxels: the cubes of the removed shares of
  * grain, and the squares of the residual of the scan. */
@@ -135,7 +109,7 @@ static enum status find_octaves(const struct region *region, const struct scanne
   const double fine[2] = {COST_FINE, 1.0};
   struct removal seen, ratio;
   double contrast, least_risk;
-  restore_scanner(region, scanner, scanner->blur, 1, &deblur->scanner);
+  restore_scanner(region, scanner, scanner->blur, &deblur->scanner);
   TRY(measure_scan(scan, fine, deblur, lower, &seen, &contrast));
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
@@ -147,13 +121,12 @@ static enum status find_octaves(const struct region *region, const struct scanne
   const double length = scanner->noise_correlation / fmax(scanner->blur, scanner->unit);
   const double distinguishable = ramp(-length, -LENGTH_LONG, -LENGTH_SHORT);
   const double by_fine = OCTAVES_BY_RISK * log2(least_risk) - OCTAVES_BY_RELIEF * relief;
-  const double by_smooth =
-      LONG_BY_RISK * log2(least_risk) - LONG_BY_RATIO * (smooth_ratio - RATIO_SAND);
+  const double by_smooth = log2(least_risk) - (smooth_ratio - RATIO_SAND);
   const double wanted =
       distinguishable * by_fine + (1.0 - distinguishable) * (1.0 - clear) * by_smooth;
   const double wide = ramp(scanner->blur / scan->unit, BLUR_SHARP, BLUR_WIDE);
   const double counts = wanted < 0.0 ? 1.0 - REDUCTION_WIDE * wide : 1.0;
-  const double least = OCTAVES_NOISY + (OCTAVES_FINEST - OCTAVES_NOISY) * clear;
+  const double least = OCTAVES_NOISY + (log2(COST_FINE) - OCTAVES_NOISY) * clear;
   *octaves = fmax(counts * wanted * ramp(fabs(wanted), OCTAVES_CHANCE, OCTAVES_SIGNIFICANT), least);
 cleanup:
   return status;
@@ -198,13 +171,14 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   scanner->smooth_walls = scanner->fine_relief = 0.0;
   if (!scanner->known || !isfinite(scanner->noise_correlation)) return STATUS_OK;
   smooth_scanner.smooth_walls = 1.0;
-  restore_scanner(region, &smooth_scanner, scanner->blur, 1, &work);
+  restore_scanner(region, &smooth_scanner, scanner->blur, &work);
   if (!(work.surface > 1.0)) return STATUS_OK; /* noise too fine to be told from the voxels */
-  TRY(windows_read_middle(region, &phases, SIDE, &scan));
+  TRY(windows_read_middle(region, &phases, PIECE_SIDE, &scan));
   const size_t *size = scan.window[0].size, n = size[0] * size[1] * size[2];
   TRY(memory_allocate(&lower, n, sizeof *lower, "a piece of the scan"));
   TRY(deblur_start(n, &work, &deblur));
-  deblur.iterations = DEBLUR_ITERATIONS_COMPARED;
+  deblur.iterations = ITERATIONS_COMPARED;
+  deblur.compared = true;
   const double smooth[2] = {1.0, work.surface};
   TRY(measure_scan(&scan, smooth, &deblur, lower, &seen, &contrast));
   TRY(find_touching(region, &deblur, scanner->blur, &touching));
@@ -213,9 +187,9 @@ enum status smooth_walls_find(const struct region *region, struct scanner *scann
   const double smooth_share = (1.0 - touching) * ramp(-ratio.cube, -RATIO_ROUGH, -RATIO_SMOOTH);
   if (smooth_share < 1.0)
     TRY(find_octaves(region, scanner, ratio.cube, &scan, &deblur, lower, &octaves));
-  octaves += smooth_share * (OCTAVES_SMOOTH - octaves);
-  scanner->smooth_walls = fmax(octaves / OCTAVES_SMOOTH, 0.0);
-  scanner->fine_relief = fmax(octaves / OCTAVES_FINEST, 0.0);
+  octaves += smooth_share * (log2(COST_SMOOTH) - octaves);
+  scanner->smooth_walls = fmax(octaves / log2(COST_SMOOTH), 0.0);
+  scanner->fine_relief = fmax(octaves / log2(COST_FINE), 0.0);
 cleanup:
   memory_free(&lower);
   deblur_end(&deblur);

@@ -7,14 +7,9 @@
 
 #include "common/memory.h"
 #include "ct2model/calibrate/calibrate.h"
+#include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/edge_response.h"
 #include "ct2model/scanner/gaussian.h"
-
-/* Largest size of a window, in voxels along x and y and in slices. */
-enum { SIDE = 96, DEPTH = 40 };
-/* Fraction of the voxels at the outermost grey above which the scan is clipped there; fewer belong
- * to a few mineral grains. */
-static const double CLIPPED_FRACTION = 1e-3;
 
 size_t window_voxels(const struct window *window) {
   return window->size[0] * window->size[1] * window->size[2];
@@ -97,14 +92,14 @@ enum status windows_read(const struct region *region, const struct grey_phases *
   /* At most so many windows that their volume is twice that of the region. */
   double times = 1.0;
   for (int d = 0; d < 3; d++)
-    times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? SIDE : DEPTH));
+    times *= fmax(1.0, (double)region->size[d] / (double)(d < 2 ? WINDOW_SIDE : WINDOW_DEPTH));
   const size_t wanted = times > 1.0 ? (size_t)fmin(fmax(ceil(2.0 * times), 3.0), WINDOWS) : 1;
   for (size_t i = 0; i < wanted; i++) {
     struct window *window = &all->window[all->count];
     const size_t last = wanted - 1, spread = i * (WINDOWS - 1) / (last > 0 ? last : 1);
     const size_t place[3] = {3 * spread % WINDOWS + spread / 2 % 2, 5 * spread % WINDOWS, spread};
     for (int d = 0; d < 3; d++) {
-      const size_t most = d < 2 ? SIDE : DEPTH, whole = region->size[d];
+      const size_t most = d < 2 ? WINDOW_SIDE : WINDOW_DEPTH, whole = region->size[d];
       window->size[d] = whole < most ? whole : most;
       window->first[d] = wanted > 1 ? (whole - window->size[d]) * place[d] / (WINDOWS - 1) : 0;
       if (window->first[d] + window->size[d] > whole) window->first[d] = whole - window->size[d];
@@ -133,7 +128,7 @@ void windows_rescale(struct windows *all, double pore, double grain) {
 static double choose_smoothing(double noise_ratio) {
   static const double SMOOTHING[] = {1.0, 1.4, 2.0};
   for (size_t i = 0; i + 1 < sizeof SMOOTHING / sizeof *SMOOTHING; i++)
-    if (pow(0.49 / (0.49 + SMOOTHING[i] * SMOOTHING[i]), 0.75) / noise_ratio < 0.1)
+    if (pow(0.49 / (0.49 + SMOOTHING[i] * SMOOTHING[i]), 0.75) / noise_ratio < SMOOTHED_NOISE)
       return SMOOTHING[i];
   return 2.0;
 }
@@ -255,7 +250,8 @@ enum status windows_simulate(const struct windows *scan, double blur, double fri
       w->smooth[v] = fminf(fmaxf(0.5F - distance[v], 0.0F), 1.0F);
     gaussian_filter(w->smooth, w->size, sigma, w->work, w->smooth);
     laplacian_subtract(w->smooth, w->size, weight, w->grey);
-    add_noise(w, scan->stretch, noise, length, i * (uint64_t)SIDE * SIDE * DEPTH);
+    add_noise(w, scan->stretch, noise, length,
+              i * (uint64_t)WINDOW_SIDE * WINDOW_SIDE * WINDOW_DEPTH);
   }
 cleanup:
   return status;

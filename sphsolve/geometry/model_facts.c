@@ -83,8 +83,10 @@ static struct scan_quality read_scan(struct h5_file *file) {
                               .resolution = h5_attribute_or_nan(file, "/scanner", "resolution"),
                               .noise_power =
                                   pow(fmax(0.0, correlation_length), 3.0) / (ratio * ratio),
-                              .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0,
-                              .averaged = h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0};
+                              .removed = h5_attribute_or_nan(file, "/scanner", "removed") == 1.0};
+  /* Models made before November 2026 may come from means of voxels, which keep the blur's effect.
+   */
+  if (h5_attribute_or_nan(file, "/scanner", "averaged") > 1.0) scan.removed = false;
   scan.known = scan.blur > 0.0 && scan.blur_error > 0.0 && scan.resolution > 0.0 && ratio > 0.0;
   if (!scan.known) assume_blur(file, &scan);
   scan.shape = shape_uncertainty(file);

@@ -23,7 +23,6 @@ struct scan_quality {
                               measured; or where the scan shows another one than was measured */
   bool assumed;            /* none of these could be estimated: a blur of 1.2 voxels is assumed */
   bool removed;            /* the blur was removed from the model's surface */
-  bool averaged;           /* and the surface came from averages over several voxels */
 };
 /* Period, in standard deviations, at which the transfer function of a Gaussian is 10 %: 2 pi /
  * sqrt(2 ln 10). */

@@ -13,23 +13,22 @@ double scan_shape_error(const struct scan_quality *scan, double width) {
 
 /* Error due to blur. For labels, the voxel steps and their smoothing widen pores by about twice the
  * change, plus a position error of the wall. If the blur was not removed, the error is about the
- * change itself, and likewise for a scan too large to remove the blur from every voxel. If it was
- * removed, the noise, narrow pores and the uncertainty of the blur (its variance twice, for 95 %)
- * leave a fraction of the change, and walls are rough by a length that follows from the noise
- * power. */
+ * change itself. If it was removed, the noise, narrow pores and the uncertainty of the blur (its
+ * variance twice, for 95 %) leave a fraction of the change, and walls are rough by a length that
+ * follows from the noise power. */
 static double error_of_blur(const struct scan_quality *scan, double change, double width) {
   if (scan->labels)
     return hypot(SCAN_LABELS_ERROR * (1.0 + SCAN_ERROR_GROWTH * fabs(change)) * fabs(change),
                  SCAN_LABELS_POSITION * scan_deviation(scan) / width);
   const double blur = 4.0 * scan->blur_error / scan->blur;
-  const bool sharp = scan->removed && !scan->averaged;
   const double rough =
       SCAN_ROUGHNESS + (SCAN_ROUGHNESS_SMOOTH - SCAN_ROUGHNESS) * scan->smooth_walls;
   const double noise = SCAN_BLUR_NOISE * sqrt(scan->noise_power / pow(scan->blur, 3.0));
   const double unresolved = SCAN_BLUR_UNRESOLVED * pow(scan->blur / width, 2.0);
   const double left =
       hypot(hypot(noise, blur), hypot(unresolved, SCAN_BLUR_REMOVED * scan->smooth_walls));
-  const double share = sharp ? left * (1.0 + SCAN_ERROR_GROWTH * fabs(change)) : SCAN_BLUR_KEPT;
+  const double share =
+      scan->removed ? left * (1.0 + SCAN_ERROR_GROWTH * fabs(change)) : SCAN_BLUR_KEPT;
   return hypot(hypot(SCAN_VOXEL_ERROR, scan_shape_error(scan, width)),
                hypot(share * change, rough * cbrt(scan->noise_power) / width));
 }

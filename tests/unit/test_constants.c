@@ -39,8 +39,17 @@ static void check_table(const struct constant *table) {
   }
 }
 
+#define CONSTANT CONSTANT_ROW
+#define WHOLE CONSTANT_ROW
+static const struct constant scanner_constants[] = {
+#include "ct2model/scanner/constants.def"
+    {0}};
+#undef CONSTANT
+#undef WHOLE
+
 static void test_origins(void **state) {
   (void)state;
+  check_table(scanner_constants);
   check_table(common_constants);
   check_table(plan_constants);
   check_table(ct2model_constants);

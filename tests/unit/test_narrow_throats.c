@@ -17,15 +17,18 @@ enum { SIDE = 48, EDGE = 24 };
 static void test_measure(void **state) {
   (void)state;
   static uint8_t levels[SIDE * SIDE * SIDE];
-  const struct coarse scan = {.step = 1, .size = {SIDE, SIDE, SIDE}, .levels = levels};
-  const double voxel[3] = {VOXEL, VOXEL, VOXEL};
+  const struct region region = {.size = {SIDE, SIDE, SIDE}, .voxel = {VOXEL, VOXEL, VOXEL}};
+  const struct restore restore = {
+      .region = &region,
+      .count = {1, 1, 1},
+      .levels = {.step = 1, .size = {SIDE, SIDE, SIDE}, .levels = levels}};
   for (size_t i = 0; i < sizeof levels; i++) {
     const double x = remainder((double)(i % SIDE) - 11.8, EDGE);
     const double y = remainder((double)(i / SIDE % SIDE) - 12.1, EDGE);
     const double z = remainder((double)(i / SIDE / SIDE) - 11.9, EDGE);
     levels[i] = hypot(x, hypot(y, z)) < RADIUS ? 255 : 0;
   }
-  const struct narrow_throats found = narrow_throats_measure(&scan, voxel, 127.5);
+  const struct narrow_throats found = narrow_throats_measure(&restore, 127.5);
   const double surface = 4.0 * M_PI * RADIUS * RADIUS, cell = EDGE * EDGE * EDGE;
   const double pore = 4.0 * (cell - surface * RADIUS / 3.0) / surface * VOXEL;
   print_message("grains %g of %g m, pores %g of %g m\n", found.grain_diameter, 2.0 * RADIUS * VOXEL,
@@ -37,10 +40,12 @@ static void test_measure(void **state) {
 static void test_nothing(void **state) {
   (void)state;
   uint8_t levels[8] = {0};
-  const struct coarse scan = {.step = 1, .size = {2, 2, 2}, .levels = levels};
-  const double voxel[3] = {VOXEL, VOXEL, VOXEL};
+  const struct region region = {.size = {2, 2, 2}, .voxel = {VOXEL, VOXEL, VOXEL}};
+  const struct restore restore = {.region = &region,
+                                  .count = {1, 1, 1},
+                                  .levels = {.step = 1, .size = {2, 2, 2}, .levels = levels}};
   const struct scanner scanner = {.blur = 3.0 * VOXEL, .contrast_to_noise = 20.0};
-  const struct narrow_throats none = narrow_throats_measure(&scan, voxel, 127.5);
+  const struct narrow_throats none = narrow_throats_measure(&restore, 127.5);
   assert_true(isnan(none.pore_width) && isnan(none.grain_diameter));
   assert_true(narrow_throats_pore_excess(&none, &scanner, 100.0) == 0.0);
   assert_true(narrow_throats_two_phases(&none, &scanner) == 0.0);
