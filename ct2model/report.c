@@ -174,7 +174,7 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   return object;
 }
 
-static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
+json_t *report_json(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
   json_put_number(root, "void_ratio_measured", pipeline->request->void_ratio);
@@ -467,7 +467,7 @@ enum status report_print(const struct pipeline *pipeline, const struct options *
     if (log_level() > LOG_QUIET) print_text(pipeline);
     return STATUS_OK;
   }
-  json_t *object = json_of_all(pipeline, options);
+  json_t *object = report_json(pipeline, options);
   if (*first == NULL) {
     *first = object;
     return STATUS_OK;

@@ -355,19 +355,3 @@ assert 1 <= open_part.count('class="plot"') <= 6 and "Head" in open_part, open_p
 assert re.search("<summary>[0-9]+ more: [^<]*particles", fold), fold[:300]
 END
 }
-
-# Chromium has no window under 500 pixels: each page is held to 390, and its widest element is measured.
-narrow() {
-  for page in "$@"; do
-    sed 's#</head>#<style>html { width: 390px; }</style></head>#;s#</body>#<script>setTimeout(() => {\
-      const inside = e => e \&\& (["auto", "scroll", "hidden"].includes(getComputedStyle(e).overflowX) || inside(e.parentElement));\
-      const wide = [...document.body.querySelectorAll("*")].filter(e => (!inside(e.parentElement) || e.closest(".tensor")) \&\&\
-        e.getBoundingClientRect().right > 391).map(e => e.tagName + "." + e.className);\
-      document.title = "wide:" + wide.join(",") + ";"; }, 3000)</script></body>#' $page.html > narrow.html
-    timeout 120 chromium --headless --no-sandbox --disable-quic --no-first-run --disable-background-networking \
-      --disable-component-update --disable-sync --user-data-dir="$PWD/profile" --use-angle=swiftshader --window-size=500,900 \
-      --enable-unsafe-swiftshader --virtual-time-budget=20000 --dump-dom "file://$PWD/narrow.html" > dom.html 2> /dev/null
-    grep -o "<title>[^<]*" dom.html
-    grep -q "<title>wide:;" dom.html || { echo "$page"; false; }
-  done
-}
