@@ -22,8 +22,8 @@
     if (!(total > 0) || !(result.k_m_per_s > 0)) return;
     const t = add(parent, 'table', {class: 'budget'}), body = add(t, 'tbody');
     add(t, 'caption', {}, 'What the error of k is made of');
-    Object.entries(PARTS).forEach(([key, name]) => {
-      if (!(parts[key] > 0)) return;
+    parts.shown.forEach(key => {
+      const name = PARTS[key] || key.replace(/_/g, ' ');
       const expected = key === 'resolution' && parts.resolution_from === 'expectation' ? ' (expected)' : '';
       const row = add(body, 'tr', {}, add(null, 'th', {scope: 'row'}, name + expected), add(null, 'td', {class: 'number'}, percent(parts[key])));
       add(add(row, 'td', {class: 'share'}), 'i').style.width = Math.min(100, 100 * parts[key] / total) + '%';
@@ -63,6 +63,16 @@
       note(parent, `Of ${first.name} alone; give ${data.runs.slice(1).map(r => r.name).join(', ')} pages of their own.`);
   }
 
+  /* Of a solute: how many times as fast it spreads as by diffusion alone, at the i-th Peclet number. */
+  const solutes = data.dispersion ? data.dispersion.runs || [data.dispersion] : [];
+  const times = (d, key, i) => quantity(d[key][i], (d[key + '_error'] || [])[i] * d[key][i] || 0, '').trim() + ' D';
+
+  function answerOfSolute() {
+    const d = solutes[0], last = d.peclet.length - 1;
+    by('answer').append(`Dispersion ${times(d, 'longitudinal', last)}`);
+    add(by('answer'), 'span', {class: 'interval'}, ` along the flow, ${times(d, 'transverse', last)} across it, at Pe ${short(d.peclet[last])}; D is the diffusion of the solute`);
+  }
+
   function answerOfK() {
     const k = 100 * result.k_m_per_s, unknown = (result.error_budget || {}).sides_unknown;
     const lines = [];
@@ -70,8 +80,10 @@
     if (known(result.k_low_image_m_per_s) && known(result.k_high_image_m_per_s))
       lines.push(['of this image', interval(k, mean(result.k_low_image_m_per_s), mean(result.k_high_image_m_per_s), 'cm/s')]);
     lines.push([lines.length > 0 ? 'of the material' : '', interval(k, mean(result.k_low_m_per_s), mean(result.k_high_m_per_s), 'cm/s')]);
+    if (lines.length > 1 && lines[0][1][1] === lines[1][1][1]) lines.splice(0, 2, ['of this image and of the material', lines[0][1]]);
     lines.forEach(([of, [value, range]], i) => {
-      const line = by(i === 0 ? 'answer' : 'second');
+      const line = by(i === 0 && solutes.length === 0 ? 'answer' : 'second');
+      if (line.childNodes.length > 0) line.append('; ');
       line.append(...(i === 0 ? [add(null, 'var', {}, 'k'), ' = ' + value] : []));
       const text = [of, range, unknown && i === lines.length - 1 ? 'sides not counted' : ''].filter(t => t).join(': ').replace(': sides', ', sides');
       if (text) add(line, 'span', {class: 'interval'}, (i === 0 ? ', ' : '') + text);
@@ -117,8 +129,8 @@
       const [, kind, of] = /^(head|level|flux|force)_(.+)$/.exec(name) || [], values = c.last.filter(known);
       if (kind && values.length > 0) rows.push([`${names[kind]} ${of} at the end`, values.map(v => number(v)).join(', ') + ' ' + written(c.unit)]);
     });
-    (data.dispersion ? data.dispersion.runs || [data.dispersion] : []).forEach(d => rows.push(
-      ['Solute: D along the flow over D of the solute', zip(d.peclet, d.longitudinal).slice(0, 8).map(([p, v]) => `${short(v)} at Pe ${short(p)}`).join(', ')]));
+    solutes.forEach(d => d.peclet.slice(0, 8).forEach((p, i) => rows.push(
+      [`Dispersion at Pe ${short(p)}`, `${times(d, 'longitudinal', i)} along the flow, ${times(d, 'transverse', i)} across it`])));
     table(parent, rows, rows.length > 0 ? 'What was asked' : undefined);
   }
 
@@ -253,14 +265,17 @@
           {dygraph: {includeZero: true, dateWindow: [-0.05 * x[0], 1.08 * x[0]]}});
   }
 
-  /* How much k of a window of a size differs from the next, by its void ratio alone. */
+  /* k of cubes cut from the sample, by their void ratio alone: ln k is taken as linear in it. */
   function sampleSize() {
-    const q = model && model.quality, slope = result && Math.abs(result.dlnk_dvoid_ratio);
-    if (!q || !q.window || !known(slope)) return;
-    const points = q.window.map((w, i) => [1e3 * w, q.windows[i] > 1 ? 100 * slope * q.void_ratio_deviation[i] : null]).filter(p => p[1] > 0);
-    chart(by('spacings'), 'k against the size of the sample', 'Side of a cube cut from the sample (mm)', 'Spread of k by its void ratio (%)',
-          [{name: 'standard deviation from one cube to the next', points: points, dots: true, joined: true}],
-          {logx: true, dygraph: {logscale: true, valueRange: [Math.min(5, 0.7 * Math.min(...points.map(p => p[1]))), null]}, lines: [{y: 10, name: '10 %'}]});
+    const q = model && model.quality, slope = result && Math.abs(result.dlnk_dvoid_ratio), k = 100 * (result && result.k_m_per_s), m = of('model');
+    if (!q || !q.window || !known(slope) || !(k > 0)) return;
+    const sides = q.window.map((w, i) => [1e3 * w, 1.96 * slope * q.void_ratio_deviation[i], q.windows[i]]).filter(r => r[2] > 1 && r[1] > 0 && r[1] < 2.5);
+    if (sides.length < 2) return;
+    chart(by('spacings'), 'k against the size of the sample', 'Side of a cube cut from the sample (mm)', 'k (cm/s)',
+          [{name: '95 % of the cubes, by their void ratio', dots: true, points: sides.map(r => [r[0], k]),
+            low: sides.map(r => k * Math.exp(-r[1])), high: sides.map(r => k * Math.exp(r[1]))}],
+          {logx: true, dygraph: {logscale: true, valueRange: [0.8 * k * Math.exp(-sides[0][1]), 1.25 * k * Math.exp(sides[0][1])]},
+           lines: [{y: k, name: 'k of the whole sample'}]});
   }
 
   /* ---- analyses ---- */
@@ -331,7 +346,9 @@
         if (all.length > 0)
           list.push([title, `${title} (${unit})`, group.lines, low > 0 && Math.max(...all) > 1e3 * low ? {logscale: true} : {}, group.asked]);
       });
-      const wanted = list.filter(t => t[4]), shown = wanted.length > 0 ? wanted : list.slice(0, 2);
+      /* Of water without soil: where it is, and how fast. */
+      const free = result ? [] : list.filter(t => /^(Front|Velocity rms)/.test(t[0]));
+      const wanted = list.filter(t => t[4]), shown = wanted.length > 0 ? wanted : free.length > 0 ? free : list.slice(0, 2);
       const hidden = list.filter(t => !shown.includes(t) && t[2].some(s => s.points.length > 0));
       const all = (place, some) => some.forEach(([title, label, lines, options]) => chart(place, title, time, label, lines, {dygraph: options}));
       all(parent, shown);
@@ -397,7 +414,7 @@
 
   function specimen() {
     const state = data.model.state;
-    by('specimen-note').append({none: 'The scene has no scanned model; its domain and regions stand in the scene file below.', found: '',
+    by('specimen-note').append({none: '', found: '',
                                 changed: `The model file ${run.model_path} is not the one that was run: it was changed or replaced since.`,
                                 missing: `The model file ${run.model_path} could not be read when this page was made.`}[state]);
     if (!model) return;
@@ -520,6 +537,7 @@
   }
 
   header();
+  if (solutes.length > 0) answerOfSolute();
   if (result) answerOfK();
   else answerOfHeadline();
   asked(by('asked'));
