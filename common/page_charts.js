@@ -77,7 +77,7 @@ const tosui = (function () {
 
   /* ---- building blocks ---- */
   function table(parent, rows, caption, head) {
-    rows = rows.filter(r => r && r[1] !== '' && r[1] !== undefined && r[1] !== null);
+    rows = rows.filter(r => r && r[1] !== '' && r[1] !== undefined && r[1] !== null && r[1] !== false);
     if (rows.length === 0) return null;
     const t = add(parent, 'table', {class: 'facts'});
     if (caption) add(t, 'caption', {}, caption);

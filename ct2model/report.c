@@ -282,7 +282,7 @@ static void print_widths(const struct morphology *m) {
     if (m->thickness_histogram[b] >= 0.005)
       printf("%d-%d: %.0f %%, ", b, b + 1, 100.0 * m->thickness_histogram[b]);
   }
-  printf("share of the pores by the ball, in voxels, that fits there\n");
+  printf("of the pore volume, by the largest ball that fits there, in voxels\n");
 }
 
 /* Prints the pore widths in voxels, and the resolution that would be sufficient: the error of a
@@ -395,7 +395,7 @@ static void print_labels(const struct labels *labels) {
   printf(
       "walls             labels smoothed over %.2g to %.2g voxels at the same pore volume: k %+.2g "
       "%%, by "
-      "Kozeny and Carman, beside walls halfway between voxels\n",
+      "Kozeny and Carman, against walls halfway between voxels\n",
       LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
   const double unsure = labels_void_ratio_error(labels);
   if (unsure > 0.0)

@@ -246,7 +246,7 @@
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
     });
-    note(by('frames'), wet ? 'Saturation: the share of the pores that is full of water.' :
+    note(by('frames'), wet ? 'Saturation: the fraction of the pore volume that is full of water.' :
       `Pressure of the water${soil ? '; hatched: water in soil, sand-coloured: soil without water' : ''}, grey: walls.`);
   }
 
@@ -401,7 +401,7 @@
   function soil() {
     const m = first.micro, a = m && m.attributes;
     if (!m) return;
-    by('soil-text').append(`${percent(a.sites)} of the sites are soil of porosity ${number(a.porosity, 2)} and permeability ` +
+    by('soil-text').append(`${percent(a.sites)} of the lattice points are soil of porosity ${number(a.porosity, 2)} and permeability ` +
       `${number(a.permeability)} m² (geometric mean). ${percent(a.flux_share)} of the flux goes through it, and its drag takes ` +
       `${percent(a.dlnk_dlnk_micro)} of the power that drives the flow: 10 % more permeability of the soil is ` +
       `${number(10 * a.dlnk_dlnk_micro, 2)} % more k.`);
@@ -409,7 +409,7 @@
     const against = (title, label, name, values) => chart(by('soil-chart'), title, 'Permeability of the soil (m²)', label,
       [{name: name, points: zip(m.factor.map(f => f * a.permeability), values.map(v => 100 * v))}], {logx: true, dygraph: {includeZero: true}});
     against('k by the permeability of the soil', 'k (cm/s)', 'k', m.k);
-    against('Flux through soil', 'Share of the flux (%)', 'flux through soil', m.flux_share);
+    against('Flux through soil', 'Fraction of the flux (%)', 'flux through soil', m.flux_share);
   }
 
   function specimen() {
@@ -446,7 +446,7 @@
     const widths = model.quality && model.quality.local_thickness, voxel = m.spacing && 1e6 * m.spacing[2];
     if (widths) {
       const last = widths.reduce((n, w, i) => (w > 0 ? i : n), 0);
-      chart(by('sizes'), 'Pore widths', 'Width of the pore (µm)', 'Share of the pores (%)',
+      chart(by('sizes'), 'Pore widths', 'Width of the pore (µm)', 'Volume of the pores (%)',
             [{name: 'by the largest ball that fits there', bars: true, points: widths.slice(0, last + 1).map((w, i) => [(i + 0.5) * voxel, 100 * w])}],
             {dygraph: {includeZero: true, dateWindow: [0, (last + 1) * voxel]}});
     }

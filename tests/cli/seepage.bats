@@ -120,10 +120,10 @@ END
   [[ "$output" == *"no site holds water"* ]]
   run sphsolve explain "$TANK" --set 'domain.spacing="1e-20 m"'
   [ "$status" -eq 3 ]
-  [[ "$output" == *"makes too many sites; \""*" m\" makes a million"* ]]
-  local fits=${output##*sites; \"}
+  [[ "$output" == *"makes too many points; \""*" m\" makes a million"* ]]
+  local fits=${output##*points; \"}
   run sphsolve explain "$TANK" --set "domain.spacing=\"${fits%%\"*}\""
-  [[ "$output" != *"too many sites"* ]]
+  [[ "$output" != *"too many points"* ]]
 }
 
 @test "water pressed beyond its density is said, once" {
