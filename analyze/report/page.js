@@ -246,6 +246,7 @@
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
     });
+    if (f.times_s.length < 3) note(by('frames'), 'The run stored few times: output.interval in its scene sets how often.');
     note(by('frames'), wet ? 'Saturation: the fraction of the pore volume that is full of water.' :
       `Pressure of the water${soil ? '; hatched: water in soil, sand-coloured: soil without water' : ''}, grey: walls.`);
   }
@@ -272,10 +273,10 @@
     const sides = q.window.map((w, i) => [1e3 * w, 1.96 * slope * q.void_ratio_deviation[i], q.windows[i]]).filter(r => r[2] > 1 && r[1] > 0 && r[1] < 2.5);
     if (sides.length < 2) return;
     chart(by('spacings'), 'k against the size of the sample', 'Side of a cube cut from the sample (mm)', 'k (cm/s)',
-          [{name: '95 % of the cubes, by their void ratio', dots: true, points: sides.map(r => [r[0], k]),
+          [{name: 'k of the sample, and the range of 95 % of the cubes, by their void ratio', dots: true, points: sides.map(r => [r[0], k]),
             low: sides.map(r => k * Math.exp(-r[1])), high: sides.map(r => k * Math.exp(r[1]))}],
           {logx: true, dygraph: {logscale: true, valueRange: [0.8 * k * Math.exp(-sides[0][1]), 1.25 * k * Math.exp(sides[0][1])]},
-           lines: [{y: k, name: 'k of the whole sample'}]});
+           lines: [{y: k, name: ''}]});
   }
 
   /* ---- analyses ---- */
