@@ -144,7 +144,7 @@ endef
 $(foreach a,$(sort $(ASSETS_analyze) $(ASSETS_ct2model)),$(eval $(call asset_rule,$(a))))
 PAGES = $(addprefix $(BUILD)/obj/,analyze/report/page.c.o ct2model/survey_page.c.o)
 $(word 1,$(PAGES)): $(foreach a,$(ASSETS_analyze),$(BUILD)/assets/$(notdir $(a)))
-$(word 2,$(PAGES)): $(foreach a,$(ASSETS_ct2model),$(BUILD)/assets/$(notdir $(a)))
+$(word 2,$(PAGES)) $(BUILD)/fuzz/obj/ct2model/survey_page.o: $(foreach a,$(ASSETS_ct2model),$(BUILD)/assets/$(notdir $(a)))
 # ccache does not see what the assembler includes.
 $(PAGES): export CCACHE_DISABLE = 1
 
