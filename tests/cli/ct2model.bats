@@ -40,7 +40,7 @@ bats_require_minimum_version 1.5.0
 @test "help of the program and of each command shows a working example" {
   run_ct --help
   [ "$status" -eq 0 ]
-  for command in sweep build info export; do
+  for command in survey sweep build info export; do
     run_ct $command --help
     [ "$status" -eq 0 ]
     [[ "$output" == *"Example:"*"ct2model $command"* ]]
