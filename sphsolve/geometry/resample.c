@@ -284,8 +284,8 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
     if (status == STATUS_OK && leads && !still)
       status =
           scene_error(scene, AT_LATTICE,
-                      "sites %.4g um apart close every way through the model, which its voxels "
-                      "of %.4g um leave open: k would be 0; finer sites are needed",
+                      "points %.4g um apart close every way through the model, which its voxels "
+                      "of %.4g um leave open: k would be 0; finer points are needed",
                       1e6 * scene->lattice_spacing, 1e6 * lattice->spacing[0]);
     if (status != STATUS_OK) {
       lattice_free(&wanted);
