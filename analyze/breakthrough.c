@@ -195,7 +195,8 @@ static void write_summary(const struct curves *list, size_t n, FILE *stream) {
         fprintf(stream, "  %9s  not all have passed\n", "");
     }
   }
-  fputs("  first, last: when a fraction of 0.0025 and of 0.9975 has passed, over the time of the fit\n\n",
+  fputs("  first, last: when a fraction of 0.0025 and of 0.9975 has passed, over the time of the "
+        "fit\n\n",
         stream);
 }
 

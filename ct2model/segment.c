@@ -54,10 +54,11 @@ enum status segment_take(struct pipeline *pipeline) {
                   "ratio: check --micro against the histogram (ct2model sweep)",
                   pipeline->micro.shift, pipeline->micro.low, pipeline->micro.high);
     if (pipeline->labels.noisy > NOISY_MOST)
-      log_warning("noise puts %.0f %% of the voxels into another phase than those about them have; "
-                  "what of it is taken out makes the volumes of pore, soil and grain unsure: take noise "
-                  "out of the slices first",
-                  100.0 * pipeline->labels.noisy);
+      log_warning(
+          "noise puts %.0f %% of the voxels into another phase than those about them have; "
+          "what of it is taken out makes the volumes of pore, soil and grain unsure: take noise "
+          "out of the slices first",
+          100.0 * pipeline->labels.noisy);
   } else if (request->labels.given || (plain && pipeline->distances))
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));

@@ -69,11 +69,11 @@ static enum status add_slices(const struct pipeline *pipeline, json_t *pictures)
     json_array_append_new(greys, encode_part(pipeline, slice, from, size, 1, part));
   }
   if (every > 1)
-    json_object_set_new(pictures, "whole",
-                        json_pack("{s:[I,I],s:I,s:o}", "size", (json_int_t)whole[0],
-                                  (json_int_t)whole[1], "every", (json_int_t)every, "grey",
-                                  encode_part(pipeline, pipeline->middle, corner, whole, every,
-                                              part)));
+    json_object_set_new(
+        pictures, "whole",
+        json_pack("{s:[I,I],s:I,s:o}", "size", (json_int_t)whole[0], (json_int_t)whole[1], "every",
+                  (json_int_t)every, "grey",
+                  encode_part(pipeline, pipeline->middle, corner, whole, every, part)));
 cleanup:
   memory_free(&slice);
   memory_free(&part);
@@ -88,9 +88,8 @@ static void add_labels(const struct pipeline *pipeline, json_t *data) {
     const double grey = histogram->low + histogram->width * ((double)i + 0.5);
     if (histogram->counts[i] > 0)
       json_array_append_new(
-          labels,
-          json_pack("{s:f,s:f}", "label", pipeline_grey(pipeline, grey), "fraction",
-                    (double)histogram->counts[i] / (double)histogram->total));
+          labels, json_pack("{s:f,s:f}", "label", pipeline_grey(pipeline, grey), "fraction",
+                            (double)histogram->counts[i] / (double)histogram->total));
   }
   if (json_array_size(labels) <= LABELS)
     json_object_set_new(data, "labels", labels);
