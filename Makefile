@@ -132,16 +132,21 @@ compile_commands.json: Makefile $(BUILD)/config.mk ## how each file is compiled,
 	$(file >$@,[)$(foreach s,$(COMPILED),$(file >>$@,$(call compile_entry,$(s),$(if $(filter $(s),$(PAIR_LOOPS)),$(PAIR_SOURCE),$(s)))$(if $(filter $(s),$(lastword $(COMPILED))),,$(comma))))$(file >>$@,])
 	$(call say,WROTE,$@)
 
-# ---- what the report's page is made of: its style and script, and Debian's libraries, empty where absent ----
+# ---- what pages are made of: their styles and scripts, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
-ASSETS = $(addprefix analyze/report/page,.html .css .js _pictures.js) $(JAVASCRIPT)/dygraphs/dygraph.min.js $(JAVASCRIPT)/dygraphs/dygraph.min.css \
-  $(JAVASCRIPT)/three/three.min.js $(JAVASCRIPT)/three/examples/js/controls/OrbitControls.js
+PAGE = $(addprefix common/page,.css _charts.js _maps.js _scan.js) $(addprefix $(JAVASCRIPT)/dygraphs/dygraph.min,.js .css)
+ASSETS_analyze = $(PAGE) $(addprefix analyze/report/page,.html .js _solid.js) $(addprefix $(JAVASCRIPT)/three/,three.min.js examples/js/controls/OrbitControls.js)
+ASSETS_ct2model = $(PAGE) $(addprefix ct2model/survey_page.,html js)
 define asset_rule
 $(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))
 	$$(Q)mkdir -p $$(@D) && { cat $$^ /dev/null; } > $$@
-$(BUILD)/obj/analyze/report/page_assets.c.o: $(BUILD)/assets/$(notdir $(1))
 endef
-$(foreach a,$(ASSETS),$(eval $(call asset_rule,$(a))))
+$(foreach a,$(sort $(ASSETS_analyze) $(ASSETS_ct2model)),$(eval $(call asset_rule,$(a))))
+PAGES = $(addprefix $(BUILD)/obj/,analyze/report/page.c.o ct2model/survey_page.c.o)
+$(word 1,$(PAGES)): $(foreach a,$(ASSETS_analyze),$(BUILD)/assets/$(notdir $(a)))
+$(word 2,$(PAGES)) $(BUILD)/fuzz/obj/ct2model/survey_page.o: $(foreach a,$(ASSETS_ct2model),$(BUILD)/assets/$(notdir $(a)))
+# ccache does not see what the assembler includes.
+$(PAGES): export CCACHE_DISABLE = 1
 
 # ---- MPI=1: sphsolve once more, from the same source, beside the other; the pair loops know of no ranks ----
 mpi_object = $(patsubst %,$(BUILD)/obj-mpi/%.o,$(1))

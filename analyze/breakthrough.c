@@ -195,7 +195,8 @@ static void write_summary(const struct curves *list, size_t n, FILE *stream) {
         fprintf(stream, "  %9s  not all have passed\n", "");
     }
   }
-  fputs("  first, last: when a share of 0.0025 and of 0.9975 passed, over the time of the fit\n\n",
+  fputs("  first, last: when a fraction of 0.0025 and of 0.9975 has passed, over the time of the "
+        "fit\n\n",
         stream);
 }
 
@@ -259,7 +260,7 @@ static void write_plot(const struct curves *list, size_t n, FILE *stream) {
     }
   fprintf(stream,
           "set multiplot layout 2,1 margins 0.16,0.97,%.3f,0.985 spacing 0,0.11\n"
-          "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'share that has passed'\n"
+          "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'fraction that has passed'\n"
           "set logscale x\nset yrange [0:1]\n"
           "set key at screen 0.5,0.01 center bottom vertical maxcols 1 samplen 1\n",
           0.12 + 0.027 * (double)rows);

@@ -160,7 +160,7 @@ static void fit_json(const struct run *run, const struct darcy_fit *fit, json_t 
 }
 
 static const char superficial[] =
-    "superficial (Darcy) velocity = sum of the fluid's velocity over all sites / number of sites "
+    "superficial (Darcy) velocity = sum of the fluid's velocity over all points / number of points "
     "of the bulk, grains included";
 
 static void write_json(const struct darcy_table *table, json_t *json) {

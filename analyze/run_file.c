@@ -85,7 +85,7 @@ static enum status read_attributes(struct h5_file *file, struct run *run) {
     TRY(need_positive(run, "spacing", run->spacing[d]));
     TRY(need_positive(run, "size", size[d]));
     if (size[d] > 1e6 || size[d] != floor(size[d]))
-      TRY_FAIL(STATUS_INPUT, "%s: size of /run is no lattice (%g sites along an axis)", run->path,
+      TRY_FAIL(STATUS_INPUT, "%s: size of /run is no lattice (%g points along an axis)", run->path,
                size[d]);
     run->size[d] = (size_t)size[d];
     if (!isfinite(run->origin[d])) run->origin[d] = 0.0;

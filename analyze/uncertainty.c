@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "analyze/product.h"
+#include "common/constants.h"
 #include "common/hdf5_file.h"
 #include "common/log.h"
 #include "common/model_file.h"
@@ -37,11 +38,21 @@ double uncertainty_total(const struct uncertainty *u) {
   return isfinite(total) ? total : 0.0;
 }
 
+/* Whether a part is seen in the total; the others are left out where people read. */
+static bool is_shown(const struct uncertainty *u, double part) {
+  return fabs(part) >= PART_LEAST * uncertainty_total(u) && part != 0;
+}
+
 void uncertainty_json(const struct uncertainty *u, json_t *object) {
   json_t *parts = json_object();
   for (int i = 0; i < UNCERTAINTY_SHARES; i++)
     json_put_number(parts, uncertainty_part_names[i], u->parts.value[i]);
   json_put_number(parts, "total", uncertainty_total(u));
+  json_t *shown = json_array();
+  for (int i = 0; i < UNCERTAINTY_SHARES; i++)
+    if (is_shown(u, u->parts.value[i]))
+      json_array_append_new(shown, json_string(uncertainty_part_names[i]));
+  json_object_set_new(parts, "shown", shown);
   json_object_set_new(parts, "scan_unknown", json_boolean(u->scanned && isnan(u->scan)));
   json_object_set_new(parts, "sides_unknown", json_boolean(u->sides_unknown > 0));
   json_put_number(parts, "blur_assumed_m", u->blur_assumed);
@@ -65,6 +76,10 @@ static void write_part(FILE *stream, const char *what, double share) {
   write_percent(stream, share);
 }
 
+static void write_shown(const struct uncertainty *u, FILE *stream, const char *what, double part) {
+  if (is_shown(u, part)) write_part(stream, what, part);
+}
+
 void uncertainty_write(const struct uncertainty *u, FILE *stream) {
   fputs("  error of k: ", stream);
   if (isfinite(u->resolution))
@@ -72,15 +87,15 @@ void uncertainty_write(const struct uncertainty *u, FILE *stream) {
                u->resolution);
   else
     fputs("resolution unknown, not counted", stream);
-  write_part(stream, isfinite(u->blur_assumed) ? ", scan (blur assumed) " : ", scan ", u->scan);
+  write_shown(u, stream, isfinite(u->blur_assumed) ? ", scan (blur assumed) " : ", scan ", u->scan);
   if (u->scanned && isnan(u->scan)) fputs(", scan unknown, not counted", stream);
-  write_part(stream, ", sides ", u->sides);
+  write_shown(u, stream, ", sides ", u->sides);
   if (u->sides_unknown > 0) fputs(", sides unknown, not counted", stream);
-  write_part(stream, ", averaging ", u->averaging);
-  write_part(stream, ", steadiness ", u->steadiness);
-  write_part(stream, ", void ratio ", u->void_ratio);
-  write_part(stream, ", threshold ", u->threshold);
-  write_part(stream, ", soil below the voxel ", u->micro);
+  write_shown(u, stream, ", averaging ", u->averaging);
+  write_shown(u, stream, ", steadiness ", u->steadiness);
+  write_shown(u, stream, ", void ratio ", u->void_ratio);
+  write_shown(u, stream, ", threshold ", u->threshold);
+  write_shown(u, stream, ", soil below the voxel ", u->micro);
   write_part(stream, "; together ", uncertainty_total(u));
   if (isfinite(u->void_ratio) && isnan(u->threshold))
     write_part(

@@ -19,6 +19,7 @@
 #include "ct2model/pipeline.h"
 #include "ct2model/report.h"
 #include "ct2model/request.h"
+#include "ct2model/survey_page.h"
 #include "ct2model/calibrate/sweep_table.h"
 
 /* Turns the request into that of a coarser level of `finest` and names its file. */
@@ -48,6 +49,8 @@ static enum status run_level(const struct options *options, const struct request
   TRY(pipeline_run(request, paths, options_operand_count(options), build, finer, pipeline));
   if (build)
     TRY(model_output_write(pipeline, options));
+  else if (request->survey)
+    TRY(survey_page_write(pipeline, options));
   else if (request->output != NULL)
     TRY(sweep_table_write(&pipeline->table, request->output));
   TRY(report_print(pipeline, options, key, json));

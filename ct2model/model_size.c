@@ -53,7 +53,7 @@ static enum status check_interpolation(const size_t in[3], const double voxel[3]
   }
   if (most > EDGE_RATIO_WARNED * least)
     log_warning("the scan's voxels are %.3g times as long as wide: what lies between is drawn from "
-                "neighbours, and k may be too low, by as much as its share scan of the error says",
+                "neighbours, and k may be too low, by as much as the part scan of its error says",
                 most / least);
   return STATUS_OK;
 }

@@ -392,7 +392,8 @@ enum status pipeline_run(const struct request *request, const char *const *paths
   /* A sweep alone need not hold a huge scan in memory. */
   const size_t *out = pipeline->size;
   const bool labels = pipeline->labels.on;
-  pipeline->resampled = distances || (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8;
+  pipeline->resampled =
+      distances || (!request->survey && (double)out[0] * (double)out[1] * (double)out[2] < 1.5e8);
   pipeline->restoring = distances && !labels && can_restore(pipeline);
   if (distances && !labels && !pipeline->restoring)
     TRY(coarse_start(&pipeline->region, out, &pipeline->survey, &pipeline->coarse));

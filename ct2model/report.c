@@ -174,7 +174,7 @@ static json_t *json_of_scanner(const struct scanner *scanner, bool unsized) {
   return object;
 }
 
-static json_t *json_of_all(const struct pipeline *pipeline, const struct options *options) {
+json_t *report_json(const struct pipeline *pipeline, const struct options *options) {
   json_t *root = json_object();
   bool build = strcmp(options_command(options), "build") == 0;
   json_put_number(root, "void_ratio_measured", pipeline->request->void_ratio);
@@ -282,7 +282,7 @@ static void print_widths(const struct morphology *m) {
     if (m->thickness_histogram[b] >= 0.005)
       printf("%d-%d: %.0f %%, ", b, b + 1, 100.0 * m->thickness_histogram[b]);
   }
-  printf("share of the pores by the ball, in voxels, that fits there\n");
+  printf("of the pore volume, by the largest ball that fits there, in voxels\n");
 }
 
 /* Prints the pore widths in voxels, and the resolution that would be sufficient: the error of a
@@ -395,7 +395,7 @@ static void print_labels(const struct labels *labels) {
   printf(
       "walls             labels smoothed over %.2g to %.2g voxels at the same pore volume: k %+.2g "
       "%%, by "
-      "Kozeny and Carman, beside walls halfway between voxels\n",
+      "Kozeny and Carman, against walls halfway between voxels\n",
       LABEL_SMOOTHING, LABEL_SMOOTHING_WIDE, 100.0 * labels_effect_on_k(labels));
   const double unsure = labels_void_ratio_error(labels);
   if (unsure > 0.0)
@@ -467,7 +467,7 @@ enum status report_print(const struct pipeline *pipeline, const struct options *
     if (log_level() > LOG_QUIET) print_text(pipeline);
     return STATUS_OK;
   }
-  json_t *object = json_of_all(pipeline, options);
+  json_t *object = report_json(pipeline, options);
   if (*first == NULL) {
     *first = object;
     return STATUS_OK;

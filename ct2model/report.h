@@ -8,6 +8,8 @@
 #include "common/options.h"
 #include "ct2model/state.h"
 
+/* The results as a new object, as --json prints them. */
+json_t *report_json(const struct pipeline *pipeline, const struct options *options);
 /* Prints the results to stdout, with --json as one object, which contains the table of a sweep. The
  * object of a coarser model is added to the array `key` ("coarser") of *first, that of the finest
  * model, which the caller prints with report_end. */

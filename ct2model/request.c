@@ -7,9 +7,13 @@
 
 #include "common/output_guard.h"
 
-enum { SWEEP = 1u << 0, BUILD = 1u << 1, INFO = 1u << 2, EXPORT = 1u << 3 };
+/* By their places in COMMANDS. */
+enum { SURVEY = 1u << 0, SWEEP = 1u << 1, BUILD = 1u << 2, INFO = 1u << 3, EXPORT = 1u << 4 };
 
 static const struct option_command COMMANDS[] = {
+    {"survey", "SLICES... [--void-ratio E] [options] -o page.html",
+     "a page to look at before a model is made: slices, histogram, void ratio by the threshold",
+     "ct2model survey slices/ --void-ratio 0.725 --voxel-size 5.83um -o page.html", 1, -1},
     {"sweep", "SLICES... --void-ratio E [options] [-o sweep.csv]",
      "grey threshold versus void ratio",
      "ct2model sweep slices/ --void-ratio 0.725 --voxel-size 5.83um --size 60x60x31 -o sweep.csv",
@@ -29,20 +33,20 @@ static const struct option_command COMMANDS[] = {
 };
 
 static const struct option_entry ENTRIES[] = {
-    {"void-ratio", 'e', "E", SWEEP | BUILD,
+    {"void-ratio", 'e', "E", SURVEY | SWEEP | BUILD,
      "measured void ratio, pore volume / grain volume; 0.725 or 0.725+-0.005; several, 0.7,0.75: a "
      "threshold, or a model (model-e0.75.hdf), for each"},
-    {"output", 'o', "FILE", SWEEP | BUILD | EXPORT,
-     "where the model (build), the table (sweep) or the stack (export) goes"},
-    {"voxel-size", 0, "Q", SWEEP | BUILD | INFO,
+    {"output", 'o', "FILE", SURVEY | SWEEP | BUILD | EXPORT,
+     "where the page (survey), the table (sweep), the model (build) or the stack (export) goes"},
+    {"voxel-size", 0, "Q", SURVEY | SWEEP | BUILD | INFO,
      "edge of a voxel, e.g. 5.83um, or of x, y and z: 5um,5um,10um (needed unless the file says "
      "it)"},
-    {"raw", 0, "NXxNYxNZ:TYPE[:BYTES]", SWEEP | BUILD | INFO,
+    {"raw", 0, "NXxNYxNZ:TYPE[:BYTES]", SURVEY | SWEEP | BUILD | INFO,
      "headerless pixels: u8 i8 u16le u16be i16le i16be u32le u32be i32le i32be f32le f32be f64le "
      "f64be; BYTES: length of what each file begins with and no reader knows"},
-    {"crop", 0, "auto|BOX", SWEEP | BUILD,
+    {"crop", 0, "auto|BOX", SURVEY | SWEEP | BUILD,
      "X0,Y0,Z0,NX,NY,NZ: use these voxels only; auto: the largest box in the specimen"},
-    {"roi", 0, "SHAPE", SWEEP | BUILD,
+    {"roi", 0, "SHAPE", SURVEY | SWEEP | BUILD,
      "where the void ratio was measured: box:X0,Y0,Z0,NX,NY,NZ, cylinder:CX,CY,R or mask:PATH"},
     {"size", 0, "NXxNYxNZ", SWEEP | BUILD, "voxels after resampling, before mirroring"},
     {"levels", 0, "N", BUILD,
@@ -59,7 +63,7 @@ static const struct option_entry ENTRIES[] = {
      "repeats itself, and k has no error by its sides)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,
      "axis of the scan that becomes the model's z (default z): x gives y,z,x, y gives z,x,y"},
-    {"threshold", 0, "auto|otsu|VALUE", SWEEP | BUILD,
+    {"threshold", 0, "auto|otsu|VALUE", SURVEY | SWEEP | BUILD,
      "auto (match the void ratio, default), otsu, or a grey value"},
     {"segmented", 0, "[0|1|LABEL=pore|grain|soil(N,K),...]", SWEEP | BUILD,
      "an image of labels: which is pore (the rest grain), or what each is; found out where it "
@@ -70,18 +74,18 @@ static const struct option_entry ENTRIES[] = {
      "pore, soil and grain; porosity N linear between the peaks of pore and grain, or as given"},
     {"micro-permeability", 0, "Q", BUILD,
      "of that soil: a permeability, as 1e-15m^2, or its grain size, as 2um (Kozeny, Carman)"},
-    {"grain", 0, "bright|dark", SWEEP | BUILD, "which greys are grain (default bright)"},
-    {"denoise", 0, "none|median|nlm", SWEEP | BUILD,
+    {"grain", 0, "bright|dark", SURVEY | SWEEP | BUILD, "which greys are grain (default bright)"},
+    {"denoise", 0, "none|median|nlm", SURVEY | SWEEP | BUILD,
      "filter each slice by itself (in 2-D) first: none (default), median (5x5), nlm (non-local "
      "means)"},
     {"blur", 0, "remove|keep", BUILD,
      "what the scanner did to the surface: remove (default, where it can be measured) or keep"},
-    {"correct", 0, "beam|rings|beam,rings", SWEEP | BUILD,
+    {"correct", 0, "beam|rings|beam,rings", SURVEY | SWEEP | BUILD,
      "level what the radius does to the greys: beam (hardening), rings, or beam,rings"},
-    {"axis", 0, "X,Y", SWEEP | BUILD, "pixel about which rings lie (default the middle)"},
+    {"axis", 0, "X,Y", SURVEY | SWEEP | BUILD, "pixel about which rings lie (default the middle)"},
     {"islands", 0, "keep|fill", SWEEP | BUILD,
      "pores that are not on the flow path: keep (default) or fill with grain"},
-    {"scale-peak", 0, "VALUE", SWEEP | BUILD,
+    {"scale-peak", 0, "VALUE", SURVEY | SWEEP | BUILD,
      "report greys scaled so that the grain peak is VALUE"},
     {0},
 };
@@ -278,19 +282,25 @@ static enum status parse_correct(const struct options *options, struct request *
   return FAIL(STATUS_USAGE, "--correct %s: beam, rings or beam,rings is wanted", text);
 }
 
-/* Names the output: of a build a model, of a sweep a table. */
+/* Names the output: of a survey a page, of a sweep a table, of a build a model. */
 static enum status name_output(const struct options *options, struct request *request) {
+  static const char *const PAGE[] = {".html", ".htm", NULL};
   static const char *const MODEL[] = {".hdf", ".h5", ".hdf5", NULL};
   static const char *const TABLE[] = {".csv", ".txt", ".tsv", ".dat", NULL};
-  const bool build = strcmp(options_command(options), "build") == 0;
+  const bool build = strcmp(options_command(options), "build") == 0, survey = request->survey;
   const char *given = options_text(options, "output");
   if (given == NULL || given[0] == '\0') {
     request->output = given;
     return STATUS_OK;
   }
   request->output = request->named;
-  return output_name(given, build ? MODEL : TABLE,
-                     build ? "a model is an HDF5 file" : "the curve is a table of text",
+  return output_name(given,
+                     survey  ? PAGE
+                     : build ? MODEL
+                             : TABLE,
+                     survey  ? "a page is HTML (a browser prints it to PDF)"
+                     : build ? "a model is an HDF5 file"
+                             : "the curve is a table of text",
                      request->named, sizeof request->named);
 }
 
@@ -313,6 +323,16 @@ cleanup:
   return status;
 }
 
+/* A survey has one void ratio, or none yet: then it begins at Otsu's threshold. */
+static enum status check_survey(struct request *request) {
+  if (request->output == NULL) return FAIL(STATUS_USAGE, "survey: -o page.html is missing");
+  if (request->void_ratio_count > 1)
+    return FAIL(STATUS_USAGE, "survey: one --void-ratio is possible; sweep takes several");
+  if (request->void_ratio_count == 0 && request->rule == THRESHOLD_AUTO)
+    request->rule = THRESHOLD_OTSU;
+  return STATUS_OK;
+}
+
 enum status request_parse(const struct options *options, struct request *request) {
   enum status status = STATUS_OK;
   bool build = strcmp(options_command(options), "build") == 0;
@@ -323,6 +343,7 @@ enum status request_parse(const struct options *options, struct request *request
   TRY(parse_voxel_size(options, request));
   if (info) goto cleanup;
   const char *crop = options_text(options, "crop");
+  request->survey = strcmp(options_command(options), "survey") == 0;
   request->crop_auto = crop != NULL && strcmp(crop, "auto") == 0;
   request->crop_given = crop != NULL && !request->crop_auto;
   request->size_given = options_given(options, "size");
@@ -357,6 +378,7 @@ enum status request_parse(const struct options *options, struct request *request
                "one of them out",
                OF_GREYS[i]);
   if (build && request->output == NULL) TRY_FAIL(STATUS_USAGE, "build: -o model.hdf is missing");
+  if (request->survey) TRY(check_survey(request));
 cleanup:
   return status;
 }

@@ -26,6 +26,7 @@ struct request {
   struct raw_layout raw;
   double voxel[3];         /* m; x, y, z of the scan; NAN: as in the files */
   bool has_slice_distance; /* the distance of slices was given besides the size of pixels */
+  bool survey;             /* the greys alone, no model */
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
   enum sides sides;
   bool sides_stated; /* the user says that the image is periodic */

@@ -51,13 +51,14 @@ enum status segment_take(struct pipeline *pipeline) {
     if (fabs(pipeline->micro.shift) >
         MICRO_SHIFT_MOST * (pipeline->micro.high - pipeline->micro.low))
       log_warning("the greys of soil had to be moved by %+.3g, to %.4g..%.4g, to meet the void "
-                  "ratio: check --micro beside the histogram (ct2model sweep)",
+                  "ratio: check --micro against the histogram (ct2model sweep)",
                   pipeline->micro.shift, pipeline->micro.low, pipeline->micro.high);
     if (pipeline->labels.noisy > NOISY_MOST)
-      log_warning("noise puts %.0f %% of the voxels into another phase than those about them have; "
-                  "what of it is taken out makes shares of pore, soil and grain unsure: take noise "
-                  "out of the slices first",
-                  100.0 * pipeline->labels.noisy);
+      log_warning(
+          "noise puts %.0f %% of the voxels into another phase than those about them have; "
+          "what of it is taken out makes the volumes of pore, soil and grain unsure: take noise "
+          "out of the slices first",
+          100.0 * pipeline->labels.noisy);
   } else if (request->labels.given || (plain && pipeline->distances))
     TRY(labels_take(&pipeline->region, &request->labels, request->dark_grains, reflect,
                     &pipeline->labels));

@@ -5,8 +5,6 @@
 
 #include "analyze/lattice_note.h"
 #include "analyze/plot.h"
-#include "analyze/report/page_assets.h"
-#include "analyze/report/page_encode.h"
 #include "analyze/report/page_internal.h"
 #include "analyze/report/page_methods.h"
 #include "analyze/report/page_record.h"
@@ -14,9 +12,22 @@
 #include "common/json_number.h"
 #include "common/log.h"
 #include "common/memory.h"
-#include "common/output_file.h"
-#include "common/output_guard.h"
+#include "common/page_encode.h"
 #include "common/provenance.h"
+
+#define ASSETS                                                                                     \
+  ASSET(page, "page.html")                                                                         \
+  ASSET(style, "page.css")                                                                         \
+  ASSET(charts, "page_charts.js")                                                                  \
+  ASSET(maps, "page_maps.js")                                                                      \
+  ASSET(scan, "page_scan.js")                                                                      \
+  ASSET(solid, "page_solid.js")                                                                    \
+  ASSET(script, "page.js")                                                                         \
+  ASSET(dygraph, "dygraph.min.js")                                                                 \
+  ASSET(dygraph_style, "dygraph.min.css")                                                          \
+  ASSET(three, "three.min.js")                                                                     \
+  ASSET(orbit, "OrbitControls.js")
+#include "common/page_assets.h"
 
 /* What a run, a model or a solute states about itself. */
 static enum status add_file(const char *name, const char *path, const char *const *groups,
@@ -131,63 +142,20 @@ cleanup:
   return status;
 }
 
-/* The next "@{" from `at`, or NULL. */
-static const char *find_mark(const char *at, const char *end) {
-  while ((at = memchr(at, '@', (size_t)(end - at))) != NULL && at + 1 < end && at[1] != '{') at++;
-  return at != NULL && at + 1 < end ? at : NULL;
-}
-
-/* Copies the template, with what @{NAME} stands for: the data, or a file. The library of three
- * dimensions is left out of a page that has none. */
-static enum status expand(struct page *page, const char *data, FILE *out) {
-  const struct asset html = asset_get("page.html", 9);
-  const char *end = html.data + html.size;
+/* The library of three dimensions is left out of a page that has none. */
+static enum status write_page(const struct page *page, const char *path) {
+  struct asset assets[] = {ASSETS};
   const bool solid = json_object_get(json_object_get(page->data, "pictures"), "flow") != NULL;
-  for (const char *at = html.data; at < end;) {
-    const char *mark = find_mark(at, end);
-    const char *close = mark != NULL ? memchr(mark, '}', (size_t)(end - mark)) : NULL;
-    if (close == NULL) {
-      fwrite(at, 1, (size_t)(end - at), out);
-      break;
-    }
-    const char *name = mark + 2;
-    const size_t length = (size_t)(close - name);
-    const struct asset asset = asset_get(name, length);
-    fwrite(at, 1, (size_t)(mark - at), out);
-    if (strncmp(name, "data}", 5) == 0)
-      encode_json(out, data);
-    else if (strncmp(name, "mark}", 5) == 0)
-      fputs(TOSUI_MARK, out);
-    else if (asset.name == NULL)
-      return FAIL(STATUS_RUN, "the page names a file %.*s that the program lacks", (int)length,
-                  name);
-    else if (strstr(asset.name, ".css") != NULL)
-      fwrite(asset.data, 1, asset.size, out);
-    else if (solid || (strcmp(asset.name, "three.min.js") != 0 &&
-                       strcmp(asset.name, "OrbitControls.js") != 0))
-      encode_script(out, asset.data, asset.size);
-    at = close + 1;
+  size_t missing = 0;
+  for (size_t i = 0; i < sizeof assets / sizeof *assets; i++) {
+    const bool three = strcmp(assets[i].name, "three.min.js") == 0;
+    missing += assets[i].size == 0;
+    if (!solid && (three || strcmp(assets[i].name, "OrbitControls.js") == 0)) assets[i].size = 0;
   }
-  return STATUS_OK;
-}
-
-static enum status write_page(struct page *page, const char *path) {
-  enum status status = STATUS_OK;
-  char *data = json_dumps(page->data, JSON_COMPACT | JSON_REAL_PRECISION(12)), *text = NULL;
-  size_t size = 0;
-  FILE *out = open_memstream(&text, &size);
-  if (data == NULL || out == NULL) TRY_FAIL(STATUS_RUN, "out of memory for the report");
-  TRY(expand(page, data, out));
-  bool bad = ferror(out) != 0;
-  bad |= fclose(out) != 0;
-  out = NULL;
-  if (bad) TRY_FAIL(STATUS_RUN, "out of memory for the report");
-  TRY(output_write(path, text, size));
-cleanup:
-  if (out != NULL) fclose(out);
-  free(text);
-  free(data);
-  return status;
+  if (missing > 0)
+    log_warning("this program was built without libjs-dygraphs or libjs-three: the report has no "
+                "curves or no view in three dimensions; install both and build again");
+  return page_write(path, assets, sizeof assets / sizeof *assets, page->data);
 }
 
 /* Reads the model once for the whole page; if that fails the page omits what needs it. */
@@ -206,18 +174,15 @@ static void read_voxels(struct page *page) {
   }
 }
 
-enum status page_write(const struct run *runs, size_t n, const char *const *solutes,
-                       size_t solute_count, const char *path, const char *command_line,
-                       json_t **json) {
+enum status report_write(const struct run *runs, size_t n, const char *const *solutes,
+                         size_t solute_count, const char *path, const char *command_line,
+                         json_t **json) {
   enum status status = STATUS_OK;
   struct page page = {.subject = {.solutes = solutes, .solute_count = solute_count},
                       .command_line = command_line};
   struct run *ordered = NULL;
   page.data = json_object();
   if (page.data == NULL) TRY_FAIL(STATUS_RUN, "out of memory for the report");
-  if (asset_get("dygraph.min.js", 14).size == 0 || asset_get("three.min.js", 12).size == 0)
-    log_warning("this program was built without libjs-dygraphs or libjs-three: the report has no "
-                "curves or no view in three dimensions; install both and build again");
   TRY(memory_allocate(&ordered, n, sizeof *ordered, "runs"));
   TRY(page_order(runs, n, ordered, &page.subject));
   read_voxels(&page);

@@ -1,217 +1,11 @@
-/* Fills page.html from the JSON in it: text, tables, curves (dygraphs) and pictures (page_pictures.js). Nothing of a file
- * becomes markup: all of it is set as text. */
+/* Fills page.html from the JSON in it, with the parts of page_charts.js, page_maps.js and page_solid.js. */
 (function () {
   'use strict';
-  const data = JSON.parse(document.getElementById('data').textContent);
-  const by = id => document.getElementById(id);
-  const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-  /* Okabe, Ito (2008); on dark paper the light ones first. */
-  const colour = i => css('--c' + i % 7);
-  /* What is drawn when all has its place, and anew when paper or width change. */
-  const painters = [];
-  let placed = false;
-  const draw = f => {
-    painters.push(f);
-    if (placed) f();
-  };
-  const add = (parent, tag, attributes, ...content) => {
-    const e = document.createElement(tag);
-    Object.entries(attributes || {}).forEach(([name, value]) => e.setAttribute(name, value));
-    e.append(...content.filter(c => c !== undefined && c !== null));
-    if (parent) parent.append(e);
-    return e;
-  };
-  const known = v => typeof v === 'number' && Number.isFinite(v);
-
-  /* ---- numbers: three digits, units that people use ---- */
-  const exponent = n => String(n).replace('-', '\u2212').replace(/\d/g, d => '⁰¹²³⁴⁵⁶⁷⁸⁹'[d]).replace('\u2212', '⁻');
-  const power = v => (v === 0 ? 0 : Math.floor(Math.log10(Math.abs(v)) + 1e-12));
-  const plain = p => p >= -3 && p < 6;
-  const number = (v, digits = 3) => {
-    if (!known(v)) return '';
-    const p = power(Number(v.toPrecision(digits)));
-    if (plain(p)) return v.toFixed(Math.min(Math.max(digits - 1 - p, 0), 12)).replace(/^-(0(\.0+)?)$/, '$1');
-    return number(v / Math.pow(10, p), digits) + ' × 10' + exponent(p);
-  };
-  const short = v => {
-    if (!known(v)) return '';
-    const n = Number(v.toPrecision(4)), p = power(n);
-    return plain(p) ? String(n) : n.toExponential().replace('e+', 'e');
-  };
-  const percent = share => number(100 * share, Math.abs(share) < 0.1 ? 2 : 3).replace(/(\.\d*?)0+$/, '$1').replace(/\.$/, '') + ' %';
-  /* Values with one power of ten and the decimals that the second digit of an error needs, four digits at most. */
-  function scaled(values, error) {
-    const p = power(Math.max(...values.map(Math.abs)));
-    const scale = plain(p) ? 1 : Math.pow(10, p);
-    const first = plain(p) ? p : 0, decimals = Math.max(error > 0 ? Math.min(1 - power(error / scale), 3 - first) : 2 - first, 0);
-    const round = v => (first > 3 && !(error > 0) ? Number(v.toPrecision(4)) : v / scale).toFixed(decimals);
-    return {texts: values.map(round), ten: plain(p) ? '' : ' × 10' + exponent(p), decimals: decimals, scale: scale};
-  }
-  /* "0.154 ± 0.002 cm/s" */
-  function quantity(value, error, unit) {
-    if (!known(value)) return '';
-    if (!(error > 1e-6 * Math.abs(value))) return number(value) + ' ' + unit;
-    const s = scaled([value], error), half = (error / s.scale).toFixed(s.decimals);
-    if (!(half > 0)) return s.texts[0] + s.ten + ' ' + unit;
-    return s.ten ? `(${s.texts[0]} ± ${half})${s.ten} ${unit}` : `${s.texts[0]} ± ${half} ${unit}`;
-  }
-  /* ["0.0301 cm/s", "0.027 to 0.033 (95 %)"] */
-  function interval(value, low, high, unit) {
-    if (value === 0 && !(high > low)) return ['0 ' + unit, ''];
-    const open = !(known(low) && known(high) && high > low), s = scaled(open ? [value] : [value, low, high], open ? 0 : (high - low) / 2);
-    return [s.texts[0] + s.ten + ' ' + unit, open ? '' : `${s.texts[1]} to ${s.texts[2]}${s.ten} (95 %)`];
-  }
-  function size(metres, digits = 3) {
-    const [scale, unit] = Math.abs(metres) < 0.9995e-3 ? [1e6, 'µm'] : Math.abs(metres) < 0.9995 ? [1e3, 'mm'] : [1, 'm'];
-    return number(scale * metres, digits) + ' ' + unit;
-  }
-  function duration(seconds) {
-    const [scale, unit] = seconds >= 172800 ? [86400, 'd'] : seconds >= 7200 ? [3600, 'h'] : seconds >= 120 ? [60, 'min'] :
-      seconds >= 0.1 || seconds === 0 ? [1, 's'] : [1e-3, 'ms'];
-    return Number((seconds / scale).toPrecision(3)) + ' ' + unit;
-  }
-  const unitOf = (high, units) => units.find(([factor]) => factor * high >= 0.1 && factor * high < 1000) || units[units.length - 1];
-  const speedUnit = high => unitOf(high, [[1, 'm/s'], [100, 'cm/s'], [1e3, 'mm/s'], [1e6, 'µm/s'], [1e9, 'nm/s']]);
-  const pressureUnit = high => unitOf(high, [[1e-3, 'kPa'], [1, 'Pa'], [1e3, 'mPa'], [1e6, 'µPa']]);
-
-  /* ---- building blocks ---- */
-  function table(parent, rows, caption, head) {
-    rows = rows.filter(r => r && r[1] !== '' && r[1] !== undefined && r[1] !== null);
-    if (rows.length === 0) return null;
-    const t = add(parent, 'table', {class: 'facts'});
-    if (caption) add(t, 'caption', {}, caption);
-    if (head) add(add(t, 'thead'), 'tr', {}, ...head.map(h => add(null, 'th', {}, h)));
-    const body = add(t, 'tbody');
-    rows.forEach(r => add(body, 'tr', {}, add(null, 'th', {scope: 'row'}, r[0]), ...r.slice(1).map(c => add(null, 'td', {}, c))));
-    return t;
-  }
-  const note = (parent, text) => text && add(parent, 'p', {class: 'note'}, text);
-  const save = (name, href) => add(null, 'a', {download: name, href: href}).click();
-  function tools(parent, ...buttons) {
-    const box = add(parent, 'div', {class: 'tools'});
-    buttons.forEach(([text, action]) => add(box, 'button', {type: 'button'}, text).addEventListener('click', action));
-    return box;
-  }
-
-  /* A chart. series: {name, points: [[x, y], ...] (y null: a gap), dots, bars, step, dash, colour, low, high (with points)};
-   * options: those of dygraphs, and lines: [{x or y, name, colour}]. */
-  function chart(parent, title, xlabel, ylabel, series, options = {}) {
-    series = series.filter(s => s && s.points.some(p => known(p[1])));
-    if (series.length === 0 || !parent) return;
-    const box = add(parent, 'div', {class: 'chart'});
-    add(box, 'h3', {}, title);
-    const plot = add(box, 'div', {class: 'plot', role: 'img', 'aria-label': `${title}: ${ylabel} against ${xlabel}`});
-    const legend = add(box, 'div', {class: 'legend'}), lines = options.lines || [], names = new Set(['x']);
-    series.forEach(s => {
-      while (names.has(s.name)) s.name += '\u2032';
-      names.add(s.name);
-    });
-    const rows = [];
-    series.flatMap((s, i) => s.points.map(p => [p[0], i, p[1]])).sort((a, b) => a[0] - b[0]).forEach(([x, i, y]) => {
-      let row = rows[rows.length - 1];
-      if (!row || row[0] !== x || row[i + 1] !== null) rows.push(row = [x, ...series.map(() => null)]);
-      row[i + 1] = y === null ? NaN : y;
-    });
-    const shade = (s, i) => (s.colour === undefined ? colour(i) : typeof s.colour === 'number' ? colour(s.colour) : css(s.colour));
-    const show = (x, row) => {
-      legend.textContent = x === undefined ? '' : xlabel.replace(/ \(.*/, '') + ' ' + short(x) + '  ';
-      series.forEach((s, i) => {
-        const item = add(legend, 'span', {class: 'item'}), mark = add(item, 'i', {class: s.dots ? 'dots' : ''});
-        mark.style[s.dots ? 'background' : 'borderTopColor'] = shade(s, i);
-        if (s.dash) mark.style.borderTopStyle = 'dashed';
-        item.append(s.name + (row && known(row[i + 1]) ? ': ' + short(row[i + 1]) : ''));
-      });
-    };
-    const under = (context, area, g) => {
-      context.save();
-      context.font = '12px system-ui, sans-serif';
-      const across = x => area.x + area.w * g.toPercentXCoord(x); /* of a logarithmic axis, too */
-      lines.forEach((line, n) => {
-        context.strokeStyle = context.fillStyle = css(line.colour || '--soft');
-        context.setLineDash([6, 4]);
-        context.beginPath();
-        if (known(line.x)) {
-          const x = across(line.x), right = n > 0 && x < area.x + 0.6 * area.w;
-          context.moveTo(x, area.y);
-          context.lineTo(x, area.y + area.h);
-          context.textAlign = right ? 'left' : 'right';
-          context.fillText(line.name, x + (right ? 4 : -4), area.y + 12 + 14 * (n % 4));
-        } else {
-          const y = g.toDomYCoord(line.y);
-          context.moveTo(area.x, y);
-          context.lineTo(area.x + area.w, y);
-          context.textAlign = 'right';
-          context.fillText(line.name, area.x + area.w - 4, y - 4);
-        }
-        context.stroke();
-      });
-      context.setLineDash([]);
-      series.forEach((s, i) => s.low && s.points.forEach((p, k) => { /* intervals */
-        if (!known(s.low[k]) || !known(s.high[k])) return;
-        const x = across(p[0]), [a, b] = [s.low[k], s.high[k]].map(y => g.toDomYCoord(y));
-        context.strokeStyle = shade(s, i);
-        context.lineWidth = 2;
-        context.beginPath();
-        context.moveTo(x, a);
-        context.lineTo(x, b);
-        [a, b].forEach(y => {
-          context.moveTo(x - 4, y);
-          context.lineTo(x + 4, y);
-        });
-        context.stroke();
-      }));
-      context.restore();
-    };
-    const barPlotter = e => {
-      const c = e.drawingContext, base = e.dygraph.toDomYCoord(0);
-      const wide = 0.8 * Math.min(40, e.points.length > 1 ? e.points[1].canvasx - e.points[0].canvasx : 40);
-      c.fillStyle = e.color;
-      e.points.forEach(p => c.fillRect(p.canvasx - wide / 2, p.canvasy, wide, base - p.canvasy));
-    };
-    if (!window.Dygraph) return void note(plot, 'No curve: the program was built without dygraphs.');
-    let graph = null;
-    const axis = {axisLabelFormatter: v => short(v)};
-    draw(() => {
-      const per = {};
-      series.forEach((s, i) => {
-        per[s.name] = {color: shade(s, i), strokeWidth: s.dots && !s.joined ? 0 : 2, drawPoints: !!s.dots, pointSize: s.dots ? 4 : 1,
-                       highlightCircleSize: s.dots ? 6 : 3,
-                       stepPlot: !!s.step, strokePattern: s.dash || null, ...(s.bars ? {plotter: barPlotter} : {})};
-      });
-      /* Only a canvas that has been on the screen gets to paper. */
-      const all = rows.map(r => r[0]), padded = options.logx ? {xRangePad: 0, dateWindow: [0.85 * Math.min(...all), Math.max(...all) / 0.85]} : {};
-      const look = {series: per, gridLineColor: css('--line'), axisLineColor: css('--soft')};
-      if (graph) {
-        graph.updateOptions(look);
-        graph.resize();
-      } else {
-        graph = new Dygraph(plot, rows, {
-          labels: ['x', ...series.map(s => s.name)], connectSeparatedPoints: true, xlabel: xlabel, ylabel: ylabel, legend: 'never',
-          axisLabelWidth: 62, xRangePad: 8, yRangePad: 12, labelsKMB: false, axes: {y: axis, x: {...axis, ...(options.logx ? {logscale: true} : {})}},
-          underlayCallback: under, highlightCallback: (event, x, selected, index) => show(x, rows[index]), unhighlightCallback: () => show(),
-          ...padded, ...look, ...options.dygraph});
-      }
-      show();
-    });
-    tools(box, ['Whole range', () => graph.resetZoom()], ['Save CSV', () => {
-      const quote = t => '"' + t.replace(/"/g, '""') + '"';
-      const text = [[xlabel, ...series.map(s => s.name + ', ' + ylabel)].map(quote).join(','),
-                    ...rows.map(r => r.map(v => (known(v) ? v : '')).join(','))].join('\n') + '\n';
-      save(title + '.csv', 'data:text/csv;charset=utf-8,' + encodeURIComponent(text));
-    }]);
-  }
-  function map(parent, title, caption, m) {
-    const figure = add(parent, 'figure', {class: 'map'}), canvas = add(figure, 'canvas', {role: 'img', 'aria-label': title});
-    draw(() => pictures.map(canvas, m));
-    if (caption) add(figure, 'figcaption', {}, caption);
-    tools(figure, ['Save PNG', () => save(title + '.png', canvas.toDataURL('image/png'))]);
-    return figure;
-  }
+  const {data, by, add, known, number, short, percent, quantity, interval, size, duration, speedUnit, pressureUnit, table, note, tools,
+         save, chart, map, zip, span, draw, again, start} = tosui;
 
   /* A unit as a file has it. */
   const written = unit => (!unit || unit === '1' ? '-' : unit.replace('^2', '²').replace('^3', '³'));
-  const zip = (x, y) => x.map((v, i) => [v, y[i]]);
-  const span = (f, low, high, n) => Array.from({length: n + 1}, (_, i) => low + (high - low) * i / n).map(x => [x, f(x)]);
   /* A density as steps: its last edge closes it; empty bins are gaps on a logarithmic axis. */
   const steps = (pdf, scale, offset, log) => {
     const points = pdf.density.map((d, i) => [pdf.bin_edges[i] * scale - offset, log && d <= 0 ? null : d / scale]);
@@ -228,8 +22,8 @@
     if (!(total > 0) || !(result.k_m_per_s > 0)) return;
     const t = add(parent, 'table', {class: 'budget'}), body = add(t, 'tbody');
     add(t, 'caption', {}, 'What the error of k is made of');
-    Object.entries(PARTS).forEach(([key, name]) => {
-      if (!(parts[key] > 0)) return;
+    parts.shown.forEach(key => {
+      const name = PARTS[key] || key.replace(/_/g, ' ');
       const expected = key === 'resolution' && parts.resolution_from === 'expectation' ? ' (expected)' : '';
       const row = add(body, 'tr', {}, add(null, 'th', {scope: 'row'}, name + expected), add(null, 'td', {class: 'number'}, percent(parts[key])));
       add(add(row, 'td', {class: 'share'}), 'i').style.width = Math.min(100, 100 * parts[key] / total) + '%';
@@ -269,6 +63,16 @@
       note(parent, `Of ${first.name} alone; give ${data.runs.slice(1).map(r => r.name).join(', ')} pages of their own.`);
   }
 
+  /* Of a solute: how many times as fast it spreads as by diffusion alone, at the i-th Peclet number. */
+  const solutes = data.dispersion ? data.dispersion.runs || [data.dispersion] : [];
+  const times = (d, key, i) => quantity(d[key][i], (d[key + '_error'] || [])[i] * d[key][i] || 0, '').trim() + ' D';
+
+  function answerOfSolute() {
+    const d = solutes[0], last = d.peclet.length - 1;
+    by('answer').append(`Dispersion ${times(d, 'longitudinal', last)}`);
+    add(by('answer'), 'span', {class: 'interval'}, ` along the flow, ${times(d, 'transverse', last)} across it, at Pe ${short(d.peclet[last])}; D is the diffusion of the solute`);
+  }
+
   function answerOfK() {
     const k = 100 * result.k_m_per_s, unknown = (result.error_budget || {}).sides_unknown;
     const lines = [];
@@ -276,8 +80,10 @@
     if (known(result.k_low_image_m_per_s) && known(result.k_high_image_m_per_s))
       lines.push(['of this image', interval(k, mean(result.k_low_image_m_per_s), mean(result.k_high_image_m_per_s), 'cm/s')]);
     lines.push([lines.length > 0 ? 'of the material' : '', interval(k, mean(result.k_low_m_per_s), mean(result.k_high_m_per_s), 'cm/s')]);
+    if (lines.length > 1 && lines[0][1][1] === lines[1][1][1]) lines.splice(0, 2, ['of this image and of the material', lines[0][1]]);
     lines.forEach(([of, [value, range]], i) => {
-      const line = by(i === 0 ? 'answer' : 'second');
+      const line = by(i === 0 && solutes.length === 0 ? 'answer' : 'second');
+      if (line.childNodes.length > 0) line.append('; ');
       line.append(...(i === 0 ? [add(null, 'var', {}, 'k'), ' = ' + value] : []));
       const text = [of, range, unknown && i === lines.length - 1 ? 'sides not counted' : ''].filter(t => t).join(': ').replace(': sides', ', sides');
       if (text) add(line, 'span', {class: 'interval'}, (i === 0 ? ', ' : '') + text);
@@ -323,71 +129,36 @@
       const [, kind, of] = /^(head|level|flux|force)_(.+)$/.exec(name) || [], values = c.last.filter(known);
       if (kind && values.length > 0) rows.push([`${names[kind]} ${of} at the end`, values.map(v => number(v)).join(', ') + ' ' + written(c.unit)]);
     });
-    (data.dispersion ? data.dispersion.runs || [data.dispersion] : []).forEach(d => rows.push(
-      ['Solute: D along the flow over D of the solute', zip(d.peclet, d.longitudinal).slice(0, 8).map(([p, v]) => `${short(v)} at Pe ${short(p)}`).join(', ')]));
+    solutes.forEach(d => d.peclet.slice(0, 8).forEach((p, i) => rows.push(
+      [`Dispersion at Pe ${short(p)}`, `${times(d, 'longitudinal', i)} along the flow, ${times(d, 'transverse', i)} across it`])));
     table(parent, rows, rows.length > 0 ? 'What was asked' : undefined);
   }
 
   /* ---- scan ---- */
   const model = data.models[0], of = group => (model && model[group] ? model[group].attributes : {});
-  const walls = {line: '#ff7a00', lineWidth: 1.5};
 
   function scan() {
     const slice = seen.slice, calibration = model && model.calibration, scanner = model && model.scanner;
     if (slice) {
-      const m = {size: slice.size, spacing: slice.pixel_m, value: pictures.field(slice.grey), low: slice.grey.low, high: slice.grey.high,
-                 palette: 'grey', axes: `${slice.across} across, ${slice.up} up`, distance: pictures.field(slice.distance), ...walls};
       const labels = data.model.rule === 'labels', what = labels ? 'distance to the walls drawn through the labels' : 'grey values of the scan';
-      const figure = map(by('slice'), 'Slice', `The middle slice: ${what}, and the walls of the model (orange)`, m);
-      const box = add(add(figure.querySelector('.tools'), 'label'), 'input', {type: 'checkbox', checked: ''});
-      box.after(' walls');
-      box.addEventListener('change', () => {
-        m.line = box.checked ? walls.line : null;
-        painters.forEach(f => f());
-      });
+      scans.slice(by('slice'), 'Slice', `The middle slice: ${what}, and the walls of the model (orange)`,
+                  {size: slice.size, spacing: slice.pixel_m, value: pictures.field(slice.grey), low: slice.grey.low, high: slice.grey.high,
+                   axes: `${slice.across} across, ${slice.up} up`, distance: pictures.field(slice.distance)});
     }
     if (calibration && calibration.threshold) {
-      const c = calibration, a = c.attributes, t = c.threshold, grey = {colour: '--soft'};
+      const c = calibration, a = c.attributes, t = c.threshold, measured = of('model').void_ratio_measured;
       /* At the scan's own voxels the model's curves lie on those of the scan. */
       const same = c.void_ratio_original && c.void_ratio.every((e, i) => e > 3 || Math.abs(e - c.void_ratio_original[i]) < 0.01 * e + 1e-3);
-      const share = values => values && zip(t, values.map(v => v / Math.max(...values)));
-      const counts = c.histogram_original || c.histogram, all = counts.reduce((sum, n) => sum + n, 0);
-      let above = all; /* a few bright voxels would take half of the axis */
-      const last = t.find((_, i) => (above -= counts[i]) < 0.002 * all);
-      const lines = [{x: a.threshold, name: 'threshold', colour: '--c1'}, {x: a.threshold_otsu, name: 'Otsu', ...grey},
-                     {x: a.pore_peak, name: 'pore', ...grey}, {x: a.grain_peak, name: 'grain', ...grey}].filter(l => known(l.x));
-      chart(by('histogram'), 'Histogram of grey values', 'Grey value', 'Voxels (of the most)',
-            [{name: 'scan', points: share(c.histogram_original) || []}, !same && {name: 'model', points: share(c.histogram) || []}],
-            {lines: lines, dygraph: {includeZero: true, dateWindow: [t[0], 1.05 * last]}});
-      const measured = of('model').void_ratio_measured, most = 3 * (known(measured) ? measured : of('model').void_ratio);
-      const curve = values => (values ? zip(t, values).filter(p => known(p[1]) && p[1] < most) : []);
-      chart(by('calibration'), 'Void ratio by the threshold', 'Grey threshold', 'Void ratio (-)',
-            [{name: 'scan', points: curve(c.void_ratio_original)}, !same && {name: 'model', points: curve(c.void_ratio)}],
-            {lines: [lines[0], known(measured) && {y: measured, name: 'measured'}].filter(l => l), dygraph: {includeZero: true}});
+      scans.greys(by('histogram'), by('calibration'),
+                  [c.void_ratio_original && {name: 'scan', threshold: t, counts: c.histogram_original, void_ratio: c.void_ratio_original},
+                   !same && {name: 'model', threshold: t, counts: c.histogram, void_ratio: c.void_ratio}].filter(curve => curve),
+                  {threshold: a.threshold, otsu: a.threshold_otsu, pore: a.pore_peak, grain: a.grain_peak, measured: measured},
+                  3 * (known(measured) ? measured : of('model').void_ratio));
     }
     if (scanner && scanner.edge_response) {
-      const a = scanner.attributes, s = a.blur, f = a.fringe || 0;
-      const bell = u => Math.exp(-u * u / 2) / Math.sqrt(2 * Math.PI);
-      /* The normal integral by Abramowitz, Stegun 26.2.17. */
-      const integral = u => {
-        const w = 1 / (1 + 0.2316419 * Math.abs(u));
-        const q = bell(u) * [1.330274429, -1.821255978, 1.781477937, -0.356563782, 0.31938153].reduce((sum, c) => (sum + c) * w, 0);
-        return u > 0 ? 1 - q : q;
-      };
-      const points = zip(scanner.distance.map(d => 1e6 * d), scanner.edge_response).filter(p => p[1] !== null);
-      const response = d => integral(-d / s) - f * d / s * bell(d / s);
-      const misfit = shift => points.reduce((sum, [d, v]) => sum + Math.pow(response(1e-6 * d - shift) - v, 2), 0);
-      const shift = span(misfit, -s, s, 80).reduce((best, p) => (p[1] < best[1] ? p : best))[0];
-      const fit = d => response(d - shift);
-      chart(by('calibration'), 'Edge response', 'Distance from the wall, into the pore (µm)', 'Grey (0 pore, 1 grain)',
-            [{name: 'scan', points: points, dots: true},
-             {name: `Gaussian of ${number(1e6 * s)} µm` + (f > 0 ? `, edge enhancement ${number(f, 2)}` : ''), colour: 1,
-                                                          points: span(d => fit(1e-6 * d), points[0][0], points[points.length - 1][0], 120)}]);
-      table(by('scanner'), [
-        ['Blur (standard deviation)', quantity(1e6 * s, 1.96e6 * a.blur_uncertainty, 'µm') + ` = ${number(s / of('model').voxel_scanned)} voxels`],
-        ['Resolution (10 % of the contrast remain)', size(a.resolution)], ['Contrast over noise', number(a.contrast_to_noise)],
-        ['Noise, correlation length', size(a.noise_correlation)], known(a.fringe) && ['Edge enhancement (phase contrast)', number(a.fringe, 2)],
-        ['Blur taken out of the walls', a.removed > 0 ? 'yes' : 'no']], 'Scanner');
+      const a = scanner.attributes;
+      scans.edge(by('calibration'), scanner.distance, scanner.edge_response, a.blur, a.fringe || 0);
+      table(by('scanner'), [...scans.rows(a, of('model').voxel_scanned), ['Blur taken out of the walls', a.removed > 0 ? 'yes' : 'no']], 'Scanner');
     }
   }
 
@@ -418,10 +189,10 @@
              unit: {factor: factor, name: name}});
       }
     }
-    if (f) solid(f);
+    if (f) inSpace(f);
   }
 
-  function solid(f) {
+  function inSpace(f) {
     const figure = by('view'), box = add(figure, 'div', {class: 'view'}), flows = f.speed_high > 0;
     const unit = speedUnit(rescale * f.speed_high);
     let text = `Grains${flows ? ' and streamlines' : ''} of ${first.name}` +
@@ -432,7 +203,7 @@
     let view;
     try {
       if (!window.THREE || !THREE.OrbitControls) throw new Error('the program was built without three.js');
-      view = pictures.view(box, f);
+      view = solid.view(box, f);
     } catch (error) {
       box.classList.add('none');
       return void note(box, 'No view in three dimensions: ' + error.message);
@@ -475,7 +246,8 @@
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
     });
-    note(by('frames'), wet ? 'Saturation: the share of the pores that is full of water.' :
+    if (f.times_s.length < 3) note(by('frames'), 'The run stored few times: output.interval in its scene sets how often.');
+    note(by('frames'), wet ? 'Saturation: the fraction of the pore volume that is full of water.' :
       `Pressure of the water${soil ? '; hatched: water in soil, sand-coloured: soil without water' : ''}, grey: walls.`);
   }
 
@@ -494,14 +266,17 @@
           {dygraph: {includeZero: true, dateWindow: [-0.05 * x[0], 1.08 * x[0]]}});
   }
 
-  /* How much k of a window of a size differs from the next, by its void ratio alone. */
+  /* k of cubes cut from the sample, by their void ratio alone: ln k is taken as linear in it. */
   function sampleSize() {
-    const q = model && model.quality, slope = result && Math.abs(result.dlnk_dvoid_ratio);
-    if (!q || !q.window || !known(slope)) return;
-    const points = q.window.map((w, i) => [1e3 * w, q.windows[i] > 1 ? 100 * slope * q.void_ratio_deviation[i] : null]).filter(p => p[1] > 0);
-    chart(by('spacings'), 'k against the size of the sample', 'Side of a cube cut from the sample (mm)', 'Spread of k by its void ratio (%)',
-          [{name: 'standard deviation from one cube to the next', points: points, dots: true, joined: true}],
-          {logx: true, dygraph: {logscale: true, valueRange: [Math.min(5, 0.7 * Math.min(...points.map(p => p[1]))), null]}, lines: [{y: 10, name: '10 %'}]});
+    const q = model && model.quality, slope = result && Math.abs(result.dlnk_dvoid_ratio), k = 100 * (result && result.k_m_per_s), m = of('model');
+    if (!q || !q.window || !known(slope) || !(k > 0)) return;
+    const sides = q.window.map((w, i) => [1e3 * w, 1.96 * slope * q.void_ratio_deviation[i], q.windows[i]]).filter(r => r[2] > 1 && r[1] > 0 && r[1] < 2.5);
+    if (sides.length < 2) return;
+    chart(by('spacings'), 'k against the size of the sample', 'Side of a cube cut from the sample (mm)', 'k (cm/s)',
+          [{name: 'k of the sample, and the range of 95 % of the cubes, by their void ratio', dots: true, points: sides.map(r => [r[0], k]),
+            low: sides.map(r => k * Math.exp(-r[1])), high: sides.map(r => k * Math.exp(r[1]))}],
+          {logx: true, dygraph: {logscale: true, valueRange: [0.8 * k * Math.exp(-sides[0][1]), 1.25 * k * Math.exp(sides[0][1])]},
+           lines: [{y: k, name: ''}]});
   }
 
   /* ---- analyses ---- */
@@ -572,7 +347,9 @@
         if (all.length > 0)
           list.push([title, `${title} (${unit})`, group.lines, low > 0 && Math.max(...all) > 1e3 * low ? {logscale: true} : {}, group.asked]);
       });
-      const wanted = list.filter(t => t[4]), shown = wanted.length > 0 ? wanted : list.slice(0, 2);
+      /* Of water without soil: where it is, and how fast. */
+      const free = result ? [] : list.filter(t => /^(Front|Velocity rms)/.test(t[0]));
+      const wanted = list.filter(t => t[4]), shown = wanted.length > 0 ? wanted : free.length > 0 ? free : list.slice(0, 2);
       const hidden = list.filter(t => !shown.includes(t) && t[2].some(s => s.points.length > 0));
       const all = (place, some) => some.forEach(([title, label, lines, options]) => chart(place, title, time, label, lines, {dygraph: options}));
       all(parent, shown);
@@ -625,7 +402,7 @@
   function soil() {
     const m = first.micro, a = m && m.attributes;
     if (!m) return;
-    by('soil-text').append(`${percent(a.sites)} of the sites are soil of porosity ${number(a.porosity, 2)} and permeability ` +
+    by('soil-text').append(`${percent(a.sites)} of the lattice points are soil of porosity ${number(a.porosity, 2)} and permeability ` +
       `${number(a.permeability)} m² (geometric mean). ${percent(a.flux_share)} of the flux goes through it, and its drag takes ` +
       `${percent(a.dlnk_dlnk_micro)} of the power that drives the flow: 10 % more permeability of the soil is ` +
       `${number(10 * a.dlnk_dlnk_micro, 2)} % more k.`);
@@ -633,12 +410,12 @@
     const against = (title, label, name, values) => chart(by('soil-chart'), title, 'Permeability of the soil (m²)', label,
       [{name: name, points: zip(m.factor.map(f => f * a.permeability), values.map(v => 100 * v))}], {logx: true, dygraph: {includeZero: true}});
     against('k by the permeability of the soil', 'k (cm/s)', 'k', m.k);
-    against('Flux through soil', 'Share of the flux (%)', 'flux through soil', m.flux_share);
+    against('Flux through soil', 'Fraction of the flux (%)', 'flux through soil', m.flux_share);
   }
 
   function specimen() {
     const state = data.model.state;
-    by('specimen-note').append({none: 'The scene has no scanned model; its domain and regions stand in the scene file below.', found: '',
+    by('specimen-note').append({none: '', found: '',
                                 changed: `The model file ${run.model_path} is not the one that was run: it was changed or replaced since.`,
                                 missing: `The model file ${run.model_path} could not be read when this page was made.`}[state]);
     if (!model) return;
@@ -670,7 +447,7 @@
     const widths = model.quality && model.quality.local_thickness, voxel = m.spacing && 1e6 * m.spacing[2];
     if (widths) {
       const last = widths.reduce((n, w, i) => (w > 0 ? i : n), 0);
-      chart(by('sizes'), 'Pore widths', 'Width of the pore (µm)', 'Share of the pores (%)',
+      chart(by('sizes'), 'Pore widths', 'Width of the pore (µm)', 'Volume of the pores (%)',
             [{name: 'by the largest ball that fits there', bars: true, points: widths.slice(0, last + 1).map((w, i) => [(i + 0.5) * voxel, 100 * w])}],
             {dygraph: {includeZero: true, dateWindow: [0, (last + 1) * voxel]}});
     }
@@ -761,32 +538,12 @@
   }
 
   header();
+  if (solutes.length > 0) answerOfSolute();
   if (result) answerOfK();
   else answerOfHeadline();
   asked(by('asked'));
   others(by('others'));
   [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, effects, provenance, contents].forEach(f => f());
 
-  let width = document.body.clientWidth;
-  const again = () => painters.forEach(f => f());
-  placed = true;
-  again();
-  window.addEventListener('resize', () => {
-    if (document.body.clientWidth === width) return;
-    width = document.body.clientWidth;
-    again();
-  });
-  /* Curves keep their width on paper: drawn anew after its layout they would be empty there. */
-  const plots = width => document.querySelectorAll('.plot').forEach(p => { p.style.width = width(p); });
-  window.addEventListener('beforeprint', () => {
-    document.documentElement.classList.add('printed');
-    plots(p => p.clientWidth + 'px');
-    again();
-  });
-  window.addEventListener('afterprint', () => {
-    document.documentElement.classList.remove('printed');
-    plots(() => '');
-    again();
-  });
-  window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
+  start();
 })();

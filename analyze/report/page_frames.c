@@ -5,10 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analyze/report/page_encode.h"
 #include "analyze/report/page_pictures.h"
 #include "common/json_number.h"
 #include "common/memory.h"
+#include "common/page_encode.h"
 #include "common/snapshot_file.h"
 #include "common/statistics.h"
 

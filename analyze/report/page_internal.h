@@ -34,7 +34,8 @@ enum status page_analyse(struct page *page);
 /* The JSON of an analysis, or NULL if the page does not have it. */
 const json_t *page_found(const struct page *page, const struct analysis *analysis);
 
-/* Adds "pictures" to `data`: page_pictures.c. Each is an object that page_pictures.js draws, and is
+/* Adds "pictures" to `data`: page_pictures.c. Each is an object that page_maps.js or
+ * page_solid.js draws, and is
  * absent where there is nothing to show: "slice" the middle slice of the scan with the walls found
  * in it, "plane" maps of the flow, "flow" grains, streamlines and paths in three dimensions,
  * "frames" water and soil at some times. */

@@ -194,7 +194,7 @@ static void write_solver(const struct run *run, struct prose *prose) {
                "stabilised incompressible smoothed particle hydrodynamics [morimoto] [akbari]. ");
   } else if (strcmp(run->method, "richards") == 0) {
     say(prose, "The equation of Richards for water in soil that is not full [richards] was solved "
-               "in its mass-conserving form [celia] on fixed sites, with the curves of van "
+               "in its mass-conserving form [celia] on fixed points, with the curves of van "
                "Genuchten [genuchten] and Mualem [mualem]. ");
   } else if (strcmp(run->method, "wcsph") == 0) {
     say(prose,

@@ -3,10 +3,10 @@
 #include <math.h>
 #include <string.h>
 
-#include "analyze/report/page_encode.h"
 #include "analyze/report/page_pictures.h"
 #include "common/json_number.h"
 #include "common/memory.h"
+#include "common/page_encode.h"
 #include "common/statistics.h"
 
 /* Lengths in spacings: point (i, j) is at (i, j). */

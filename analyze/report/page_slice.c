@@ -3,11 +3,11 @@
 #include <math.h>
 #include <string.h>
 
-#include "analyze/report/page_encode.h"
 #include "analyze/report/page_pictures.h"
 #include "common/hdf5_file.h"
 #include "common/json_number.h"
 #include "common/memory.h"
+#include "common/page_encode.h"
 
 #define SLICE_SIDE 400 /* largest number of pixels per side */
 

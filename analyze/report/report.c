@@ -77,7 +77,7 @@ static enum status write_report(const struct options *options, const struct run 
   TRY(find_solutes(options, &solutes, &solute_count));
   TRY(solute_flow_check(solutes, solute_count, runs, n, options_given(options, "mix")));
   TRY(put_finest_first(runs, n, &ordered));
-  TRY(page_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
+  TRY(report_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {
     product_print_json(json);
   } else if (log_level() > LOG_QUIET) {

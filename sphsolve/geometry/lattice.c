@@ -297,7 +297,7 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
     lattice->bulk_count *= fabs(sites - (double)inner[a]) < 1e-6 ? (double)inner[a] : sites;
     if (!size_multiply(count, lattice->size[a], &count) || count > (size_t)1 << 40 ||
         !memory_has_room(count, sizeof *lattice->kind + sizeof *lattice->region))
-      TRY(scene_error(scene, AT_SPACING, "%g m makes too many sites; \"%.2g m\" makes a million",
+      TRY(scene_error(scene, AT_SPACING, "%g m makes too many points; \"%.2g m\" makes a million",
                       scene->spacing, spacing_of_a_million(scene)));
   }
   lattice->count = count;

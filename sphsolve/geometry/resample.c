@@ -58,7 +58,7 @@ static enum status find_target(const struct lattice *fine, double spacing, bool 
     }
     if (!size_multiply(t->count, t->size[a], &t->count) || (double)t->count > SITES_MAX)
       return FAIL(STATUS_INPUT,
-                  "lattice.spacing: %g m makes too many sites; that of the model's voxels, %g m, "
+                  "lattice.spacing: %g m makes too many points; that of the model's voxels, %g m, "
                   "fits",
                   spacing, fine->spacing[a]);
   }
@@ -271,8 +271,8 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
   }
   if (sites > SITES_MAX)
     return scene_error(scene, AT_LATTICE,
-                       "%g m makes too many sites (%.1g); lattice.spacing = \"%.4g um\", that of "
-                       "the model's voxels, fits, and finer sites tell nothing new",
+                       "%g m makes too many points (%.1g); lattice.spacing = \"%.4g um\", that of "
+                       "the model's voxels, fits, and finer points tell nothing new",
                        scene->lattice_spacing, sites, 1e6 * lattice->spacing[0]);
   enum status status = lattice_resample(lattice, scene->lattice_spacing, 0.0, &wanted);
   if (status != STATUS_OK) return error_context(status, "%s", scene->path);
@@ -284,8 +284,8 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
     if (status == STATUS_OK && leads && !still)
       status =
           scene_error(scene, AT_LATTICE,
-                      "sites %.4g um apart close every way through the model, which its voxels "
-                      "of %.4g um leave open: k would be 0; finer sites are needed",
+                      "points %.4g um apart close every way through the model, which its voxels "
+                      "of %.4g um leave open: k would be 0; finer points are needed",
                       1e6 * scene->lattice_spacing, 1e6 * lattice->spacing[0]);
     if (status != STATUS_OK) {
       lattice_free(&wanted);
@@ -308,7 +308,7 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
   memory_free(&surface->micro_porosity);
   memory_free(&surface->micro_permeability);
   if (compared == STATUS_OK && throats.closed + throats.opened > 0)
-    log_warning("%s: sites %.4g um apart close %zu throats of the model's and open %zu",
+    log_warning("%s: points %.4g um apart close %zu throats of the model's and open %zu",
                 scene->path, 1e6 * scene->lattice_spacing, throats.closed, throats.opened);
   return compared;
 }

@@ -14,7 +14,7 @@ static uint32_t root_of(uint32_t *parent, uint32_t site) {
  * boundaries, by union-find with path halving (Tarjan, van Leeuwen 1984). */
 static enum status find_pores(const struct lattice *l, uint32_t **pore) {
   if (l->count > UINT32_MAX)
-    return FAIL(STATUS_INPUT, "%zu sites: pores are told apart of 2^32 at most", l->count);
+    return FAIL(STATUS_INPUT, "%zu points: pores are told apart of 2^32 at most", l->count);
   const enum status status = memory_allocate(pore, l->count, sizeof **pore, "labels of the pores");
   if (status != STATUS_OK) return status;
   const size_t step[3] = {1, l->size[0], l->size[0] * l->size[1]};

@@ -14,7 +14,7 @@ void micropores_add(struct micropores *m, const struct micropores_point *point) 
 
 void micropores_print(const struct micropores *m) {
   char sites[32], flux[32];
-  printf("soil       %s %% of the sites, k_micro %.3g m^2: %s %% of the flux goes through it\n",
+  printf("soil       %s %% of the points, k_micro %.3g m^2: %s %% of the flux goes through it\n",
          percent_format(m->sites, sites), m->permeability, percent_format(m->own.flux, flux));
   printf("           its drag takes %s %% of the power: 10 %% more k_micro is %s %% more k\n",
          percent_format(m->own.slope, sites), percent_format(0.1 * m->own.slope, flux));

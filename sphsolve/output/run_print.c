@@ -118,7 +118,7 @@ static void print_uncertainty(const struct uncertainty *u, bool scanned) {
   char text[32];
   if (u->level_count > 1) {
     const struct error_level *finest = &u->levels[u->level_count - 1];
-    printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M sites), which "
+    printf("           resolution: from %d lattices, the finest of %.4g um (%.3g M points), which "
            "alone "
            "says %.4g m^2",
            u->level_count, 1e6 * finest->spacing, 1e-6 * finest->sites, u->finest);

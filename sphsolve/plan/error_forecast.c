@@ -144,13 +144,13 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
   } else if (wall == WALL_ADAMI) {
     more = (1.0 + more) * (1.0 + ERROR_ADAMI_SECOND * q * q + fmax(0.0, q * shape->middle)) - 1.0;
     less += fmax(0.0, -q * shape->middle) + (shape->sharp ? 0.0 : ERROR_ADAMI_PLACE * q);
-    how = "adami walls: half-way between sites";
+    how = "adami walls: half-way between points";
   }
   both = fmin(more, less);
   e.error = hypot(more, less);
   const bool exact = shape->flat && wall == WALL_SUBVOXEL;
   e.least = !exact && fmax(more, less) > 4.0 * both ? fabs(more - less) : 0.0;
-  snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g sites; %s%s", width, how,
+  snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g points; %s%s", width, how,
            exact || e.least > 0.0 ? "" : "; of parts with unlike signs");
   return e;
 }

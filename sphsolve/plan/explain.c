@@ -63,7 +63,7 @@ static void print_levels(const struct plan *plan) {
   for (int i = 0; i < count; i++) {
     quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);
     duration_format(levels[i].seconds / plan->threads, time, sizeof time);
-    printf("  k to about %s %% after %s, lattices down to %s (%.3g M sites), %.0f MB%s\n",
+    printf("  k to about %s %% after %s, lattices down to %s (%.3g M points), %.0f MB%s\n",
            percent_format(with_scan(plan, levels[i].error), error), time, spacing,
            1e-6 * levels[i].sites, 1e-6 * levels[i].bytes,
            levels[i].few ? "; with --time alone" : "");
@@ -123,7 +123,7 @@ void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) 
   char text[512], more[64];
   printf("scene      %s\n", context->scene->name);
   printf("method     %s: %s\n", context->method->name, plan->method_why);
-  printf("sites      %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
+  printf("points     %zu x %zu x %zu (x, y, z): %zu fluid, %zu wall, %zu empty\n", lattice->size[0],
          lattice->size[1], lattice->size[2], lattice->fluid_count, lattice->wall_count,
          lattice->count - lattice->fluid_count - lattice->wall_count);
   print_regions(context->scene);

@@ -139,7 +139,7 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
           method->name);
     if (context.has_surface)
       return scene_error(scene, AT_METHOD,
-                         "method %s needs a filled domain, but %zu of %zu sites are empty; fill "
+                         "method %s needs a filled domain, but %zu of %zu points are empty; fill "
                          "them with a water region, or write method = \"isph\"",
                          method->name, lattice->count - lattice->fluid_count - lattice->wall_count,
                          lattice->count);

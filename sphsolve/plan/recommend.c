@@ -126,7 +126,7 @@ static void print_candidate(const struct candidate *c) {
   quantity_format(c->spacing, "m", spacing, sizeof spacing);
   quantity_format(c->support, "m", support, sizeof support);
   duration_format(c->seconds, time, sizeof time);
-  printf("%s, %s walls, spacing %s (%zu x %zu x %zu sites), support %s", c->method->name,
+  printf("%s, %s walls, spacing %s (%zu x %zu x %zu points), support %s", c->method->name,
          wall_scheme_names[c->wall], spacing, c->size[0], c->size[1], c->size[2], support);
   if (c->sound_speed > 0) printf(", sound %.4g m/s", c->sound_speed);
   printf(": error about %s %%, %s, %.0f MB\n", percent_format(c->error, error), time,
@@ -173,7 +173,7 @@ void recommend_print(const struct plan *plan, const struct recommendation *recom
   printf("write      --set scene.method=%s --set %s.wall=%s", best->method->name,
          best->method->name, wall_scheme_names[best->wall]);
   if (*scene->model_path)
-    printf(", with a model of %zu x %zu x %zu sites (ct2model build --size; a mirrored axis takes "
+    printf(", with a model of %zu x %zu x %zu points (ct2model build --size; a mirrored axis takes "
            "(n + 1) / 2)\n",
            best->size[0], best->size[1], best->size[2]);
   else

@@ -77,7 +77,7 @@ static enum status close_isolated(struct solute_flow *f) {
   uint32_t *parent = NULL;
   double *volume = NULL, *sum = NULL;
   if (f->count >= UINT32_MAX)
-    return FAIL(STATUS_INPUT, "a flow of more than %u sites is too large", UINT32_MAX);
+    return FAIL(STATUS_INPUT, "a flow of more than %u points is too large", UINT32_MAX);
   TRY(memory_allocate(&parent, f->count, sizeof *parent, "connected pores"));
   for (size_t at = 0; at < f->count; at++) parent[at] = (uint32_t)at;
   for (int k = 0; k < f->n[2]; k++)

@@ -265,7 +265,7 @@ static void report_level(const struct cascade *c) {
     else
       snprintf(known + n, sizeof known - (size_t)n, "-%.*g +%.*g %%", digits, low, digits, high);
   }
-  log_info("lattice %d: %.4g um, %.3g M sites: k %.4g%s; %.2g s, the next about %.2g s",
+  log_info("lattice %d: %.4g um, %.3g M points: k %.4g%s; %.2g s, the next about %.2g s",
            u->level_count, 1e6 * l->spacing, 1e-6 * l->sites, 100 * to_speed * l->permeability,
            known, l->seconds, cascade_next_seconds(c));
   level_bar_show(u, to_speed);
@@ -301,7 +301,7 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   TRY(cascade_solver(c, &job->lattice, &s));
   built = true;
   if (s.grid.flowing < job->lattice.fluid_count && s.grid.flowing > 0)
-    log_verbose("%zu of %zu pore sites lie in pores that do not lead through",
+    log_verbose("%zu of %zu pore points lie in pores that do not lead through",
                 job->lattice.fluid_count - s.grid.flowing, job->lattice.fluid_count);
   if (s.grid.active_all > 0) {
     status = solve(job, &s, &solved);

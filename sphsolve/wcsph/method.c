@@ -150,7 +150,7 @@ static enum status close_pores(struct lattice *lattice, const struct scene *scen
   size_t closed;
   const enum status status = percolation_close(lattice, scene->driving, &closed, flows);
   if (status == STATUS_OK && closed > 0)
-    log_verbose("%zu of %zu pore sites lead nowhere: their fluid is at rest", closed,
+    log_verbose("%zu of %zu pore points lead nowhere: their fluid is at rest", closed,
                 closed + lattice->fluid_count);
   return status;
 }

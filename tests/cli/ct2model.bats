@@ -40,7 +40,7 @@ bats_require_minimum_version 1.5.0
 @test "help of the program and of each command shows a working example" {
   run_ct --help
   [ "$status" -eq 0 ]
-  for command in sweep build info export; do
+  for command in survey sweep build info export; do
     run_ct $command --help
     [ "$status" -eq 0 ]
     [[ "$output" == *"Example:"*"ct2model $command"* ]]
@@ -230,7 +230,7 @@ P
   for line in "on a path along z"*"only the latter conducts" "percolates "*"leads through" "isolated pores "*"on no path" \
     "floating grains "*"touch no other" "specific surface "*"grain surface" "% of the pore voxels touch a grain" \
     "critical width "*"widest way along z: " "median width " \
-    "width histogram "*"share of the pores" "correlation "*"is independent" "representative "*"from one window"; do
+    "width histogram "*"of the pore volume" "correlation "*"is independent" "representative "*"from one window"; do
     [[ "$output" == *$line* ]] || { echo "missing: $line"; false; }
   done
 }

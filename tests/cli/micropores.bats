@@ -235,7 +235,7 @@ END
   ct2model build alone.raw --raw 16x16x16:u8 --voxel-size 10um --mirror none --segmented "1=soil(0.4, 9e-13 m^2),2=grain" -o alone.hdf -q
   scene stokes alone.hdf > alone.cfg
   sphsolve run alone.cfg -o alone-run --json > alone.json
-  sphsolve run alone.cfg -o alone-run | grep "^soil  *100 % of the sites.*: 100 % of the flux"
+  sphsolve run alone.cfg -o alone-run | grep "^soil  *100 % of the points.*: 100 % of the flux"
   /usr/bin/python3 -c 'import json; k = json.load(open("alone.json"))["intrinsic_permeability"]; assert abs(k / 9e-13 - 1) < 0.01, k'
   # Its pores are no open ones, as which a solute would take them.
   echo 'scene = { name = "in soil"; }; flow = { file = "alone-run.hdf"; }; solute = { peclet = [1.0]; };' > carried.cfg

@@ -175,7 +175,7 @@ while True:
 assert run.wait() == 0
 lines = re.findall(r"([\d.]+) s \|([ o-]{56})\| (\S+) cm/s", said.decode())
 told = re.findall(r"estimate (\S+) cm/s (?:-\S+ \+\S+|\+- \S+) %", said.decode())
-lattices = said.count(b"M sites: k ")
+lattices = said.count(b"M points: k ")
 assert len(lines) == len(told) == lattices - 1 >= 2, said  # the first says nothing of its error
 for (seconds, bar, k), other in zip(lines, told):
     assert bar.count("o") == 1 and re.fullmatch(r" *-*o-* *", bar) and abs(float(k) / float(other) - 1) < 1e-3
@@ -213,7 +213,7 @@ END
   grep -q "the error asked for, 0.1 %, was not reached: the next lattice would take longer than --time" short.txt
   grep -q "^status     budget: short of the error asked for, after" short.txt
   sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=m.hdf -o short --error 0.1% > all.txt 2> /dev/null
-  grep -q "was not reached: the last lattice has the model's own sites" all.txt
+  grep -q "was not reached: the last lattice has the model's own points" all.txt
   run ! grep -q "was not reached" run.txt
 }
 

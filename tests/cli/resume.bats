@@ -176,7 +176,7 @@ damaged() {
   grep -q '"status": "budget"' asked.json
   run ! compgen -G "asked.ckpt*"
   run -3 --separate-stderr sphsolve explain s06.cfg --set model.file=32.hdf --set scene.method=stokes --set lattice.spacing='"1 nm"'
-  [[ "$stderr" == *": lattice.spacing: 1e-09 m makes too many sites ("*"lattice.spacing = \"34.98 um\", that of the model's voxels, fits"* ]]
+  [[ "$stderr" == *": lattice.spacing: 1e-09 m makes too many points ("*"lattice.spacing = \"34.98 um\", that of the model's voxels, fits"* ]]
 }
 
 @test "a file of another's under a checkpoint's name is not written over" {

@@ -1,7 +1,7 @@
 /* What goes into a page cannot become markup, and pictures come out of it as they went in. */
-#include "analyze/report/page_encode.h"
 #include "analyze/plot.h"
 #include "analyze/product.h"
+#include "common/page_encode.h"
 #include "common/text.h"
 
 #include <setjmp.h>

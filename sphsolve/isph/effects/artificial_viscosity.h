@@ -39,7 +39,7 @@ static inline bool isph_artificial_viscosity_wanted(const struct effect_context 
 #endif
 
 EFFECT(isph_artificial_viscosity,
-       .model = "a floor under the eddy viscosity, .08 r0 sqrt(|f| r0); "
+       .model = "a floor under the eddy viscosity, 0.08 r0 sqrt(|f| r0); "
                 "biharmonic in calm free water",
        .citation = "docs/physics/isph.md", .wanted = isph_artificial_viscosity_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, artificial_viscosity),

@@ -36,7 +36,7 @@ static inline bool isph_porosity_wanted(const struct effect_context *context,
            context->scene->regions[lattice->region[i] - 1].type == REGION_POROUS;
   if (dry > 0)
     snprintf(why, EFFECT_WHY,
-             "porous regions; %zu of their sites start dry: no water region covers them", dry);
+             "porous regions; %zu of their points start dry: no water region covers them", dry);
   else
     snprintf(why, EFFECT_WHY, "porous regions, full of water at the start");
   return true;

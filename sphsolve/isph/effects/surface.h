@@ -154,7 +154,7 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
 
 static inline bool isph_surface_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
   snprintf(why, EFFECT_WHY,
-           context->has_surface ? "the regions leave sites empty" : "the regions fill the domain");
+           context->has_surface ? "the regions leave points empty" : "the regions fill the domain");
   return context->has_surface;
 }
 

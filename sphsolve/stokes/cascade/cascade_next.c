@@ -232,7 +232,7 @@ bool cascade_next(struct cascade *c, double *spacing, const char **why) {
   *why = "budget";
   c->ended = "what no lattice lessens is more than that alone";
   if (enough && refinement_is_useless(c, u)) return false;
-  c->ended = "the last lattice has the model's own sites, and a finer one tells nothing new";
+  c->ended = "the last lattice has the model's own points, and a finer one tells nothing new";
   if (last) return false;
   c->ended = "the next lattice would take longer than --time";
   int steps = steps_to_next(c);

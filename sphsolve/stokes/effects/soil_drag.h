@@ -45,7 +45,7 @@ static inline bool stokes_soil_drag_wanted(const struct effect_context *context,
                                            char why[EFFECT_WHY]) {
   const bool on = stokes_soil_wanted(context);
   snprintf(why, EFFECT_WHY,
-           on ? "sites of the model are soil with pores below the voxel" : "no site is soil");
+           on ? "points of the model are soil with pores below the voxel" : "no point is soil");
   return on;
 }
 

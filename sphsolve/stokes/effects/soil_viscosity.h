@@ -39,7 +39,7 @@ static inline double stokes_soil_parabola(double slip) {
 static inline bool stokes_soil_viscosity_wanted(const struct effect_context *context,
                                                 char why[EFFECT_WHY]) {
   const bool on = stokes_soil_wanted(context);
-  snprintf(why, EFFECT_WHY, on ? "stress and slip at the surface of soil" : "no site is soil");
+  snprintf(why, EFFECT_WHY, on ? "stress and slip at the surface of soil" : "no point is soil");
   return on;
 }
 

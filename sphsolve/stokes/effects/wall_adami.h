@@ -19,5 +19,5 @@ static inline bool stokes_wall_adami_wanted(const struct effect_context *context
 #endif
 
 EFFECT(stokes_wall_adami,
-       .model = "wall sites mirror the average velocity of the fluid around them",
+       .model = "wall points mirror the average velocity of the fluid around them",
        .citation = "Adami, Hu, Adams 2012, eq. 22, 23", .wanted = stokes_wall_adami_wanted)

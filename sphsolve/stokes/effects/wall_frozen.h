@@ -16,5 +16,5 @@ static inline bool stokes_wall_frozen_wanted(const struct effect_context *contex
 
 #endif
 
-EFFECT(stokes_wall_frozen, .model = "wall sites at rest; every gap one spacing too wide",
+EFFECT(stokes_wall_frozen, .model = "wall points at rest; every gap one spacing too wide",
        .citation = "Saomoto, Matsushima, Yamada, Hatano 2006", .wanted = stokes_wall_frozen_wanted)

@@ -176,9 +176,9 @@ enum status particles_make(const struct lattice *lattice, double range, double r
   frame_make(lattice, clearance, &p->frame);
   p->reach = reach;
   if (lattice->count >= NO_PARTICLE)
-    TRY_FAIL(STATUS_INPUT, "%zu sites are more than one process takes (2^32 - 1)", lattice->count);
+    TRY_FAIL(STATUS_INPUT, "%zu points are more than one process takes (2^32 - 1)", lattice->count);
   if ((uint64_t)p->frame.site_mask[2] << p->frame.site_shift[2] > UINT32_MAX)
-    TRY_FAIL(STATUS_INPUT, "%zu x %zu x %zu sites are more than the engine takes (32 bits in all)",
+    TRY_FAIL(STATUS_INPUT, "%zu x %zu x %zu points are more than the engine takes (32 bits in all)",
              lattice->size[0], lattice->size[1], lattice->size[2]);
   /* Walls first, as their ordering needs memory that the fluid does not occupy yet. */
   if (ranks_count() == 1) TRY(particles_make_walls(lattice, range, fields, p));

@@ -1,4 +1,4 @@
-#include "analyze/report/page_encode.h"
+#include "common/page_encode.h"
 
 #include <math.h>
 #include <stdint.h>
@@ -31,6 +31,8 @@ json_t *encode_bytes(const void *data, size_t size) {
   return value;
 }
 
+enum { FIELD = 254, NIBBLE = 15 }; /* highest value of a byte, and of four bits */
+
 json_t *encode_field(const float *values, size_t n, double low, double high) {
   uint8_t *bytes = NULL;
   if (memory_allocate(&bytes, n + 1, 1, "a picture") != STATUS_OK) {
@@ -39,7 +41,8 @@ json_t *encode_field(const float *values, size_t n, double low, double high) {
   }
   for (size_t i = 0; i < n; i++) {
     const double share = ((double)values[i] - low) / (high - low);
-    bytes[i] = isnan(share) ? 255 : (uint8_t)lrint(254.0 * fmin(fmax(share, 0.0), 1.0));
+    bytes[i] =
+        isnan(share) ? FIELD + 1 : (uint8_t)lrint((double)FIELD * fmin(fmax(share, 0.0), 1.0));
   }
   json_t *field = json_pack("{s:o,s:o,s:o}", "low", json_number(low), "high", json_number(high),
                             "bytes", encode_bytes(bytes, n));
@@ -54,7 +57,7 @@ json_t *encode_nibbles(const float *values, size_t n) {
     return json_null();
   }
   for (size_t i = 0; i < n; i++)
-    bytes[i / 2] |= (uint8_t)((unsigned)lrintf(15.0f * values[i]) << (i % 2 * 4));
+    bytes[i / 2] |= (uint8_t)((unsigned)lrintf((float)NIBBLE * values[i]) << (i % 2 * 4));
   json_t *text = encode_bytes(bytes, (n + 1) / 2);
   memory_free(&bytes);
   return text;

@@ -1,7 +1,7 @@
 /* How data and files stand inside a page: bytes as base64 in JSON, JSON and scripts inside
  * <script>. */
-#ifndef TOSUI_ANALYZE_REPORT_PAGE_ENCODE_H
-#define TOSUI_ANALYZE_REPORT_PAGE_ENCODE_H
+#ifndef TOSUI_PAGE_ENCODE_H
+#define TOSUI_PAGE_ENCODE_H
 
 #include <jansson.h>
 #include <stddef.h>
