@@ -7,8 +7,8 @@ setup_file() {
   local build=${BUILD:-build}
   case $build in /*) ;; *) build=$ROOT/$build ;; esac
   export PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
-  # A part of it, whose builds take a twentieth of the time.
-  export SCAN="$ROOT/data-samples/small --crop 0,0,0,60,60,15 --size 12x12x3 --quiet"
+  # A quarter of it: a build in a fifth of the time.
+  export SCAN="$ROOT/data-samples/small --crop 0,0,0,96,96,24 --size 12x12x3 --quiet"
 }
 setup() { cd "$BATS_FILE_TMPDIR"; }
 
@@ -43,8 +43,8 @@ for name in ("solid", "wall_distance", "grain_fraction"):
 assert len(level["scanner"].attrs) > 5 and str(dict(level["scanner"].attrs)) == str(dict(alone["scanner"].attrs))
 END
   [ "$(head -1 list.csv | cut -d, -f1,2)" = threshold,void_ratio ]
-  [ "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n written)" = \
-    "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n . | tail -1)" ]
+  ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv > two.txt
+  [ "$(grep -n written two.txt)" = "$(grep -n . two.txt | tail -1)" ]
 }
 
 # bats test_tags=long

@@ -14,10 +14,10 @@ setup_file() {
 import h5py
 import numpy as np
 rng = np.random.default_rng(4)
-n, dx = 48, 4e-5
+n, dx = 60, 4e-5
 d = np.full((n, n, n), 1e9)
 grid = np.stack(np.meshgrid(*[np.arange(n) + 0.5] * 3, indexing="ij"))
-for i in range(77):
+for i in range(150):
     r = 5.5 if i % 2 else 8.0
     away = np.abs(grid - rng.uniform(0, n, 3).reshape(3, 1, 1, 1))
     d = np.minimum(d, np.sqrt((np.minimum(away, n - away) ** 2).sum(0)) - r)
