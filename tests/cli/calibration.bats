@@ -35,7 +35,7 @@ assert sweep["threshold"] < sweep["void_ratios"][1]["threshold"]  # more pore: a
 END
   # A coarser level, whose scanner was measured with the finest's, too.
   ct2model build ${SCAN/12x12x3/8x8x2} --voxel-size 8.745um --void-ratio 0.65 -o one-8.hdf
-  ! /usr/bin/python3 -c 'import h5py' 2> /dev/null || /usr/bin/python3 - <<'END'
+  /usr/bin/python3 - <<'END'
 import h5py
 level, alone = h5py.File("list-e0.65-8.hdf"), h5py.File("one-8.hdf")
 for name in ("solid", "wall_distance", "grain_fraction"):
@@ -43,8 +43,8 @@ for name in ("solid", "wall_distance", "grain_fraction"):
 assert len(level["scanner"].attrs) > 5 and str(dict(level["scanner"].attrs)) == str(dict(alone["scanner"].attrs))
 END
   [ "$(head -1 list.csv | cut -d, -f1,2)" = threshold,void_ratio ]
-  [ "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n written)" = \
-    "$(ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv | grep -n . | tail -1)" ]
+  ct2model sweep ${SCAN% --quiet} --voxel-size 8.745um --void-ratio 0.65,0.8 -o two.csv > two.txt
+  [ "$(grep -n written two.txt)" = "$(grep -n . two.txt | tail -1)" ]
 }
 
 # bats test_tags=long
@@ -83,7 +83,6 @@ END
 }
 
 @test "profiles: porosity and pore width by layer are those of the model's arrays" {
-  /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"
   # Slits across x: pores of 6 voxels between plates of 4 and of 2, so that layers and widths are known.
   /usr/bin/python3 - <<'END'
 import h5py, numpy as np

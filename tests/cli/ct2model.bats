@@ -27,6 +27,8 @@ setup_file() {
     print total / grain - 1 > "tube.txt"
   }' < /dev/null
   export RAW="--raw 48x48x48:u8 --voxel-size 10um --quiet"
+  # Their model, which several tests look at, and what was said of it.
+  "$CT" build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 --json -o balls.hdf > balls.json
 }
 
 run_ct() { run --separate-stderr "$CT" "$@"; }
@@ -67,17 +69,14 @@ bats_require_minimum_version 1.5.0
 
 @test "build matches the void ratio and knows the model" {
   cd "$WORK"
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 --json -o m.hdf
-  [ "$status" -eq 0 ]
-  echo "$output" > m.json
-  near "$(value void_ratio < m.json)" 3.959 0.01
-  near "$(value threshold_original < m.json)" 70 1.5
-  [ "$(value size < m.json)" = "[24, 24, 47]" ]
-  [ "$(value mirror_plane < m.json)" = 23 ]
-  [ "$(value percolates.z < m.json)" = True ]
+  near "$(value void_ratio < balls.json)" 3.959 0.01
+  near "$(value threshold_original < balls.json)" 70 1.5
+  [ "$(value size < balls.json)" = "[24, 24, 47]" ]
+  [ "$(value mirror_plane < balls.json)" = 23 ]
+  [ "$(value percolates.z < balls.json)" = True ]
   # 4 spheres: 4 x 4 pi 11^2 / 48^3 per voxel of 10 um
-  near "$(value specific_surface_per_m < m.json)" 5499.6 150
-  run_ct info m.hdf --json
+  near "$(value specific_surface_per_m < balls.json)" 5499.6 150
+  run_ct info balls.hdf --json
   [ "$status" -eq 0 ]
   near "$(echo "$output" | value files.0.void_ratio 2> /dev/null || echo 3.959)" 3.959 0.01
 }
@@ -203,14 +202,10 @@ END
 }
 
 @test "what is printed about the quality of a model is stored, with its meaning" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 --json -o q.hdf
-  [ "$status" -eq 0 ]
-  echo "$output" > q.json
   /usr/bin/python3 - <<'P'
 import h5py, json
-said, file = json.load(open("q.json")), h5py.File("q.hdf")
+said, file = json.load(open("balls.json")), h5py.File("balls.hdf")
 stored = dict(file["model"].attrs)
 for name, key in {"porosity": 0, "connected_porosity": 0, "isolated_pores": 0, "isolated_pore_voxels": 0, "floating_grains": 0,
                   "floating_grain_voxels": 0, "pore_voxels_touching_grain": 0, "expected_error_of_k": 0,
@@ -371,7 +366,6 @@ array.array("f", [1.0] * 600 + [float("inf")] + [2.0] * 399).tofile(sys.stdout.b
 }
 
 @test "the flow axis turns the scan" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"
   # 6 x 5 x 4 voxels, each with a grey of its own.
   awk 'BEGIN { for (i = 0; i < 120; i++) printf "%c", i + 1 }' > axes.raw
@@ -390,7 +384,6 @@ P
 }
 
 @test "any axis of the model can be mirrored, whatever the flow axis" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"
   awk 'BEGIN { for (i = 0; i < 120; i++) printf "%c", (i * 37) % 120 + 1 }' > mixed.raw
   for flow in x z; do
@@ -574,7 +567,7 @@ equal_bytes() {
     run_ct build spheres.raw $RAW --void-ratio 3.959 --size $1x$1x$1 --threads $threads -o t$threads.hdf
     [ "$status" -eq 0 ]
   done
-  ! /usr/bin/python3 -c 'import h5py' 2> /dev/null || /usr/bin/python3 - <<'P'
+  /usr/bin/python3 - <<'P'
 import h5py
 a, b = h5py.File("t1.hdf"), h5py.File("t3.hdf")
 for k in ("solid", "wall_distance", "grain_fraction"):
@@ -595,13 +588,10 @@ P
 }
 
 @test "model.hdf is as the contract says" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   cd "$WORK"
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --size 24x24x24 -o c.hdf
-  [ "$status" -eq 0 ]
   /usr/bin/python3 - <<'P'
 import h5py, numpy as np
-f = h5py.File("c.hdf"); m = f["model"]; a = m.attrs
+f = h5py.File("balls.hdf"); m = f["model"]; a = m.attrs
 s, d, g = m["solid"][()], m["wall_distance"][()], m["grain_fraction"][()]
 assert s.dtype == np.uint8 and s.shape == (47, 24, 24) and set(np.unique(s)) == {0, 1}
 assert d.dtype == np.float32 and d.shape == s.shape and g.dtype == np.float32 and g.shape == s.shape
@@ -711,7 +701,6 @@ for m in all:
 # bats test_tags=long
 @test "shares of grain that round to more than 1 make no model that sphsolve refuses" {
   cd "$WORK"
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   run_ct build "$BATS_TEST_DIRNAME/../../data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 36x36x16 -o shares.hdf
   [ "$status" -eq 0 ]
   /usr/bin/python3 -c 'import h5py; f = h5py.File("shares.hdf")["model/grain_fraction"][()]; assert f.min() >= 0 and f.max() <= 1, f.max()'

@@ -6,7 +6,7 @@ load programs
 setup_file() {
   programs_setup
   mkdir scan && cp "$ROOT"/data-samples/small/slice_00{0,1}?.png "$ROOT"/data-samples/small/slice_002{0,1,2,3}.png scan
-  export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --size 16x16x3 --quiet"
+  export SCAN="scan --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,64,64,12 --size 16x16x3 --quiet"
   ct2model build $SCAN -o m.hdf
   # What the other models are like is not looked at: their blur stays, a third of the time.
   export KEPT="scan --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,48,48,24 --size 16x16x8 --quiet --blur keep"
@@ -84,7 +84,7 @@ refused() { # FILE COMMAND...: ends with 2 and one line, and the file is what it
 
 @test "of an option given twice with other values the last counts, and that is told in a line" {
   said() { "$@" 2>&1 > /dev/null | grep -c "given more than once" || true; }
-  local build="ct2model build scan --voxel-size 8.745um --size 16x16x3 --blur keep -o twice.hdf"
+  local build="ct2model build scan --voxel-size 8.745um --crop 0,0,0,64,64,12 --size 16x16x3 --blur keep -o twice.hdf"
   $build --void-ratio .7 -e .8 > told.txt 2> said.txt
   grep -q "^ct2model: warning: --void-ratio is given more than once: .8 counts, the last, not .7$" said.txt
   grep -q "measured 0.8," told.txt
@@ -347,7 +347,7 @@ END
 }
 
 @test "a region beside the stack is told with the stack's size" {
-  run --separate-stderr ct2model build $SCAN --roi cylinder:500,500,20 -o beside.hdf
+  run --separate-stderr ct2model build scan --void-ratio 0.725 --voxel-size 8.745um --roi cylinder:500,500,20 --quiet -o beside.hdf
   [ "$status" -eq 3 ] && [[ "$stderr" == *"no voxel of the stack is inside; it has 128x128x24, and --roi is in pixels" ]] || { echo "$stderr"; false; }
 }
 

@@ -41,7 +41,6 @@ wrong() { # CODE WORD ARGUMENTS
 }
 
 @test "a label as soil: written beside the walls, mirrored, turned and resampled; its pores count" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   local labels="1=pore,2=grain,3=soil(0.35, 1.8e-15 m^2)"
   ct2model build $LAYERS --segmented "$labels" --json -o plain.hdf > plain.json
   ct2model build $LAYERS --segmented "$labels" --size 12x12x12 --flow x --mirror x --sides mirrored -o turned.hdf --quiet
@@ -77,7 +76,6 @@ END
 }
 
 @test "greys as soil: found where they are, edges of grains are none, the void ratio is met" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   ct2model build $GREYS --micro 90..160 --micro-permeability 1e-15m^2 --json -o greys.hdf > greys.json
   ct2model build $GREYS --micro 90..160 --micro-permeability 2um --void-ratio 6.8 --json -o matched.hdf > matched.json
   /usr/bin/python3 - <<'END'
@@ -102,7 +100,6 @@ END
 
 # NAME...: images a, b, c with peaks in more and more noise, and of a the same dark, of two phases and of four
 peaks() {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   # Balls of grain and of soil, blurred, with noise as scanners make it: contrast between pore and grain 14, 9 and 5.5
   # times the noise, greys and seeds that the method was not made with; the same with dark grains; two and four phases.
   /usr/bin/python3 - "$@" <<'END'
@@ -183,7 +180,6 @@ END
 
 # bats test_tags=long
 @test "greys as soil by the peaks of the histogram, in more noise; their error reaches k; a table; dark grains; a void ratio" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   peaks a b c
   local image="$IMAGE --size 32x32x32"
   ct2model build a.raw $image --micro auto --json -o small.hdf > small.json
@@ -246,7 +242,6 @@ END
 }
 
 @test "stokes solves soil with the pores; wcsph and bad fields are refused" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 - <<'END'
 import h5py, numpy as np
 def write(name, n, k, solid=None):
@@ -311,7 +306,6 @@ END
 }
 
 @test "explain: soil leaves narrow pores, and its errors are those of the run within a factor of two" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   local sand="generate_sand --format png8 --size 40x40x40 --voxel-size 10um --quiet"
   $sand --grain-size 160um --output grains --void-ratio 1 --seed 27 --truth grains.raw
   $sand --grain-size 160um --output clods --void-ratio 0.7 --seed 127 --truth clods.raw
@@ -334,7 +328,6 @@ END
 }
 
 @test "soil: memory is what explain says, and k is the same on 1, 2 and 3 ranks" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   # Spheres of grain and of soil at random in a periodic box, two kinds of soil; and the same with all soil pore. On few
   # sites the third rank has none of the coarsest lattice.
   /usr/bin/python3 - <<'END'
@@ -390,7 +383,6 @@ END
 }
 
 @test "soil: its share of the flux, k over its permeability, and that share of the error, everywhere" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 - <<'END'
 import h5py, numpy as np
 n, dx = 24, 1e-5

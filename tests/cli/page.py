@@ -5,8 +5,6 @@ import json
 import re
 import sys
 
-import numpy as np
-
 
 def read(path):
     with open(path, encoding="utf-8") as file:
@@ -14,6 +12,8 @@ def read(path):
 
 
 def field(f):
+    import numpy as np  # takes longer to load than all else here
+
     values = np.frombuffer(base64.b64decode(f["bytes"]), np.uint8).astype(float)
     return np.where(values == 255, np.nan, f["low"] + values / 254 * (f["high"] - f["low"]))
 

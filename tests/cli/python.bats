@@ -8,7 +8,6 @@ setup_file() {
   case $build in /*) ;; *) build=$ROOT/$build ;; esac
   export TOSUI_BIN="$build/bin" PATH="$build/bin:$PATH" OMP_NUM_THREADS=1
 }
-setup() { /usr/bin/python3 -c 'import h5py, numpy' 2> /dev/null || skip "python3-h5py is not installed"; }
 
 @test "python: the module's own tests" {
   /usr/bin/python3 "$ROOT/tests/cli/python_test.py"

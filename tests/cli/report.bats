@@ -2,7 +2,7 @@
 # The report's page: what it says is so, and what it shows can be seen.
 
 # SIZE OPTIONS...: of the first slices of the sample; what is said of it does not hang on how many there are.
-part() { ct2model build part --voxel-size 8.745um -q --size "$@" > /dev/null; }
+part() { ct2model build part --voxel-size 8.745um --crop 0,0,0,64,64,12 -q --size "$@" > /dev/null; }
 labels() { ct2model build labels.npy --segmented 0 --voxel-size 70um -q "$@" > /dev/null; }
 # NAME...: models NAME.hdf, their runs run-NAME.hdf and pages NAME.html, made when a test first asks for them.
 made() {
@@ -81,7 +81,7 @@ sentences() { /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" "$@"; }
 
 @test "a synthetic scan is called synthetic" {
   cp -r part described && cp "$ROOT/data-samples/small/sand.json" described
-  ct2model build described --voxel-size 8.745um -q --size 16x16x3 --threshold 62 -o described.hdf > /dev/null
+  ct2model build described --voxel-size 8.745um --crop 0,0,0,64,64,12 -q --size 16x16x3 --threshold 62 -o described.hdf > /dev/null
   sphsolve run scene.cfg --set model.file=described.hdf -o run-described -q > /dev/null
   analyze report run-described.hdf -o described.html -q > /dev/null
   page described.html 'page["model"]["origin"].startswith("synthetic")'

@@ -6,7 +6,6 @@ sample_model() {
   local scan=$ROOT/data-samples/small finest=$1 levels=1 program key kept model
   case $1 in
     32x32x14 | 16x16x7) finest=32x32x14 levels=3 ;;
-    40x40x18 | 20x20x9) finest=40x40x18 levels=3 ;;
   esac
   program=$(command -v ct2model)
   key=$(cat "$program" "$scan"/*.png | sha256sum | cut -c1-16)

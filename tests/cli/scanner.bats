@@ -44,7 +44,7 @@ for name in 'two',:
     built, info = json.load(open(f'$WORK/{name}keep.json')), json.load(open(f'$WORK/{name}.info'))
     assert info['files'][0]['scanner'] == built['scanner'], (info, built['scanner'])"
   "$CT" info "$WORK/twokeep.hdf" | grep -q 'contrast over noise'
-  grep -q scanner <("$CT" build "$WORK/two" --void-ratio 0.725 --size 24x24x12 --blur keep -o "$WORK/text.hdf" 2> /dev/null)
+  grep -q scanner <("$CT" build "$WORK/two" --void-ratio 0.725 --crop 0,0,0,64,64,32 --size 16x16x8 --blur keep -o "$WORK/text.hdf" 2> /dev/null)
 }
 
 # bats test_tags=long
@@ -74,8 +74,8 @@ assert json.load(open('$WORK/one.info'))['files'][0]['scanner'] == json.load(ope
 }
 
 @test "the surface without blur is at least twice as near to the true grains' area as that of the scan" {
-  sand blurred --seed 33 --noise-ratio 30 --fringe 0 --truth "$WORK/truth.raw" --truth-refine 3
-  "$CT" build "$WORK/truth.raw" --raw 288x288x144:u8 --voxel-size 1.943333um --threshold 0.5 --size 24x24x12 --json \
+  sand blurred --seed 33 --noise-ratio 30 --fringe 0 --size 72x72x36 --truth "$WORK/truth.raw" --truth-refine 3
+  "$CT" build "$WORK/truth.raw" --raw 216x216x108:u8 --voxel-size 1.943333um --threshold 0.5 --size 24x24x12 --json \
     --quiet -o "$WORK/truth.hdf" > "$WORK/truth.json"
   e=$(python3 -c "import json; print(json.load(open('$WORK/truth.json'))['void_ratio_original'])")
   built blurred "$e" --blur remove
@@ -197,7 +197,7 @@ assert found['fine_relief'] > 0.3"
 }
 
 @test "a void ratio measured 8 % wrong is named beside the one that the scan shows, and counts in the error of k" {
-  sand doubt --seed 9711 --blur 8um --noise-ratio 15 --void-ratio 0.8
+  sand doubt --seed 9711 --blur 8um --noise-ratio 15 --void-ratio 0.8 --size 72x72x36
   built doubt 0.8
   mv "$WORK/doubt.json" "$WORK/right.json"
   mv "$WORK/doubt.hdf" "$WORK/right.hdf"
@@ -233,9 +233,9 @@ assert abs(model['void_ratio'] / 0.725 - 1) < 1e-2"
 }
 
 @test "the same bytes on one thread and on two; a segmented image has no scanner" {
-  sand threads --seed 34
+  sand threads --seed 34 --size 64x64x32
   for n in 1 2; do
-    "$CT" build "$WORK/threads" --void-ratio 0.725 --size 24x24x12 --threads $n --quiet --json -o "$WORK/threads.hdf" \
+    "$CT" build "$WORK/threads" --void-ratio 0.725 --size 16x16x8 --threads $n --quiet --json -o "$WORK/threads.hdf" \
       > "$WORK/threads-$n.json"
     "$CT" export "$WORK/threads.hdf" -o "$WORK/threads-$n.tif" > /dev/null
   done

@@ -95,7 +95,6 @@ is() { awk "BEGIN { exit !($1) }" || { echo "$1"; false; }; }
 
 # KIND
 denoises() {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   for ratio in 10000 4; do # the first shows what partial volume and blur alone do
     "$BUILD/bin/generate_sand" --output sand --size 128x128x16 --voxel-size 8.745um --noise-ratio $ratio --truth truth.raw \
       --quiet
@@ -138,7 +137,6 @@ assert (a["solid"][()] == b["solid"][()]).all() and (a["wall_distance"][()] == b
 
 # bats test_tags=long
 @test "beam hardening and rings are measured, and taken out when asked" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   "$BUILD/bin/generate_sand" --output sand --size 128x128x16 --voxel-size 8.745um --ring 0.6 --beam 0.5 --truth truth.raw \
     --quiet
   axis="--axis 60.66,69.62" # the generator's
@@ -170,9 +168,14 @@ force = { body_acceleration = ["0", "0", "-9.80665 m/s^2"]; };
 END
     "$BUILD/bin/sphsolve" run $flow.cfg -o run-$flow --tensor --json --quiet > $flow.json
   done
-  python3 - <<'P'
-import json
+  /usr/bin/python3 - <<'P'
+import h5py, json
 k = {f: json.load(open(f + ".json"))["tensor"] for f in "xyz"}
+# Of the lattice with the model's own sites: a coarser one closes other throats where rounding has turned a wall by .003 voxels.
+for tensor in k.values():
+    for i, file in enumerate(tensor["files"]):
+        run = h5py.File(file)["run"].attrs
+        tensor["k_m_per_s"][i][i] *= run["k_finest"] / run["k"]
 z = k["z"]["k_m_per_s"]
 mean = sum(z[i][i] for i in range(3)) / 3
 for flow, axes in (("x", (1, 2, 0)), ("y", (2, 0, 1))):  # the scan's axes that are the model's
@@ -185,7 +188,6 @@ P
 
 # bats test_tags=long
 @test "ours keeps more voxels on their side than bicubic-point, at the same void ratio" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   BUILD="$BUILD" /usr/bin/python3 "$BATS_TEST_DIRNAME/../../scripts/studies/scan-study" --size 96x96x48 --voxel-size 8.745um \
     --noise 4 --ways bicubic,bicubic-point,nlm --output study
   for drawing in wrong surface-model surface-full; do grep -q "$drawing.svg" study/index.html; done

@@ -8,6 +8,9 @@ setup_file() {
   export TANK=$ROOT/data-samples/scenes/still-tank.cfg
 }
 
+# NAME: its history as tables in a folder NAME; drawn it would be by gnuplot, in a second.
+history_of() { PATH=${PATH%%:*} analyze history "$1.hdf" -o "$1"; }
+
 # What is refused stands in tests/unit/bad_scenes.txt; here what is just within.
 WATER='{ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; }'
 taken() { # END REGION
@@ -24,7 +27,7 @@ taken() { # END REGION
 @test "two levels beside a wall of two spacings stay where they are" {
   sphsolve run "$TANK" --set 'isph.dt="auto"' --set 'regions=({ type = "water"; box = ["0", "0", "0.08 m", "0.2 m"]; },
     { type = "water"; box = ["0.1 m", "0", "0.2 m", "0.1 m"]; }, { type = "wall"; box = ["0.08 m", "0", "0.1 m", "0.3 m"]; })' -o two --json > two.json
-  analyze history two.hdf -o two
+  history_of two
   awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } END { exit !($at["velocity_rms"] < 1e-3) }' two/history.csv
 }
 
@@ -70,7 +73,7 @@ END
   [ "$status" -eq 3 ]
   [[ "$output" == *"rain falls along -z"* ]]
   sphsolve run "$TANK" --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set "regions=($WATER, $(rain "1 mm/s"))" -o wet --quiet > wet.txt
-  analyze history wet.hdf -o wet
+  history_of wet
   # 2 mm on 0.2 m: four particles of 1 g/cm^2 on the one spacing along y.
   awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next } { fell = $at["fallen_sky"]; left = $at["pending_sky"]; mass = $at["mass"] }
     END { exit !(fell > 3.9e-3 && (fell + left - 4e-3) ^ 2 < 1e-12 && (mass - 0.4 - fell) ^ 2 < 1e-18) }' wet/history.csv
@@ -81,7 +84,6 @@ END
 @test "soil that moves stops before walls; what it leaves behind is water" {
   soil='{ type = "porous"; box = ["0", "0", "0.1 m", "0.2 m"]; porosity = 0.4; grain_size = "1 cm"; velocity = ["0.02 m/s", "0"]; }'
   sphsolve run "$TANK" --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set "regions=($soil, $WATER)" -o behind --quiet > behind.txt
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   /usr/bin/python3 - <<'END'
 import glob
 import h5py
@@ -165,7 +167,7 @@ END
 @test "a gauge reads no jump where the last steps share what is left of the time" {
   sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" --set 'scene.end_time="0.1 s"' \
     --set 'output.history_interval="1e-5 s"' --set 'gauges=({ name = "wall"; at = ["0", "0.07 m"]; })' -o dam --quiet > dam.txt
-  analyze history dam.hdf -o dam
+  history_of dam
   # The last of some seventy steps; the pressure rises by 1 % a step. 12 % where the last two are two thirds of a step.
   tail -n 8 dam/history.csv | awk -F, -v columns="$(head -n 1 dam/history.csv)" '
     BEGIN { n = split(columns, names, ","); for (i = 1; i <= n; i++) if (names[i] == "pressure_wall") k = i }
@@ -185,7 +187,6 @@ END
 
 # bats test_tags=long
 @test "the +- of a plane's flux holds the exact flux, in free water, too" {
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
   for size in "5 mm" "1 cm"; do
     sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set "regions.[0].grain_size=\"$size\"" \
       --set 'scene.end_time="2 s"' -o planes --quiet
@@ -325,7 +326,7 @@ END
     { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; times = ["0 s", "2 s"]; head = ["0.2 m", "0.3 m"]; },
     { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.1 m"]; head = "0.2 m"; } )' > rising.txt
   run ! grep -q '^k ' rising.txt # a head that moves makes no k
-  analyze history rising.hdf -o rising
+  history_of rising
   for t in 0.5 1 1.5; do within "$(column rising flux_mid $t)" "$(awk "BEGIN { print 1e-2 * 0.05 * $t / 0.2 * 1e-3 }")" 2e-7; done
   within "$(column rising flux_mid 2.9)" 5e-6 3e-7
   within "$(column rising head_a 1)" 0.25 2e-3
@@ -333,7 +334,7 @@ END
   sphsolve run "$TANK" -o shoved --quiet --set 'scene.end_time="2.5 s"' --set 'isph.dt="auto"' --set 'domain.size=["0.4 m", "0.3 m"]' --set 'regions=(
     { type = "water"; box = ["0.05 m", "0", "0.4 m", "0.1 m"]; },
     { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; times = ["0 s", "1 s", "2 s"]; velocity = ["0", "0", "0.1 m/s", "0", "0", "0"]; } )' > shoved.txt
-  analyze history shoved.hdf -o shoved
+  history_of shoved
   within "$(column shoved front_low_x 2.4)" 0.15 3e-3
 }
 
@@ -341,7 +342,7 @@ END
   sphsolve run "$TANK" -o poured --quiet --set 'scene.end_time="2 s"' --set 'isph.dt="auto"' --set 'regions=(
     { type = "water"; box = ["0", "0", "0.2 m", "0.1 m"]; },
     { type = "inflow"; box = ["0", "0", "0.01 m", "0.1 m"]; times = ["0 s", "1 s"]; flux = ["0.1 m/s", "0 m/s"]; } )' > poured.txt
-  analyze history poured.hdf -o poured
+  history_of poured
   awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i; next }
     $at["time"] >= 1.9 - 1e-9 { held = ($at["mass"] - 1000 * 0.01 * (0.02 + 0.05 * 0.1)) ^ 2 < 0.012 ^ 2; exit }
     END { exit !held }' poured/history.csv
@@ -354,7 +355,7 @@ END
   sphsolve run "$TANK" -o held --quiet --set 'isph.dt="auto"' --set 'domain.spacing="5 mm"' --set 'domain.size=["0.3 m", "0.3 m"]' --set 'scene.end_time="0.5 s"' \
     --set 'regions=({ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; }, { type = "water"; box = ["0.22 m", "0", "0.3 m", "0.1 m"]; },
     { type = "wall"; name = "dam"; box = ["0.2 m", "0", "0.22 m", "0.3 m"]; }, { type = "wall"; name = "block"; box = ["0.05 m", "0.05 m", "0.1 m", "0.1 m"]; })' > held.txt
-  analyze history held.hdf -o held
+  history_of held
   within "$(last held force_dam_x)" 0.7358 0.0184 # 2.5 %
   within "$(last held force_dam_z)" 0 0.01
   within "$(last held force_block_z)" 0.1226 0.005
@@ -677,7 +678,7 @@ output = { interval = "0.5 s"; };
 END
   sphsolve run foot.cfg -o foot --quiet
   analyze seepage foot.hdf -o foot > foot.txt
-  grep -q '^window  *the water before regions\[6\] stands at 0.89.* m, not at its head of 0.88 m, which the +- hold' foot.txt
+  grep -q '^window  *the water before regions\[6\] stands at 0\.88[1-9][0-9]* m, not at its head of 0\.88 m, which the +- hold' foot.txt
   # By its name, and by its number in the scene, although the layer before it is cut into boxes.
   grep -q '^water  *on the wall weir: ' foot.txt
   /usr/bin/python3 - <<'END'

@@ -19,7 +19,6 @@ END
 }
 setup() {
   cd "$BATS_FILE_TMPDIR"
-  /usr/bin/python3 -c 'import h5py' 2> /dev/null || skip "python3-h5py is not installed"
 }
 
 # refused CODE TEXT COMMAND...: the exit code, one line on stderr, and TEXT in it
@@ -69,14 +68,14 @@ END
 @test "the same inputs give the same bytes in every output" {
   for d in one two; do
     mkdir -p $d/slices
-    cp "$ROOT"/data-samples/small/slice_00{0?,1?,20,21,22,23}.png $d/slices # a build in a third of the time
+    cp "$ROOT"/data-samples/small/slice_00{0?,1?}.png $d/slices
     cp "$ROOT/data-samples/scenes/s06.cfg" $d
     (
       cd $d
       # Neither threads nor where and how one works are in what comes out.
       [ $d = one ] || { umask 077 && export OMP_NUM_THREADS=2 TZ=Asia/Tokyo LC_ALL=C.UTF-8; }
-      ct2model sweep slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x3 -o sweep.csv --json --quiet > sweep.json
-      ct2model build slices --void-ratio 0.725 --voxel-size 8.745um --size 16x16x3 -o dense.hdf --quiet > build.txt
+      ct2model sweep slices --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,64,64,12 --size 16x16x3 -o sweep.csv --json --quiet > sweep.json
+      ct2model build slices --void-ratio 0.725 --voxel-size 8.745um --crop 0,0,0,64,64,12 --size 16x16x3 -o dense.hdf --quiet > build.txt
       cp ../one/dense.hdf model.hdf # a model's time is part of its hash
       sphsolve run s06.cfg --set model.file=model.hdf --set scene.end_time='5 ms' --set output.interval='2 ms' -o out --quiet > /dev/null
       sphsolve run s06.cfg --set model.file=model.hdf --set scene.method=stokes --set stokes.tolerance=1e-4 -o creep --quiet > /dev/null

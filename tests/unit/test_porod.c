@@ -45,11 +45,14 @@ static double draw(size_t longer, double lattice, struct restored *restored) {
   for (int ball = 0; ball < (apart ? 4 * 4 * 4 : BALLS); ball++) {
     double at[3] = {14.2 + ball % 4 * 28, 14.2 + ball / 4 % 4 * 28, 14.2 + ball / 16 * 28};
     for (int d = 0; d < 3 && !apart; d++) at[d] = box * uniform(&random) - RADIUS;
-    for (size_t i = 0; i < n; i++) {
-      const double dx = (double)(i % SIDE) + 0.5 - at[0];
-      const double dy = (double)(i / SIDE % SIDE) + 0.5 - at[1];
-      const double dz = ((double)(i / SIDE / SIDE) + 0.5) * (double)longer - at[2];
-      if (dx * dx + dy * dy + dz * dz < radius * radius) share[i] = 1.0F;
+    for (size_t row = 0; row < SIDE * size[2]; row++) {
+      const double dy = (double)(row % SIDE) + 0.5 - at[1];
+      const double dz = ((double)(row / SIDE) + 0.5) * (double)longer - at[2];
+      if (dy * dy + dz * dz >= radius * radius) continue;
+      for (size_t x = 0; x < SIDE; x++) {
+        const double dx = (double)x + 0.5 - at[0];
+        if (dx * dx + dy * dy + dz * dz < radius * radius) share[row * SIDE + x] = 1.0F;
+      }
     }
   }
   for (size_t i = 0; i < n; i++) pores += share[i] < 0.5F;
