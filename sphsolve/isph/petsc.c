@@ -19,7 +19,7 @@ void isph_petsc_free(struct isph *s) {
 #include "common/memory.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/isph/pressure.h"
+#include "sphsolve/isph/matrix.h"
 
 #define ITERATIONS_MAX 2000
 

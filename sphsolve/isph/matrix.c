@@ -1,0 +1,68 @@
+#include "sphsolve/isph/matrix.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "sphsolve/isph/ranks.h"
+
+/* Sum over blocks of fixed size, added in their order: it is the same to the bit for any number of
+ * threads and ranks, since a rank's particles begin with a block. */
+double isph_dot(struct isph *s, const double *a, const double *b) {
+  const size_t first = s->local.begin, n = s->local.end;
+  double total = 0, *own = s->partial + isph_first_chunk(s);
+#pragma omp parallel for schedule(static)
+  for (size_t k = 0; k < (n - first + CHUNK - 1) / CHUNK; k++) {
+    size_t begin = first + k * CHUNK, end = begin + CHUNK < n ? begin + CHUNK : n;
+    double sum = 0;
+    for (size_t i = begin; i < end; i++) sum += a[i] * b[i];
+    own[k] = sum;
+  }
+  isph_gather_chunks(s, s->partial);
+  for (size_t k = 0; k < (s->total + CHUNK - 1) / CHUNK; k++) total += s->partial[k];
+  return total;
+}
+
+static void multiply_chunks(const struct isph *s, bool outer, const double *x, double *y) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    const struct isph_chunk *chunk = &s->chunks[c];
+    if (chunk->outer != outer) continue;
+    for (size_t i = chunk->begin; i < chunk->end; i++) {
+      double sum = s->diagonal[i] * x[i];
+      const uint32_t *pair = chunk->pair + s->pair_first[i];
+      const float *a = chunk->matrix + s->pair_first[i];
+      size_t n = s->pair_number[i];
+      for (size_t p = 0; p < n; p++) sum -= (double)a[p] * x[pair[p] & PAIR_MASK];
+      y[i] = sum;
+    }
+  }
+}
+
+void isph_multiply(struct isph *s, double *x, double *y) {
+  if (isph_is_distributed(s)) ghosts_post(&s->local, 1, &ISPH_FIELD(x));
+  multiply_chunks(s, false, x, y);
+  if (!isph_is_distributed(s)) return;
+  ghosts_finish(&s->local);
+  multiply_chunks(s, true, x, y);
+}
+
+enum status isph_solve_failed(struct isph *s, double error, int iterations) {
+  double *q = s->work[1], most = -1, own, worst[4] = {-INFINITY, -INFINITY, -INFINITY, -INFINITY};
+  size_t at = s->local.begin;
+  isph_multiply(s, s->pressure, q);
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    double off = fabs(s->source[i] - q[i]) / sqrt(s->diagonal[i]);
+    if (off > most) most = off, at = i;
+  }
+  own = most;
+  ranks_max_all(&most, 1);
+  if (own == most && s->local.end > s->local.begin) {
+    memcpy(worst, s->position[at], sizeof *s->position);
+    worst[3] = (double)s->id[at];
+  }
+  ranks_max_all(worst, 4);
+  return FAIL(STATUS_NUMERIC,
+              "residual: particle %.0f at (%.4g, %.4g, %.4g) m: relative error %.2g of the "
+              "pressure solve after %d iterations",
+              worst[3], worst[0], worst[1], worst[2], error, iterations);
+}
