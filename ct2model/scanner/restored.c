@@ -117,12 +117,12 @@ static void see_void_ratio(const struct restore *restore, const struct scanner *
   /* Greys that no surface shows by itself say nothing: those of a narrow phase were fitted. */
   if (!scanner->known || scanner->by_void_ratio || scanner->narrow) return;
   const double noise = LEVEL_NOISY / pow(scanner->contrast_to_noise, 2.0);
-  const double width = narrow_throats_measure(restore, LEVEL_MIDDLE).pore_width;
+  const double width = narrow_throats_measure(restore, LEVEL_EXPECTED).pore_width;
   const double narrow = LEVEL_NARROW * pow(scanner->blur / width, 2.0);
   const double unsure = fmin(hypot(LEVEL_SURE, hypot(noise, narrow)), LEVEL_UNSURE_MOST);
-  restored->scan_void_ratio = void_ratio_at(levels, LEVEL_MIDDLE);
-  restored->scan_void_ratio_error = 0.5 * (void_ratio_at(levels, LEVEL_MIDDLE + unsure) -
-                                           void_ratio_at(levels, LEVEL_MIDDLE - unsure));
+  restored->scan_void_ratio = void_ratio_at(levels, LEVEL_EXPECTED);
+  restored->scan_void_ratio_error = 0.5 * (void_ratio_at(levels, LEVEL_EXPECTED + unsure) -
+                                           void_ratio_at(levels, LEVEL_EXPECTED - unsure));
 }
 
 static bool allows_void_ratio(const struct restored *restored) {

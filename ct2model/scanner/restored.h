@@ -15,8 +15,8 @@ struct restored {
   double threshold;   /* level at which the walls enclose the void ratio */
   double middle;      /* void ratio at the middle level, where the scan's own edges lie */
   double void_ratio;  /* void ratio enclosed at `threshold` */
-  /* What the scan itself says, whatever was measured: the void ratio at the middle level with the
-   * greys of its edges, and its 95 % half width; NAN: nothing. */
+  /* What the scan itself says, whatever was measured: the void ratio at
+   * LEVEL_EXPECTED with the greys of its edges, and its 95 % half width; NAN: nothing. */
   double scan_void_ratio, scan_void_ratio_error;
   double two_phases; /* weight with which grain and pore were told to be two phases (deblur.h) */
 };
