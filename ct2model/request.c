@@ -58,7 +58,8 @@ static const struct option_entry ENTRIES[] = {
     {"mirror", 0, "x|y|z|none", SWEEP | BUILD,
      "axis of the model along which n layers become 2n-1, so that it is periodic (default z)"},
     {"sides", 0, "periodic|closed|mirrored", SWEEP | BUILD,
-     "the faces along the flow: closed (walls, as in a tube), mirrored (in all axes; pores fit, as in "
+     "the faces along the flow: closed (walls, as in a tube), mirrored (in all axes; pores fit, as "
+     "in "
      "a larger sample), or periodic: the sample again (default; given, it states that the image "
      "repeats itself, and k has no error by its sides)"},
     {"flow", 0, "x|y|z", SWEEP | BUILD,

@@ -30,8 +30,8 @@ struct request {
   bool crop_given, crop_auto, size_given, grain_given, fill_islands, mirror;
   enum sides sides;
   bool sides_stated; /* the user says that the image is periodic */
-  int mirror_axis; /* axis of the model; 2 if nothing is mirrored */
-  size_t crop[6];  /* x0, y0, z0, nx, ny, nz */
+  int mirror_axis;   /* axis of the model; 2 if nothing is mirrored */
+  size_t crop[6];    /* x0, y0, z0, nx, ny, nz */
   size_t size[3];
   struct roi roi;
   int flow_axis; /* axis of the scan, 0 x .. 2 z, that becomes the model's z */

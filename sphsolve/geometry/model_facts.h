@@ -42,7 +42,7 @@ struct model_facts {
    * or mirrored, so that the model contains the sample twice along each axis. */
   bool sides_wrapped, sides_mirrored;
   bool sides_stated; /* wrapped, and the user says that the image is periodic */
-  bool z_mirrored; /* the default of `--mirror` of ct2model */
+  bool z_mirrored;   /* the default of `--mirror` of ct2model */
   /* Axes along which the model is wrapped around although its pores do not continue: x and y where
    * the sides are wrapped, z where the first and last layer do not belong to a periodic body
    * (cut_pores.h). */

@@ -299,7 +299,8 @@ open("eighth.raw", "wb").write(bytes(x + y + z < r * r for z in at for y in at f
 END
   local eighth="eighth.raw --raw 9x9x9:u8 --voxel-size 10um --segmented 0"
   for sides in mirrored periodic closed; do
-    ct2model build $eighth --sides $sides -o $sides.hdf --quiet
+    # By default: given, periodic sides state that the body repeats itself, which an octant does not.
+    ct2model build $eighth $([ $sides = periodic ] || echo --sides $sides) -o $sides.hdf --quiet
     sphsolve run s.cfg --set model.file=$sides.hdf -o run-$sides --json > run-$sides.json
   done
   /usr/bin/python3 - <<'END'

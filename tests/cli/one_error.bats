@@ -225,11 +225,11 @@ np.save("balls.npy", np.any(solid, axis=0).astype(np.uint8))
 END
   ct2model build balls.npy --segmented 0 --voxel-size 10um --mirror none -q -o balls.hdf
   scene stokes balls.hdf > balls.cfg
-  sphsolve run balls.cfg -o balls-run --error 12% $1 --json > balls.json 2> /dev/null
-  sphsolve run balls.cfg -o balls-run --error 12% $1 > balls.txt 2> /dev/null
+  sphsolve run balls.cfg -o balls-run --error 14% $1 --json > balls.json 2> /dev/null
+  sphsolve run balls.cfg -o balls-run --error 14% $1 > balls.txt 2> /dev/null
   /usr/bin/python3 -c 'import json; run = json.load(open("balls.json")); e = run["error"]
-assert run["status"] == "budget" and e["sides"] > 0.12 > e["resolution"] + e["scan"], run'
-  grep -q "12 %, was not reached: what no lattice lessens is more" balls.txt || { cat balls.txt; false; }
+assert run["status"] == "budget" and e["sides"] > 0.14 > e["resolution"] + e["scan"], run'
+  grep -q "14 %, was not reached: what no lattice lessens is more" balls.txt || { cat balls.txt; false; }
 }
 @test "the part of the sides counts in whether an error was reached, and why not" { sides_count; }
 
