@@ -184,11 +184,11 @@ wcsph() { # NAME [options]
   echo run s06.cfg --set model.file=dense.hdf --set scene.steady_tolerance=0.0 --set scene.end_time=0.01s \
     --set force.body_acceleration="[\"0\",\"0\",\"-${pull:-9.8}m/s^2\"]" --set output.interval=0.005s -o "$name" --quiet "$@"
 }
-same() { # SERIAL OTHER: bit for bit, snapshots too
+same() { # SERIAL OTHER [NAME...]: bit for bit but for these (same_run.py), snapshots too
   local file pairs=()
   for file in "$1".hdf "$1"-0*.hdf; do pairs+=("$file" "$2${file#"$1"}"); done
   # The error's lattices are solved by method stokes, whose sums are cut at the ranks.
-  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels @
+  /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels @ "${@:3}"
 }
 
 @test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {
@@ -324,7 +324,7 @@ END
   on 3 sphsolve-mpi $(isph dam-break 0.04s part --resume) > /dev/null
   same whole part
   sphsolve $(isph dam-break 0.04s lone-part --resume) > /dev/null
-  same whole lone-part
+  same whole lone-part run/snapshots/name # those from before are called as the run was then
 }
 
 with_petsc() { # SCENE RANKS...: one step, against method isph's own solver
