@@ -88,7 +88,8 @@ np.save('wide.npy', (np.sin(x[2] / 9) * 60 + 100 + x[1] / 10 + np.random.default
 @test "in a browser: the threshold moves the void ratio and the command, by keyboard; on a telephone nothing is too wide" {
   command -v chromium > /dev/null || skip "chromium is not installed"
   narrow scan
-  sed 's#</body>#<script>setTimeout(() => {\
+  # A browser without a screen and with a clock of its own draws no frames of its own accord.
+  sed 's#</body>#<script>window.requestAnimationFrame = draw => setTimeout(draw, 0); setTimeout(() => {\
     const by = id => document.getElementById(id), said = [by("state").textContent, by("command").textContent];\
     const pixels = () => { const c = document.querySelector("\#slice canvas"); return c.toDataURL(); }, before = pixels();\
     by("value").value = 80;\
