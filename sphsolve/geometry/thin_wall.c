@@ -83,27 +83,39 @@ static double distance_at(const struct walk *w, double t) {
   return distance_beside(w, t, NULL);
 }
 
+/* Gradient of that distance between sites. */
+static void gradient_between_sites(const struct walk *w, double t, double gradient[3]) {
+  float corner[8];
+  double x[3];
+  find_corners(w, t, NULL, corner, x);
+  for (int a = 0; a < 3; a++) {
+    gradient[a] = 0.0;
+    for (int c = 0; c < 8; c++) {
+      double weight = c >> a & 1 ? 1.0 : -1.0;
+      for (int b = 0; b < 3; b++)
+        if (b != a) weight *= c >> b & 1 ? x[b] : 1.0 - x[b];
+      gradient[a] += weight * (double)corner[c] / w->surface->spacing[a];
+    }
+  }
+}
+
+/* The same of regions, but for its length. */
+static void gradient_of_boxes(const struct walk *w, double t, double gradient[3]) {
+  for (int a = 0; a < 3; a++) {
+    double up[3] = {0.0}, down[3] = {0.0};
+    up[a] = BESIDE_FACE * w->unit, down[a] = -up[a];
+    gradient[a] = distance_beside(w, t, up) - distance_beside(w, t, down);
+  }
+}
+
 /* Direction in which that distance increases; 0 where it does not change. */
 static void normal_at(const struct walk *w, double t, double normal[3]) {
-  float corner[8];
-  double x[3], length = 0.0;
-  if (w->surface->boxes == NULL) find_corners(w, t, NULL, corner, x);
-  for (int a = 0; a < 3; a++) {
-    normal[a] = 0.0;
-    if (w->surface->boxes != NULL) {
-      double up[3] = {0.0}, down[3] = {0.0};
-      up[a] = BESIDE_FACE * w->unit, down[a] = -up[a];
-      normal[a] = distance_beside(w, t, up) - distance_beside(w, t, down);
-    } else {
-      for (int c = 0; c < 8; c++) {
-        double weight = c >> a & 1 ? 1.0 : -1.0;
-        for (int b = 0; b < 3; b++)
-          if (b != a) weight *= c >> b & 1 ? x[b] : 1.0 - x[b];
-        normal[a] += weight * (double)corner[c] / w->surface->spacing[a];
-      }
-    }
-    length = hypot(length, normal[a]);
-  }
+  double length = 0.0;
+  if (w->surface->boxes != NULL)
+    gradient_of_boxes(w, t, normal);
+  else
+    gradient_between_sites(w, t, normal);
+  for (int a = 0; a < 3; a++) length = hypot(length, normal[a]);
   for (int a = 0; a < 3; a++) normal[a] = length > 0.0 ? normal[a] / length : 0.0;
 }
 
