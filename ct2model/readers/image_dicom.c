@@ -22,7 +22,7 @@ struct dicom {
   FILE *file;
   bool implicit;
   unsigned rows, columns, allocated, stored, high, is_signed, samples, frames;
-  bool white_is_zero;
+  bool white_is_zero, by_table; /* by_table: greys are to be looked up in one */
   double spacing[2], position[3], orientation[6], slope, intercept;
   double number, thickness, distance; /* of the series; of slices, mm; NAN if not told */
   bool placed, oriented, varied;      /* varied: frames are turned or scaled each in its own way */
@@ -271,6 +271,9 @@ static enum status read_header(const char *path, struct dicom *dicom) {
                path);
     }
     if (element.group == 0x7fe0 && element.number == 0x0010) break;
+    if (element.group == 0x7fe0)
+      TRY_FAIL(STATUS_INPUT, "%s: pixels that are floats are not read; save as 8 or 16 bit", path);
+    dicom->by_table |= element.group == 0x0028 && element.number == 0x3000 && element.length > 0;
     if (holds_frames(&element)) continue;
     if (element.length == UNDEFINED) {
       if (!skip_undefined(dicom, &element, 0)) TRY(damaged(dicom));
@@ -353,6 +356,7 @@ static enum status dicom_open(const char *path, struct image *image) {
     image->voxel[2] = slice_distance(&d);
     image->voxel_source = "DICOM pixel spacing";
   }
+  if (d.by_table) image_note(image, "greys as stored, before its table (Modality LUT Sequence)");
   if (d.slope != 1.0 || d.intercept != 0.0)
     image_note(image, "greys as stored, before its slope %g and intercept %g", d.slope,
                d.intercept);

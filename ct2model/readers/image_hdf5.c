@@ -1,5 +1,6 @@
 #include "ct2model/readers/image.h"
 
+#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
@@ -102,6 +103,28 @@ static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_ty
   }
 }
 
+/* Tells of attributes by which other programs take the numbers for other greys (CF conventions,
+ * 8.1; HDF5 Image), and of those of Imaris that say which part of an array is the scan. */
+static void tell_attributes(struct h5_file *file, const char *name, struct image *image) {
+  static const struct {
+    const char *name;
+    double idle; /* a value that changes nothing */
+  } CHANGING[] = {
+      {"scale_factor", 1.0}, {"add_offset", 0.0}, {"_Unsigned", NAN}, {"IMAGE_WHITE_IS_ZERO", 0.0}};
+  for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++)
+    if (h5_attribute_exists(file, name, CHANGING[i].name) &&
+        h5_attribute_or_nan(file, name, CHANGING[i].name) != CHANGING[i].idle)
+      image_note(image, "greys as stored, not as its attribute %s says", CHANGING[i].name);
+  char group[200];
+  const int length = (int)(strrchr(name, '/') - name);
+  snprintf(group, sizeof group, "%.*s", length, name);
+  if (length > 0 && h5_attribute_exists(file, group, "ImageSizeX"))
+    image_note(image,
+               "beyond ImageSizeX, Y and Z of %s it is filled up, no scan: leave that out "
+               "by --crop",
+               group);
+}
+
 static enum status hdf5_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
   const char *name = dataset_name(path);
@@ -143,6 +166,7 @@ static enum status hdf5_open(const char *path, struct image *image) {
   image->size[1] = turned[axis[1]];
   image->pages = axis[2] < 0 ? 1 : turned[axis[2]];
   dataset->z_axis = axis[2] < 0 ? -1 : dataset->rank - 1 - axis[2];
+  tell_attributes(dataset->file, name, image);
   if (h5_is_partial(dataset->file, name))
     image_note(image, "%s was not written to its end: the rest is filled in", name);
   if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0 ||

@@ -320,6 +320,27 @@ static void read_spacing(const struct nrrd_header *header, struct image *image) 
   if (isfinite(image->voxel[0])) image->voxel_source = "NRRD spacings";
 }
 
+/* Whether the axes of the array run not along those of space, in their order. */
+static bool is_turned(const char *directions) {
+  double along[AXES_MOST];
+  int axis = 0;
+  for (const char *at = directions; at != NULL && *at != '\0' && axis < AXES_MOST; at++) {
+    int count = 0;
+    while ((*at == '(' || *at == ',') && count < AXES_MOST) {
+      char *end;
+      along[count++] = strtod(at + 1, &end);
+      if (end == at + 1) return false;
+      at = end + strspn(end, " \t");
+    }
+    if (count == 0) continue; /* "none" */
+    for (int c = 0; c < count && axis < count; c++)
+      if (c == axis ? along[c] < 0.0 : fabs(along[c]) > 1e-6 * fabs(along[axis])) return true;
+    if (*at == '\0') break;
+    axis++;
+  }
+  return false;
+}
+
 /* Where the pixels begin: after the header and `line skip` lines, then `byte skip` bytes, of the
  * unpacked ones where they are compressed. */
 static enum status place_pixels(const char *path, FILE *header_file, bool compressed,
@@ -401,6 +422,8 @@ static enum status nrrd_open(const char *path, struct image *image) {
   TRY(read_storage(path, &header, image, &compressed));
   TRY(place_pixels(path, file, compressed, &header, image));
   read_spacing(&header, image);
+  if (is_turned(header.value[DIRECTIONS]))
+    image_note(image, "its axes are turned (space directions): read as stored");
   image->plain = true;
   TRY(image_claim_pixels(image, compressed));
 cleanup:

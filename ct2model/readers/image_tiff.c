@@ -297,6 +297,8 @@ static bool has_alpha(TIFF *tiff) {
  * masks are left out. */
 static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
   size_t room = 0, missing = 0;
+  uint16_t number, number_before = 0, count;
+  bool in_order = true;
   enum status status = STATUS_OK;
   struct image other = {.path = image->path, .type = image->type};
   const bool all_aside = is_aside(tiff); /* then they are the slices after all */
@@ -339,6 +341,10 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
                image->path, image->pages);
     image->plain &= whole;
     missing += count_missing(tiff);
+    if (TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count)) {
+      in_order &= number >= number_before;
+      number_before = number;
+    }
     image->page_offsets[image->pages++] = TIFFCurrentDirOffset(tiff);
   } while (TIFFReadDirectory(tiff));
   if (tiff_message[0] == '\0' && !TIFFLastDirectory(tiff))
@@ -347,6 +353,8 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
+  if (!in_order)
+    image_note(image, "its pages are numbered in another order: read as they stand in the file");
   if (missing > 0)
     image_note(image, "%zu of its blocks are not in the file (sparse): all 0 there", missing);
 cleanup:

@@ -186,6 +186,21 @@ static enum status place_array(const char *path, const char *xml, const char *ar
   return STATUS_OK;
 }
 
+/* Whether a few bytes more than the array stand before the end of what is appended, as where the
+ * header is of 64 bits and its type says 32. */
+static bool has_more(FILE *file, off_t end) {
+  static const char CLOSED[] = "</AppendedData";
+  char rest[64];
+  if (fseeko(file, end, SEEK_SET) != 0) return false;
+  const size_t n = fread(rest, 1, sizeof rest, file), length = strlen(CLOSED);
+  bool more = false;
+  for (size_t i = 0; i + length <= n; i++) {
+    if (memcmp(rest + i, CLOSED, length) == 0) return more;
+    more |= strchr(" \t\r\n", rest[i]) == NULL || rest[i] == '\0';
+  }
+  return false; /* another array follows */
+}
+
 /* Appended bytes are read where they stand. */
 static enum status claim_bytes(const char *path, const struct vti_data *data, struct image *image) {
   unsigned char head[8];
@@ -206,6 +221,10 @@ static enum status claim_bytes(const char *path, const struct vti_data *data, st
   const enum status status = image_file_size(path, &bytes);
   if (status == STATUS_OK && (double)bytes < (double)image->data_offset + wanted)
     return FAIL(STATUS_INPUT, "%s: ends within its array" EXPORT_AGAIN, path);
+  if (status == STATUS_OK && has_more(data->file, (off_t)((double)image->data_offset + wanted)))
+    return FAIL(STATUS_INPUT,
+                "%s: bytes are left behind its array: is header_type=\"UInt%d\" right?", path,
+                data->wide ? 64 : 32);
   return status;
 }
 

@@ -125,6 +125,40 @@ static enum status read_shape(const char *path, const char *description, const s
   return STATUS_OK;
 }
 
+/* OME may put the slices on pages in any order (<TiffData FirstZ="2" IFD="0"/>), and into several
+ * files (a UUID with a FileName follows): what is read is the pages as they come. */
+static enum status check_order(const char *path, const char *xml) {
+  static const char UUID[] = "><UUID FileName=\"";
+  enum { MOST = 200 };
+  char tag[MOST], name[MOST], last[MOST] = "";
+  unsigned long long before = 0;
+  bool first = true;
+  const char *end = strstr(xml, "</Pixels>"); /* of further images */
+  for (const char *at = after(xml, "<TiffData "); at != NULL && (end == NULL || at < end);
+       at = after(at, "<TiffData ")) {
+    const size_t length = strcspn(at, ">");
+    snprintf(tag, sizeof tag, "%.*s", (int)(length < MOST ? length : MOST), at);
+    const char *on_page = after(tag, "IFD=\""), *slice = after(tag, "FirstZ=\"");
+    if (on_page == NULL) continue;
+    const unsigned long long page = strtoull(on_page, NULL, 10);
+    const unsigned long long z = slice != NULL ? strtoull(slice, NULL, 10) : 0;
+    const char *child = at + length;
+    const bool named = strncmp(child, UUID, strlen(UUID)) == 0;
+    const char *of = named ? child + strlen(UUID) : "";
+    const size_t letters = strcspn(of, "\"");
+    snprintf(name, sizeof name, "%.*s", (int)(letters < MOST ? letters : MOST), of);
+    if (!first && strcmp(name, last) == 0 && z - page != before)
+      return FAIL(STATUS_INPUT,
+                  "%s: its text (OME) puts slice %llu on page %llu, and others in another order; "
+                  "save it again with the slices in order",
+                  path, z, page);
+    before = z - page;
+    first = false;
+    memcpy(last, name, sizeof last);
+  }
+  return STATUS_OK;
+}
+
 enum status tiff_told_slices(const char *path, const char *description, const size_t page[3],
                              unsigned long long *slices, bool *follow) {
   static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=\"", "SizeT=\""};
@@ -142,6 +176,7 @@ enum status tiff_told_slices(const char *path, const char *description, const si
     if (count > 1) return refuse_hyperstack(path, count, KEYS[i]);
   }
   const char *ome_slices = ome ? after(description, "SizeZ=\"") : NULL;
+  if (ome && check_order(path, description) != STATUS_OK) return STATUS_INPUT;
   if (ome_slices != NULL) *slices = strtoull(ome_slices, NULL, 10);
   *follow = imagej || description[0] == '{';
   if (imagej && tiff_description_value(description, "images", text, sizeof text) && text[0] != '-')

@@ -152,6 +152,35 @@ static void test_part_that_was_never_written(void **state) {
   holds(":/v", NZ, NULL);
 }
 
+/* What attributes make of the greys, and which part of an array they call the scan. */
+static void test_attributes(void **state) {
+  (void)state;
+  static const struct {
+    const char *of, *name, *note;
+    double value;
+  } cases[] = {{"g/v", "scale_factor", "not as its attribute scale_factor says", 0.5},
+               {"g/v", "scale_factor", NULL, 1.0},
+               {"g/v", "add_offset", "not as its attribute add_offset says", -3.0},
+               {"g/v", "add_offset", NULL, 0.0},
+               {"g/v", "_Unsigned", "not as its attribute _Unsigned says", 1.0},
+               {"g/v", "IMAGE_WHITE_IS_ZERO", "not as its attribute IMAGE_WHITE_IS_ZERO says", 1.0},
+               {"g/v", "IMAGE_WHITE_IS_ZERO", NULL, 0.0},
+               {"g", "ImageSizeX", "beyond ImageSizeX, Y and Z of /g it is filled up", 13.0}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    hid_t h5 = begin();
+    add(h5, "g/v", 3, VOLUME, 0);
+    hid_t space = H5Screate(H5S_SCALAR), object = H5Oopen(h5, cases[i].of, H5P_DEFAULT);
+    hid_t attribute =
+        H5Acreate2(object, cases[i].name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &cases[i].value) >= 0);
+    H5Aclose(attribute);
+    H5Oclose(object);
+    H5Sclose(space);
+    H5Fclose(h5);
+    holds(":/g/v", NZ, cases[i].note);
+  }
+}
+
 /* A chunk of 1 MB that inflates to 100: the library would allocate all of it. */
 static void test_chunk_that_inflates_beyond_itself(void **state) {
   (void)state;
@@ -237,6 +266,7 @@ int main(void) {
       cmocka_unit_test(test_only_array),
       cmocka_unit_test(test_axes_of_one),
       cmocka_unit_test(test_part_that_was_never_written),
+      cmocka_unit_test(test_attributes),
       cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
       cmocka_unit_test(test_deflated_twice),
   };

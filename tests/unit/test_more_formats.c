@@ -216,6 +216,22 @@ static void write_vti(const struct vti *vti, bool cells) {
 #define ARRAY(type, more)                                                                          \
   "<DataArray type=\"" type "\" Name=\"grey\" format=\"appended\" " more " offset=\"7\"/>"
 
+/* Puts four zeros into a file, `behind` bytes after the start of a text. */
+static void insert_zeros(const char *path, const char *text, size_t behind) {
+  static char bytes[1 << 20];
+  FILE *file = fopen(path, "rb");
+  const size_t n = fread(bytes, 1, sizeof bytes, file);
+  fclose(file);
+  size_t at = 0;
+  while (memcmp(bytes + at, text, strlen(text)) != 0) at++;
+  at += behind;
+  file = fopen(path, "wb");
+  fwrite(bytes, 1, at, file);
+  fwrite("\0\0\0", 1, 4, file);
+  fwrite(bytes + at, 1, n - at, file);
+  fclose(file);
+}
+
 static void test_vti(void **state) {
   (void)state;
   const double untold[] = {NAN, NAN};
@@ -279,6 +295,14 @@ static void test_vti(void **state) {
     else
       holds(1, NZ, 255, 1, 0, untold, "Spacing = 1 1 2 has no unit");
   }
+  /* The head is of 64 bits, but is said to be of 32: all would be read four bytes early. */
+  write_vti(&(struct vti){"ImageData", " header_type=\"UInt32\"",
+                          "<PointData>" ARRAY("UInt8", "") "</PointData>", 1, false, 0},
+            false);
+  char path[160];
+  snprintf(path, sizeof path, "%s/scan.vti", folder);
+  insert_zeros(path, "_1234567", 12);
+  refused(1, "bytes are left behind its array: is header_type=\"UInt32\" right?");
 }
 
 /* The greys as text, in base64 or in compressed blocks. */
@@ -496,6 +520,7 @@ static struct {
   const char *series, *distance, *thickness;
   const int *places;  /* of frames, in tenths of a mm */
   const char *scaled; /* slope of the last frame */
+  bool table, floats; /* a table for the greys; pixels that are floats */
 } extra;
 
 static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsigned element) {
@@ -589,7 +614,10 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   put_whole(file, 0x103, d->is_signed, implicit);
   if (d->slope != NULL) put_text(file, 0x28, 0x1053, "DS", d->slope, implicit);
   if (extra.places != NULL) put_frames(file, d);
-  put_head(file, 0x7fe0, 0x10, "OW", 2 * NX * NY * d->frames, implicit);
+  if (extra.table) put_item(file, true, implicit, 0x28, 0x3000);
+  if (extra.table) put_item(file, false, implicit, 0, 0);
+  put_head(file, 0x7fe0, extra.floats ? 0x08 : 0x10, extra.floats ? "OF" : "OW",
+           2 * NX * NY * d->frames, implicit);
   for (size_t k = 0; k < NX * NY * d->frames; k++) {
     const int value = (int)grey(k % NX, k / NX % NY, z + k / NX / NY) - (d->is_signed ? 100 : 0);
     put(file, ((unsigned)value & ((1u << d->stored) - 1u)) | d->dirt, 2);
@@ -751,6 +779,20 @@ static void test_dicom_frames(void **state) {
   memset(&extra, 0, sizeof extra);
 }
 
+static void test_dicom_values(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  const struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  extra.table = true;
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, "greys as stored, before its table");
+  extra.table = false;
+  extra.floats = true;
+  write_dicom(0, 0, &d);
+  refused(1, "pixels that are floats");
+  memset(&extra, 0, sizeof extra);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bmp),
@@ -760,6 +802,7 @@ int main(void) {
       cmocka_unit_test(test_dicom_without_its_beginning),
       cmocka_unit_test(test_dicom_numbers),
       cmocka_unit_test(test_dicom_frames),
+      cmocka_unit_test(test_dicom_values),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -49,11 +49,12 @@ struct page {
   uint16_t (*colour)(int channel, unsigned entry);
   size_t shrunk;  /* a thumbnail: so many pixels less */
   uint32_t depth; /* slices in a page; 0: no tag */
+  uint16_t told;  /* PageNumber; 0: no tag */
   uint16_t format;
 };
 
 static const struct page PLAIN = {
-    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0,
+    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0,
     0, SAMPLEFORMAT_UINT};
 
 /* Packs the samples of a row; a second sample is another pattern. */
@@ -83,6 +84,7 @@ static void add_page(TIFF *tiff, const struct page *page) {
     uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
   }
+  if (page->told > 0) TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page->told, 9);
   if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
   if (page->description != NULL) TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, page->description);
   if (page->colour != NULL) {
@@ -251,6 +253,36 @@ static void test_lost_slices(void **state) {
     pages[0].description = OTHERS[i][0];
     write_pages("w", pages, 3);
     holds(slices, 3, 8, NULL, 0, 0, OTHERS[i][1]);
+  }
+  for (uint16_t i = 0; i < 3; i++) pages[i].told = (uint16_t)(5 + i);
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, NULL);
+  pages[2].told = 5;
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, "its pages are numbered in another order");
+  for (size_t i = 0; i < 3; i++) pages[i].told = 0;
+#define OME "<OME><Pixels SizeZ=\"3\">"
+#define DATA(z, ifd) "<TiffData FirstZ=\"" z "\" IFD=\"" ifd "\"/>"
+#define BESIDE(z, name)                                                                            \
+  "<TiffData FirstZ=\"" z "\" IFD=\"0\"><UUID FileName=\"" name "\">u</UUID></TiffData>"
+  static const struct {
+    const char *text;
+    bool in_order;
+  } ORDERS[] = {{OME DATA("0", "0") DATA("1", "1") DATA("2", "2") "</Pixels></OME>", true},
+                {OME DATA("2", "0") DATA("1", "1") DATA("0", "2") "</Pixels></OME>", false},
+                {OME DATA("1", "0") DATA("0", "1") DATA("2", "2") "</Pixels></OME>", false},
+                {OME "<TiffData IFD=\"0\" PlaneCount=\"3\"/></Pixels><Pixels>" DATA(
+                     "0", "3") "</Pixels></OME>",
+                 true},
+                {OME BESIDE("0", "a") BESIDE("1", "b") BESIDE("2", "c") "</Pixels></OME>", true},
+                {OME BESIDE("0", "a") BESIDE("1", "a") "</Pixels></OME>", false}};
+  for (size_t i = 0; i < sizeof ORDERS / sizeof *ORDERS; i++) {
+    pages[0].description = ORDERS[i].text;
+    write_pages("w", pages, 3);
+    if (ORDERS[i].in_order)
+      holds(slices, 3, 8, NULL, 0, 0, NULL);
+    else
+      refused("and others in another order");
   }
   pages[0].description = "ImageJ=1.53t\nimages=3\ncf=0\nc0=-32768.0\nc1=1.0\n";
   write_pages("w", pages, 3);
