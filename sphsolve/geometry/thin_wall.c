@@ -270,6 +270,13 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
   return back ? follow(&w, far, near) : follow(&w, near, far);
 }
 
+/* The site after one along an axis, across the periodic boundary. */
+static size_t next_site(const struct lattice *l, size_t site, int axis) {
+  const size_t stride = axis == 0 ? 1 : axis == 1 ? l->size[0] : l->size[0] * l->size[1];
+  const size_t n = l->size[axis];
+  return site / stride % n + 1 < n ? site + stride : site - (n - 1) * stride;
+}
+
 enum status thin_wall_find_faces(struct lattice *l) {
   enum status status = STATUS_OK;
   const size_t plane = l->size[0] * l->size[1];
@@ -280,13 +287,11 @@ enum status thin_wall_find_faces(struct lattice *l) {
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t s = k * plane; s < (k + 1) * plane && !interrupt_alone(); s++) {
       const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], k};
-      const size_t stride[3] = {1, l->size[0], plane};
       if (l->kind[s] != SITE_FLUID) continue;
       for (int a = 0; a < 3; a++) {
         if (l->size[a] == 1) continue;
         const int step[3] = {a == 0, a == 1, a == 2};
-        const size_t next =
-            at[a] + 1 < l->size[a] ? s + stride[a] : s - (l->size[a] - 1) * stride[a];
+        const size_t next = next_site(l, s, a);
         if (l->kind[next] != SITE_FLUID || !thin_wall_cuts(l, at, step, NULL, NULL)) continue;
         cut[s] |= (uint8_t)(1U << a);
         count++;
@@ -302,19 +307,15 @@ cleanup:
 
 enum status thin_wall_fill(struct lattice *l) {
   enum status status = STATUS_OK;
-  const size_t plane = l->size[0] * l->size[1];
   uint8_t *wall = NULL;
   if (l->cut == NULL) return STATUS_OK;
   TRY(memory_allocate(&wall, l->count, 1, "walls between sites"));
-  for (size_t s = 0; s < l->count; s++) {
-    const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], s / plane};
-    const size_t stride[3] = {1, l->size[0], plane};
+  for (size_t s = 0; s < l->count; s++)
     for (int a = 0; a < 3; a++) {
       if (!thin_wall_on_face(l, s, a)) continue;
-      const size_t next = at[a] + 1 < l->size[a] ? s + stride[a] : s - (l->size[a] - 1) * stride[a];
+      const size_t next = next_site(l, s, a);
       wall[l->wall_distance[next] < l->wall_distance[s] ? next : s] = 1;
     }
-  }
   /* The ranks of a machine share these arrays, and write the same values. */
   ranks_wait();
   for (size_t s = 0; s < l->count; s++) {
@@ -346,7 +347,7 @@ enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
     for (int a = 0; a < 3 && l->kind[s] == SITE_WALL; a++) {
       const size_t all = l->size[a] * stride[a];
       const size_t last = at[a] > 0 ? s - stride[a] : s + all - stride[a];
-      const size_t next = at[a] + 1 < l->size[a] ? s + stride[a] : s + stride[a] - all;
+      const size_t next = next_site(l, s, a);
       size_t from[3] = {at[0], at[1], at[2]};
       const int step[3] = {a == 0 ? 2 : 0, a == 1 ? 2 : 0, a == 2 ? 2 : 0};
       from[a] = at[a] > 0 ? at[a] - 1 : l->size[a] - 1;
