@@ -105,11 +105,26 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
     shape->open = 4.0 * (fluid - soil) / surface;
   }
   if (!boxes) shape->grain = 2.0 * (l->bulk_count - fluid) / surface;
+  int main_axis = 0;
+  for (int a = 1; a < 3; a++)
+    if (fabs(scene->driving[a]) > fabs(scene->driving[main_axis])) main_axis = a;
+  shape->dimensions = l->dimensions;
+  shape->ways = fluid / (double)n[main_axis] / pow(shape->width, l->dimensions - 1);
   shape->slope = fmax(3.0 * surface / fluid + 2.0 * shrinks, surface / fluid);
   shape->outer = sums.outer / surface;
   shape->middle = sums.middle / surface;
   shape->sharp = sharp;
   shape->flat = sharp && axes == 1;
+}
+
+/* Part of the narrowest way, of `width` spacings, as computed from a solution by
+ * stokes/cascade/cascade_add.c, with the number of independent ways and the curvature of the walls
+ * of a mean pore and grain: spheres of radius R have 2 V / S = 2/3 R. */
+static double narrow_ways(const struct pore_shape *shape, double refined) {
+  const double width = shape->throat * refined, radius = 1.5 * shape->grain * refined;
+  if (!isfinite(width) || shape->flat) return 0.0;
+  const double unknown = shape->sharp ? 1.0 : fmin(1.0, fmax(1.0 / width, 1.0 / radius));
+  return fmin(1.0, unknown * 0.5 * shape->dimensions / (width * sqrt(fmax(1.0, shape->ways))));
 }
 
 /* In terms of q, the slope of ln k per spacing; errors of sands differ by a factor of 2 at the same
@@ -146,11 +161,15 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
     less += fmax(0.0, -q * shape->middle) + (shape->sharp ? 0.0 : ERROR_ADAMI_PLACE * q);
     how = "adami walls: half-way between points";
   }
+  const double ways = narrow_ways(shape, refined);
   both = fmin(more, less);
-  e.error = hypot(more, less);
+  e.error = hypot(hypot(more, less), ways);
   const bool exact = shape->flat && wall == WALL_SUBVOXEL;
   e.least = !exact && fmax(more, less) > 4.0 * both ? fabs(more - less) : 0.0;
-  snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g points; %s%s", width, how,
-           exact || e.least > 0.0 ? "" : "; of parts with unlike signs");
+  int length = snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g points; %s%s", width, how,
+                        exact || e.least > 0.0 ? "" : "; of parts with unlike signs");
+  if (ways > 0.5 * e.error)
+    snprintf(e.why + length, sizeof e.why - (size_t)length, "; the narrowest way has %.2g points",
+             shape->throat * refined);
   return e;
 }

@@ -14,6 +14,8 @@ struct pore_shape {
   double open;  /* the same without the pore volume filled by soil */
   double
       throat;   /* critical width along the force (geometry/throat_width.h); infinite without one */
+  double ways;  /* mean pores side by side in a plane across the force */
+  int dimensions;
   double grain; /* mean thickness, 2 V / S of the grains; infinite between boxes */
   double slope; /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
   double outer; /* mean depth of the wall sites next to fluid behind the surface */

@@ -11,6 +11,7 @@
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/throat_width.h"
+#include "sphsolve/geometry/wall_curvature.h"
 #include "sphsolve/stokes/solver/state.h"
 #include "sphsolve/stokes/solver/step.h"
 
@@ -169,12 +170,45 @@ static void test_hole_in_a_membrane_lets_through_what_sampson_says(void **state)
   lattice_free(&fine);
 }
 
+/* Tube along z. */
+static double tube(const double x[3]) {
+  return ball_radius - hypot(x[0] - 0.5 * N, x[1] - 0.5 * N);
+}
+
+/* A ball has 1 / R at any distance from it, a half plane's edge more than a spacing can resolve, a
+ * tube, hollow seen from the water, none. */
+static void test_curvature_is_that_of_the_nearest_wall(void **state) {
+  (void)state;
+  const float exact = 1.0F / 12.0F;
+  struct lattice l, coarse;
+  ball_radius = 12.0;
+  make_body(ball, &l);
+  for (size_t i = 38; i < 46; i++) { /* 2.5 to 9.5 voxels from the ball */
+    assert_float_equal(wall_curvature(&l, (size_t[3]){i, N / 2, N / 2}), exact, 0.004F);
+    assert_float_equal(wall_curvature(&l, (size_t[3]){i, 29, 16}), exact, 0.004F);
+  }
+  lattice_free(&l);
+  membrane_place = 21.5;
+  make_body(pierced, &l);
+  assert_int_equal(lattice_resample(&l, 3.0, 0.0, &coarse), STATUS_OK);
+  for (size_t i = 6; i < 10; i++) /* in the hole */
+    assert_true(wall_curvature(&coarse, (size_t[3]){i, 8, 7}) > 1.0 / 3.0);
+  lattice_free(&coarse);
+  lattice_free(&l);
+  ball_radius = 10.0;
+  make_body(tube, &l);
+  for (size_t i = 16; i < 32; i++)
+    assert_float_equal(wall_curvature(&l, (size_t[3]){i, N / 2, 7}), 0.0F, 1e-4F);
+  lattice_free(&l);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_membrane_separates_on_any_lattice),
       cmocka_unit_test(test_both_ends_of_a_link_agree),
       cmocka_unit_test(test_large_grains_cut_nothing),
       cmocka_unit_test(test_critical_width_is_that_of_the_hole),
+      cmocka_unit_test(test_curvature_is_that_of_the_nearest_wall),
       cmocka_unit_test(test_hole_in_a_membrane_lets_through_what_sampson_says),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);

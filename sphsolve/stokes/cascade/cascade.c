@@ -109,6 +109,15 @@ bool cascade_have_memory(const struct lattice *lattice, double sites) {
   return !ranks_any(!memory_has_room((size_t)(RANK_MEMORY_FACTOR * bytes / ranks_count()), 1));
 }
 
+double cascade_critical_width(const struct cascade *c, double spacing) {
+  return c->plan->shape.throat * c->plan->context.spacing / spacing;
+}
+
+enum status cascade_find_dissipating(const struct cascade *c, struct stokes_solver *s) {
+  return stokes_solver_find_dissipating(s,
+                                        fmin(1.0, 1.0 / cascade_critical_width(c, s->stencil.unit)));
+}
+
 enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
                           const struct stokes_solver *from, const struct stokes_goal *goal,
                           bool keep, double *k) {
@@ -128,7 +137,7 @@ enum status cascade_solve(struct cascade *c, const struct lattice *lattice,
       error_clear();
     status = stokes_solver_run(&s, goal);
     if (status == STATUS_OK) *k = cascade_permeability(&s);
-    if (status == STATUS_OK && keep) status = stokes_solver_find_dissipating(&s);
+    if (status == STATUS_OK && keep) status = cascade_find_dissipating(c, &s);
   }
   if (status != STATUS_OK && status != STATUS_INTERRUPTED) {
     log_warning("a part of the error of k is not known: %s", error_message());

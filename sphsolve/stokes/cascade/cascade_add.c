@@ -9,29 +9,29 @@
 #include "sphsolve/stokes/cascade/cascade_next.h"
 #include "sphsolve/stokes/cascade/cascade_parts.h"
 
-/* Error of k by the position of the sites in the ways where the energy is dissipated, relative. A
- * way of N spacings is uncertain by half a spacing, and with it k by CRITICAL_WIDTH / N; the
- * errors of independent ways side by side average. Their number is that of the sites among which a
- * plane across the flow dissipates, over N^(d - 1) with d axes along which the walls change (a way
- * that runs on along another axis is one):
- *   CRITICAL_WIDTH / sqrt(N^(3 - d) sites).
- * CRITICAL_WIDTH: derived for a slit in a thin wall, k ~ N^2 (Hasimoto 1958), its edges half a
- * spacing off; see docs/physics/error-of-k.md. */
-#define CRITICAL_WIDTH 1.0
+/* Error of k by the position of the walls in the ways where the energy is dissipated, relative. At
+ * an edge a wall is known to half a spacing, on smooth walls to a part of that
+ * (stokes_solver_find_dissipating). k of an opening in a thin wall is proportional to N^d, of a slit
+ * (d = 2: Hasimoto 1958) as of a round hole (d = 3: Sampson 1891) N spacings wide; half a spacing
+ * makes it uncertain by d / (2 N). The errors of independent ways side by side average. Their
+ * number is that of the sites among which a plane across the flow dissipates, over N^(d - 1) with d
+ * axes along which the walls change (a way that runs on along another axis is one):
+ *   d / (2 sqrt(N^(3 - d) sites)).
+ * See docs/physics/error-of-k.md. */
 /* With a larger error a lattice shows nothing of how k converges: it may close the only way, or let
  * far too much through. It is that of a single way of two spacings. */
 #define CRITICAL_ERROR_MAX 0.5
 
 static double critical_width_error(const struct cascade *c, const struct lattice *lattice,
                                    double spacing, double dissipating) {
-  const double width = c->plan->shape.throat * c->plan->context.spacing / spacing;
+  const double width = cascade_critical_width(c, spacing);
   int dimensions = 0;
   for (int a = 0; a < 3; a++) {
     dimensions += c->varies[a];
     if (!c->varies[a]) dissipating /= (double)lattice->size[a];
   }
   if (!(dissipating > 0.0) || !isfinite(width)) return 0.0;
-  return CRITICAL_WIDTH / sqrt(pow(width, 3 - dimensions) * dissipating);
+  return 0.5 * dimensions / sqrt(pow(width, 3 - dimensions) * dissipating);
 }
 
 static bool is_finest(const struct cascade *c, double spacing) {
@@ -68,7 +68,7 @@ cleanup:
 enum status cascade_add(struct cascade *c, const struct lattice *lattice, double spacing,
                         struct stokes_solver *s, double seconds) {
   if (s->grid.active_all > 0) {
-    const enum status status = stokes_solver_find_dissipating(s);
+    const enum status status = cascade_find_dissipating(c, s);
     if (status != STATUS_OK) return status;
   }
   return add(c, lattice, spacing, s->grid.active_all > 0 ? cascade_permeability(s) : 0.0, s,

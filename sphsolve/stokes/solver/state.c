@@ -7,6 +7,7 @@
 #include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/threads.h"
+#include "sphsolve/geometry/wall_curvature.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
 /* The Krylov basis takes the memory that MEMORY_GOAL (bytes per site) leaves; a short basis costs
@@ -168,14 +169,21 @@ static int main_axis(const struct stokes_solver *s) {
   return axis;
 }
 
-enum status stokes_solver_find_dissipating(struct stokes_solver *s) {
+/* Uncertainty of the position of the wall nearest to a site, in half spacings: within a spacing a
+ * wall of curvature K is taken for a plane, and is off by h^2 K / 2, at an edge by h / 2. */
+static double position_error(const struct stokes_solver *s, size_t row, size_t i) {
+  const size_t at[3] = {i, row % s->grid.size[1], row / s->grid.size[1]};
+  return fmin(1.0, wall_curvature(s->operator.lattice, at) * s->stencil.unit);
+}
+
+enum status stokes_solver_find_dissipating(struct stokes_solver *s, double least) {
   enum status status = STATUS_OK;
   const struct stokes_grid *grid = &s->grid;
   const size_t n = grid->active, axes = (size_t)s->stencil.axis_count;
   const int axis = main_axis(s);
   const size_t planes = grid->size[axis];
   float *p = s->krylov.work, *raw = s->krylov.basis + s->krylov.length;
-  double *sums = NULL, total = 0.0, weighted = 0.0; /* of e and of e^2 in each plane */
+  double *sums = NULL, total = 0.0, weighted = 0.0; /* of e and of (e c)^2 in each plane */
   TRY(memory_allocate(&sums, 2 * planes, sizeof *sums, "planes across the flow"));
   for (size_t i = 0; i < n; i++) p[i] = (float)s->x[axes * n + i];
   stokes_operator_apply_gradient(&s->operator, p, raw);
@@ -187,8 +195,9 @@ enum status stokes_solver_find_dissipating(struct stokes_solver *s) {
       if (!stokes_grid_is_active(grid, row, i)) continue;
       const size_t plane = axis == 0 ? i : axis == 1 ? row % grid->size[1] : row / grid->size[1];
       const double power = power_at(s, raw, at++);
+      const double off = power * fmax(least, position_error(s, row, i));
       sums[2 * plane] += weight * power;
-      sums[2 * plane + 1] += weight * power * power;
+      sums[2 * plane + 1] += weight * off * off;
     }
   }
   ranks_sum_all(sums, 2 * planes);
