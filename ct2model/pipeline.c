@@ -13,6 +13,7 @@
 #include "common/units.h"
 #include "ct2model/scan/autocrop.h"
 #include "ct2model/binarise.h"
+#include "ct2model/constants.h"
 #include "ct2model/misfit.h"
 #include "ct2model/model_size.h"
 #include "ct2model/model/sides.h"
@@ -281,6 +282,15 @@ cleanup:
   return status;
 }
 
+/* 95 % half width of the specific surface S of labels, 1/m: the direction of a wall is that of
+ * voxels' steps; in narrow pores, of mean width w = 4 phi / S, walls are close to the next ones. */
+static double labels_surface_error(const struct pipeline *pipeline, double surface) {
+  const double void_ratio = pipeline->void_ratio_original, *voxel = pipeline->region.voxel;
+  const double width = 4.0 * void_ratio / (1.0 + void_ratio) / surface;
+  return surface * hypot(LABELS_SURFACE,
+                         LABELS_SURFACE_NARROW * cbrt(voxel[0] * voxel[1] * voxel[2]) / width);
+}
+
 /* Measures distances, grain fractions and surface of the walls. */
 static enum status measure_walls(struct pipeline *pipeline, struct wall_result *result) {
   enum status status = STATUS_OK;
@@ -295,7 +305,8 @@ static enum status measure_walls(struct pipeline *pipeline, struct wall_result *
   pipeline->specks = result->specks * walls->step * walls->step * walls->step;
   if (!walls->averaged) {
     quality->surface_original = result->surface_area / volume;
-    quality->surface_error = NAN;
+    quality->surface_error =
+        pipeline->labels.on ? labels_surface_error(pipeline, quality->surface_original) : NAN;
     if (pipeline->restored.scan.levels != NULL)
       TRY(porod_surface(&pipeline->restored, &pipeline->scanner, walls->region.voxel,
                         &quality->surface_original, &quality->surface_error));

@@ -170,13 +170,17 @@ static uint64_t weight_of(const struct grey_window *window, const long at[3], in
   return crossing_weight(gradient, axis);
 }
 
-/* Sum of the weights of the voxels of word w of a row whose bit of `changes` is set. */
+/* Sum, in halves, of the weights of the voxels of word w of a row whose bit of `changes` is set. A
+ * row of n voxels has n - 1 pairs of neighbours: its first and last pair stand also for the half
+ * voxels beyond them. */
 static uint64_t weights_of(const struct grey_window *window, uint64_t changes, size_t w, size_t y,
                            size_t z, int axis) {
+  const long last = (long)window->region->size[axis] - 2;
   uint64_t sum = 0;
   for (; changes != 0; changes &= changes - 1) {
     const long at[3] = {(long)w * PHASE_WORD + __builtin_ctzll(changes), (long)y, (long)z};
-    sum += weight_of(window, at, axis);
+    const uint64_t halves = 2U + (at[axis] == 0) + (at[axis] == last);
+    sum += halves * weight_of(window, at, axis);
   }
   return sum;
 }

@@ -39,8 +39,8 @@ void grey_window_end(struct grey_window *window);
 /* Drops the slices before `first` and reads those up to `end` - 1 (both limited to `low` and
  * `high`). */
 enum status grey_window_move(struct grey_window *window, long first, long end);
-/* Adds the weights (crossing.h) of the changes of phase along x, y, z in the slices z0 <= z < z1 to
- * crossings[3]. The slices lie in the region, and the next one is held. */
+/* Adds the weights (crossing.h) of the changes of phase along x, y, z in the slices z0 <= z < z1,
+ * in halves, to crossings[3]. The slices lie in the region, and the next one is held. */
 void grey_window_crossings(const struct grey_window *window, size_t z0, size_t z1,
                            uint64_t crossings[3]);
 /* Adds the grain volume fractions of the slices z0 <= z < z1, whose neighbours are held, to
