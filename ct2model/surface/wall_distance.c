@@ -276,8 +276,8 @@ enum status wall_measure(const struct region *region, const struct wall_request 
   for (size_t i = 0; request->distances && i < sites; i++)
     result->grain_fraction[i] = fminf(fmaxf(result->grain_fraction[i], 0.0f), 1.0f);
   for (int d = 0; d < 3; d++)
-    result->surface_area += 0.5 * (double)walk.crossings[d] / CROSSING_UNIT *
-                            voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
+    result->surface_area +=
+        0.5 * (double)walk.crossings[d] / CROSSING_UNIT * voxel[(d + 1) % 3] * voxel[(d + 2) % 3];
 cleanup:
   walk_end(&walk);
   if (status != STATUS_OK) wall_result_end(result);

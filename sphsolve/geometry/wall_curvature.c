@@ -14,7 +14,7 @@ static double distance_at(const struct lattice *l, const size_t at[3], const int
 
 double wall_curvature(const struct lattice *l, const size_t at[3]) {
   /* One of each pair of opposite neighbours. */
-  static const int steps[13][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 1, 0}, {1, -1, 0},
+  static const int steps[13][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {1, -1, 0},
                                    {1, 0, 1},  {1, 0, -1}, {0, 1, 1},  {0, 1, -1}, {1, 1, 1},
                                    {1, 1, -1}, {1, -1, 1}, {1, -1, -1}};
   static const int none[3] = {0, 0, 0};

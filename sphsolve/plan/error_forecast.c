@@ -123,7 +123,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 static double narrow_ways(const struct pore_shape *shape, double refined) {
   const double width = shape->throat * refined, radius = 1.5 * shape->grain * refined;
   if (!isfinite(width) || shape->flat) return 0.0;
-  const double unknown = shape->sharp ? 1.0 : fmin(1.0, fmax(1.0 / width, 1.0 / radius));
+  const double unknown = shape->sharp ? 1.0 : fmin(1.0, fmax(1.5 / width, 1.0 / radius));
   return fmin(1.0, unknown * 0.5 * shape->dimensions / (width * sqrt(fmax(1.0, shape->ways))));
 }
 
@@ -131,7 +131,7 @@ static double narrow_ways(const struct pore_shape *shape, double refined) {
  * q (make tradeoff). */
 struct error_forecast error_forecast_of(const struct pore_shape *shape, const struct method *method,
                                         enum wall_scheme wall, double refined) {
-  struct error_forecast e = {NAN, NAN, "no walls"};
+  struct error_forecast e = {NAN, NAN, NAN, "no walls"};
   const double width = shape->open * refined;
   const double q = shape->slope / refined * (shape->width / shape->open);
   const char *how = "walls from the wall distance";
@@ -163,12 +163,13 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
   }
   const double ways = narrow_ways(shape, refined);
   both = fmin(more, less);
-  e.error = hypot(hypot(more, less), ways);
+  e.pores = hypot(more, less);
+  e.error = fmax(e.pores, ways);
   const bool exact = shape->flat && wall == WALL_SUBVOXEL;
   e.least = !exact && fmax(more, less) > 4.0 * both ? fabs(more - less) : 0.0;
   int length = snprintf(e.why, sizeof e.why, "mean pore 4 V/S = %.2g points; %s%s", width, how,
                         exact || e.least > 0.0 ? "" : "; of parts with unlike signs");
-  if (ways > 0.5 * e.error)
+  if (ways == e.error && ways > 0.0)
     snprintf(e.why + length, sizeof e.why - (size_t)length, "; the narrowest way has %.2g points",
              shape->throat * refined);
   return e;

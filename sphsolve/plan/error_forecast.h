@@ -13,12 +13,12 @@ struct pore_shape {
   double width; /* mean pore width, 4 V / S of the pores */
   double open;  /* the same without the pore volume filled by soil */
   double
-      throat;   /* critical width along the force (geometry/throat_width.h); infinite without one */
-  double ways;  /* mean pores side by side in a plane across the force */
+      throat;  /* critical width along the force (geometry/throat_width.h); infinite without one */
+  double ways; /* mean pores side by side in a plane across the force */
   int dimensions;
-  double grain; /* mean thickness, 2 V / S of the grains; infinite between boxes */
-  double slope; /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
-  double outer; /* mean depth of the wall sites next to fluid behind the surface */
+  double grain;  /* mean thickness, 2 V / S of the grains; infinite between boxes */
+  double slope;  /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
+  double outer;  /* mean depth of the wall sites next to fluid behind the surface */
   double middle; /* mean depth of the midpoint of these pairs of sites (< 0: in the fluid) */
   bool sharp;    /* walls are boxes or voxel faces */
   bool straight; /* and has hardly any edges: ducts */
@@ -35,6 +35,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *lattice,
  * equal. */
 struct error_forecast {
   double error, least; /* NAN: no walls */
+  double pores;        /* error without the part of the narrowest way */
   char why[EFFECT_WHY];
 };
 

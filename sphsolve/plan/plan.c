@@ -122,7 +122,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
   *plan = (struct plan){.threads = threads,
                         .dt = NAN,
                         .dt_limit = INFINITY,
-                        .expected = {NAN, NAN, ""},
+                        .expected = {.error = NAN, .least = NAN},
                         .expected_scan = NAN};
   snprintf(plan->method_why, sizeof plan->method_why, "%s", method_why);
   struct effect_context *context = &plan->context;

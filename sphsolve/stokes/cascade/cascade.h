@@ -61,7 +61,8 @@ extern const struct stokes_goal cascade_part_goal;
 
 /* Intrinsic permeability along the force, m^2. */
 double cascade_permeability(const struct stokes_solver *solver);
-/* Critical width of the pores along the force, in spacings of a lattice (m); infinite without one. */
+/* Critical width of the pores along the force, in spacings of a lattice (m); infinite without one.
+ */
 double cascade_critical_width(const struct cascade *cascade, double spacing);
 /* stokes_solver_find_dissipating of a lattice on which the narrowest way is that wide: smooth walls
  * are of second order in the spacings across it. */

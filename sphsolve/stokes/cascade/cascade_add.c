@@ -11,17 +11,14 @@
 
 /* Error of k by the position of the walls in the ways where the energy is dissipated, relative. At
  * an edge a wall is known to half a spacing, on smooth walls to a part of that
- * (stokes_solver_find_dissipating). k of an opening in a thin wall is proportional to N^d, of a slit
- * (d = 2: Hasimoto 1958) as of a round hole (d = 3: Sampson 1891) N spacings wide; half a spacing
- * makes it uncertain by d / (2 N). The errors of independent ways side by side average. Their
- * number is that of the sites among which a plane across the flow dissipates, over N^(d - 1) with d
- * axes along which the walls change (a way that runs on along another axis is one):
- *   d / (2 sqrt(N^(3 - d) sites)).
- * See docs/physics/error-of-k.md. */
-/* With a larger error a lattice shows nothing of how k converges: it may close the only way, or let
- * far too much through. It is that of a single way of two spacings. */
-#define CRITICAL_ERROR_MAX 0.5
-
+ * (stokes_solver_find_dissipating). k of an opening in a thin wall is proportional to N^d, of a
+ * slit (d = 2: Hasimoto 1958) as of a round hole (d = 3: Sampson 1891) N spacings wide; half a
+ * spacing makes it uncertain by d / (2 N). The errors of independent ways side by side average.
+ * Their number is that of the sites among which a plane across the flow dissipates, over N^(d - 1)
+ * with d axes along which the walls change (a way that runs on along another axis is one): d / (2
+ * sqrt(N^(3 - d) sites)). Where it is over that of a single way of two spacings, d / 4, the lattice
+ * may close the only way, or let far too much through: it shows nothing of how k converges, and the
+ * error is 1. See docs/physics/error-of-k.md. */
 static double critical_width_error(const struct cascade *c, const struct lattice *lattice,
                                    double spacing, double dissipating) {
   const double width = cascade_critical_width(c, spacing);
@@ -31,7 +28,8 @@ static double critical_width_error(const struct cascade *c, const struct lattice
     if (!c->varies[a]) dissipating /= (double)lattice->size[a];
   }
   if (!(dissipating > 0.0) || !isfinite(width)) return 0.0;
-  return 0.5 * dimensions / sqrt(pow(width, 3 - dimensions) * dissipating);
+  const double error = 0.5 * dimensions / sqrt(pow(width, 3 - dimensions) * dissipating);
+  return error > 0.25 * dimensions ? 1.0 : error;
 }
 
 static bool is_finest(const struct cascade *c, double spacing) {
@@ -46,15 +44,14 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
   c->left_tried = c->left;
   c->counted = u->level_count;
   const double critical = critical_width_error(c, lattice, spacing, from->dissipating);
-  if (!(k > 0.0) || (critical > CRITICAL_ERROR_MAX && !is_finest(c, spacing))) return STATUS_OK;
-  u->levels[u->level_count++] =
-      (struct error_level){.spacing = spacing,
-                           .permeability = k,
-                           .slope_blur = NAN,
-                           .critical = critical > CRITICAL_ERROR_MAX ? 1.0 : critical,
-                           .sites = (double)lattice->count,
-                           .seconds = seconds,
-                           .iterations = from->iterations};
+  if (!(k > 0.0) || (critical >= 1.0 && !is_finest(c, spacing))) return STATUS_OK;
+  u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
+                                                     .permeability = k,
+                                                     .slope_blur = NAN,
+                                                     .critical = critical,
+                                                     .sites = (double)lattice->count,
+                                                     .seconds = seconds,
+                                                     .iterations = from->iterations};
   if (!c->model_parts && u->level_count == 2) {
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
     c->model_parts = true;

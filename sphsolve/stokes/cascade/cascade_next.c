@@ -103,7 +103,7 @@ void cascade_estimate(struct cascade *c) {
   if (n == 1 && c->fixed != 1)
     limit.low = limit.high = error_forecast_of(&c->plan->shape, c->plan->context.method,
                                                WALL_SUBVOXEL, c->plan->context.spacing / h[0])
-                                 .error;
+                                 .pores;
   u->needs = cascade_needs(c->plan, h[0]);
   u->extrapolated = limit.value;
   u->finest = k[0];

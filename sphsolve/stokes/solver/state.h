@@ -61,10 +61,10 @@ enum status stokes_solver_set_soil(struct stokes_solver *solver, const struct la
 double stokes_solver_functional(struct stokes_solver *solver);
 
 /* Sets solver->dissipating of a solved system: the number of sites of a plane across the flow among
- * which the energy would be dissipated evenly, (sum of e)^2 / sum of (c e)^2 with e = v . (f - G p),
- * the power of force and pressure at a site (participation ratio, Bell, Dean 1970, Discuss. Faraday
- * Soc. 50: 55), and c, between `least` and 1, the uncertainty of the position of the wall nearest
- * to it in half spacings; the mean over the planes, weighted by their energy. */
+ * which the energy would be dissipated evenly, (sum of e)^2 / sum of (c e)^2 with e = v . (f - G
+ * p), the power of force and pressure at a site (participation ratio, Bell, Dean 1970, Discuss.
+ * Faraday Soc. 50: 55), and c, between `least` and 1, the uncertainty of the position of the wall
+ * nearest to it in half spacings; the mean over the planes, weighted by their energy. */
 enum status stokes_solver_find_dissipating(struct stokes_solver *solver, double least);
 
 /* Number of vectors of the Krylov basis, and total bytes, for a model with so many sites of which
