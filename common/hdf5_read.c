@@ -75,6 +75,24 @@ static bool holds_numbers(hid_t stored) {
   return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= NUMBER_BYTES_MAX;
 }
 
+/* What a type without numbers is, for messages. */
+static const char *kind_of(hid_t stored) {
+  switch (H5Tget_class(stored)) {
+  case H5T_BITFIELD:
+    return "bits (H5T_BITFIELD)";
+  case H5T_COMPOUND:
+    return "compounds, as of complex numbers";
+  case H5T_STRING:
+    return "texts";
+  case H5T_ARRAY:
+    return "arrays of several numbers each";
+  case H5T_REFERENCE:
+    return "references";
+  default:
+    return "values of another type";
+  }
+}
+
 static bool holds_texts(hid_t stored) {
   return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= TEXT_BYTES_MAX;
 }
@@ -84,7 +102,9 @@ enum status h5_number_format(struct h5_file *file, const char *name, int *bits, 
   hid_t set = -1, stored = -1;
   TRY(open_dataset(file, name, &set));
   stored = H5Dget_type(set);
-  if (!holds_numbers(stored)) TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
+  if (!holds_numbers(stored))
+    TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers, but %s; save it as integers or floats",
+             file->path, name, kind_of(stored));
   const H5T_class_t class = H5Tget_class(stored);
   *bits = 8 * (int)H5Tget_size(stored);
   *format = class == H5T_FLOAT                                            ? 'f'
