@@ -138,6 +138,7 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   for (int i = 0; i < 6; i++) image->axes[i] = NAN;
   for (int axis = 0; axis < 3; axis++) image->at[axis] = NAN;
   image->number = NAN;
+  image->rescale[0] = 1.0;
   TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));

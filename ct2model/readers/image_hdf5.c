@@ -169,6 +169,30 @@ static enum status check_slices(struct h5_file *file, const char *name, size_t p
   return STATUS_OK;
 }
 
+/* Tells where an attribute of the array or of its group names the axes, slowest first, in another
+ * order than z, y, x: those of NeXus, the keys of vigra's tags, HDF5's labels. */
+static void tell_axes(struct h5_file *file, const char *name, const char *group,
+                      struct image *image) {
+  static const char *const NAMES[] = {"axes", "axistags", "DIMENSION_LABELS"};
+  static const char BETWEEN[] = " :,;[](){}\"'";
+  for (int i = 0; i < 4; i++) {
+    const char *of = i < 3 ? name : group, *attribute = NAMES[i % 3];
+    char *text = NULL, order[4] = "";
+    size_t count = 0;
+    if (!h5_attribute_exists(file, of, attribute)) continue;
+    if (h5_read_attribute_text(file, of, attribute, &text) != STATUS_OK) error_clear();
+    for (const char *at = text; at != NULL && *at != '\0'; at += strspn(at, BETWEEN)) {
+      const size_t length = strcspn(at, BETWEEN), known = strspn(at, "xyz");
+      for (size_t k = 0; k < length && known == length && count < 3; k++) order[count++] = at[k];
+      at += length;
+    }
+    if (count > 1 && strcmp(order, count == 3 ? "zyx" : "yx") != 0)
+      image_note(image, "its axes are %s by its attribute %s: read as stored, as z, y, x", order,
+                 attribute);
+    memory_free(&text);
+  }
+}
+
 /* Tells of attributes by which other programs take the numbers for other greys (CF conventions,
  * 8.1; HDF5 Image), and of those of Imaris that say which part of an array is the scan. */
 static void tell_attributes(struct h5_file *file, const char *name, struct image *image) {
@@ -176,15 +200,25 @@ static void tell_attributes(struct h5_file *file, const char *name, struct image
     const char *name;
     double idle; /* a value that changes nothing */
   } CHANGING[] = {{"scale_factor", 1.0}, {"add_offset", 0.0}, {"IMAGE_WHITE_IS_ZERO", 0.0}};
-  for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++)
-    if (h5_attribute_exists(file, name, CHANGING[i].name) &&
-        h5_attribute_or_nan(file, name, CHANGING[i].name) != CHANGING[i].idle)
+  for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++) {
+    if (!h5_attribute_exists(file, name, CHANGING[i].name)) continue;
+    const double value = h5_attribute_or_nan(file, name, CHANGING[i].name);
+    if (value != CHANGING[i].idle)
       image_note(image, "greys as stored, not as its attribute %s says", CHANGING[i].name);
+    if (i < 2) image->rescale[i] = value;
+  }
   if (h5_attribute_exists(file, name, "MATLAB_class"))
     image_note(image, "of MATLAB, whose first index is x here: rows and columns are exchanged");
-  char group[200];
+  char group[200], scale[240];
   const int length = (int)(strrchr(name, '/') - name);
   snprintf(group, sizeof group, "%.*s", length, name);
+  tell_axes(file, name, length > 0 ? group : "/", image);
+  static const char *const BESIDE[] = {"_scaling_factor", "_offset"}; /* of NXdata */
+  for (int i = 0; i < 2; i++) {
+    snprintf(scale, sizeof scale, "%s%s", name, BESIDE[i]);
+    if (strlen(scale) + 1 < sizeof scale && h5_exists(file, scale))
+      image_note(image, "greys as stored, before %s", scale);
+  }
   if (length > 0 && h5_attribute_exists(file, group, "ImageSizeX"))
     image_note(image,
                "beyond ImageSizeX, Y and Z of %s it is filled up, no scan: leave that out "

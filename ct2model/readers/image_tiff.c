@@ -215,9 +215,12 @@ static void read_resolution(TIFF *tiff, const char *description, struct image *i
 static void tell_calibration(const char *description, struct image *image) {
   char c0[40], c1[40];
   if (description != NULL && tiff_description_value(description, "c0", c0, sizeof c0) &&
-      tiff_description_value(description, "c1", c1, sizeof c1))
+      tiff_description_value(description, "c1", c1, sizeof c1)) {
     image_note(image, "greys as stored, before ImageJ's calibration (%s + %s times the grey)", c0,
                c1);
+    image->rescale[0] = strtod(c1, NULL);
+    image->rescale[1] = strtod(c0, NULL);
+  }
 }
 
 /* The text of one of GDAL's tags, at most `size` - 1 letters of it. */
@@ -243,9 +246,10 @@ static void tell_gdal(TIFF *tiff, struct image *image) {
   for (int i = 0; i < 2; i++) {
     snprintf(role, sizeof role, "role=\"%s\">", ROLES[i]);
     const char *at = strstr(text, role);
-    const double value = at != NULL ? strtod(at + strlen(role), NULL) : 1.0 - i;
-    if (value != 1.0 - i)
-      image_note(image, "greys as stored, before GDAL's %s %g", ROLES[i], value);
+    if (at == NULL) continue;
+    image->rescale[i] = strtod(at + strlen(role), NULL);
+    if (image->rescale[i] != 1.0 - i)
+      image_note(image, "greys as stored, before GDAL's %s %g", ROLES[i], image->rescale[i]);
   }
 }
 
@@ -262,8 +266,11 @@ static unsigned long long count_metamorph(TIFF *tiff) {
 static bool slices_follow(TIFF *tiff, unsigned long long slices, const struct tiff_layout *layout,
                           struct image *image) {
   uint64_t bytes, *offsets = NULL;
-  if (layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
-      layout->photometric == PHOTOMETRIC_PALETTE || !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
+  uint16_t fill = FILLORDER_MSB2LSB; /* else the bits of each byte are reversed */
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill);
+  if (fill != FILLORDER_MSB2LSB || layout->compression != COMPRESSION_NONE ||
+      layout->samples != 1 || layout->bits < 8 || layout->photometric == PHOTOMETRIC_PALETTE ||
+      !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
       !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
   size_t page;

@@ -454,7 +454,11 @@ enum status stack_keep_labels(struct stack *stack, size_t z) {
     high = fmaxf(high, slice[i]);
   }
   for (size_t i = 0; i < pixels; i++) others += slice[i] != low && slice[i] != high;
-  if (others > 0) goto cleanup;
+  if (others > 0) {
+    log_info("%s says white is zero: its greys are read with white and black exchanged",
+             stack->files[0].path);
+    goto cleanup;
+  }
   log_warning("%s says white is zero, but holds labels: they are used as stored, the higher one "
               "is bright",
               stack->files[0].path);

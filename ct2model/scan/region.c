@@ -31,12 +31,11 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
         char name[160];
         const char *field = stack_no_data(stack, region->origin[2] + z);
         stack_slice_name(stack, region->origin[2] + z, name, sizeof name);
-        return FAIL(
-            STATUS_INPUT, "%s: pixel %zu,%zu is no finite number%s%s; crop it away (--crop) or %s",
-            name, region->origin[0] + x, region->origin[1] + y,
-            field != NULL ? ", or one that is no measurement, as the file says by its " : "",
-            field != NULL ? field : "",
-            field != NULL ? "take that out of the file" : "repair the slice");
+        return FAIL(STATUS_INPUT,
+                    "%s: pixel %zu,%zu is no %s%s; crop it away (--crop) or repair %s", name,
+                    region->origin[0] + x, region->origin[1] + y,
+                    field == NULL ? "finite number" : "measurement, as the file says by its ",
+                    field == NULL ? "" : field, field == NULL ? "the slice" : "that");
       }
       out[y * region->size[0] + x] = grey;
     }

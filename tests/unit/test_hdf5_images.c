@@ -244,6 +244,17 @@ static void test_sign_and_no_data(void **state) {
   lacks(NAN, NAN, false, NULL);
   add_signed(i8, "_Unsigned", "false", 0, 0);
   lacks(NAN, NAN, true, NULL);
+  add_signed(u8, "axes", "z:y:x", 0, 0);
+  lacks(NAN, NAN, false, NULL);
+  add_signed(u8, "axes", "x:y:z", 0, 0);
+  lacks(NAN, NAN, false, "its axes are xyz by its attribute axes: read as stored");
+  static const char *const TAGS[] = {
+      "[{\"key\": \"z\"}, {\"key\": \"y\"}, {\"key\": \"x\"}, {\"key\": \"c\"}]",
+      "[{\"key\": \"x\"}, {\"key\": \"y\"}, {\"key\": \"z\"}]"};
+  for (int i = 0; i < 2; i++) {
+    add_signed(u8, "axistags", TAGS[i], 0, 0);
+    lacks(NAN, NAN, false, i == 0 ? NULL : "its axes are xyz by its attribute axistags");
+  }
   add_signed(u8, "_FillValue", NULL, 77, 77);
   lacks(77, 77, false, NULL);
   add_signed(i8, "missing_value", NULL, -77, -77);
@@ -258,6 +269,42 @@ static void test_sign_and_no_data(void **state) {
   lacks(0, 2, false, NULL);
   add_signed(u8, "valid_range", NULL, 0, 240);
   lacks(241, 255, false, NULL);
+}
+
+/* Names of axes and scales that stand beside the array, as of NeXus and in HDF5's labels. */
+static void test_named_axes(void **state) {
+  (void)state;
+  static const char *const ORDERS[] = {"zyx", "xyz"};
+  for (int k = 0; k < 4; k++) {
+    const char *order = ORDERS[k % 2];
+    const char *const names[] = {(char[]){order[0], 0}, (char[]){order[1], 0},
+                                 (char[]){order[2], 0}};
+    const hsize_t three = 3;
+    hid_t h5 = begin();
+    add(h5, "entry/v", 3, VOLUME, 0);
+    hid_t text = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, &three, NULL);
+    H5Tset_size(text, H5T_VARIABLE);
+    hid_t object = H5Oopen(h5, k < 2 ? "entry" : "entry/v", H5P_DEFAULT);
+    hid_t attribute = H5Acreate2(object, k < 2 ? "axes" : "DIMENSION_LABELS", text, space,
+                                 H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(attribute, text, names) >= 0);
+    H5Aclose(attribute);
+    H5Oclose(object);
+    H5Sclose(space);
+    H5Tclose(text);
+    H5Fclose(h5);
+    holds(":/entry/v", NZ,
+          k == 0   ? NULL
+          : k == 1 ? "its axes are xyz by its attribute axes: read as stored"
+          : k == 2 ? NULL
+                   : "its axes are xyz by its attribute DIMENSION_LABELS");
+  }
+  const hsize_t one[] = {1};
+  hid_t h5 = begin();
+  add(h5, "entry/v", 3, VOLUME, 0);
+  add(h5, "entry/v_scaling_factor", 1, one, 0);
+  H5Fclose(h5);
+  holds(":/entry/v", NZ, "greys as stored, before /entry/v_scaling_factor");
 }
 
 static void test_what_is_no_image(void **state) {
@@ -368,6 +415,7 @@ int main(void) {
       cmocka_unit_test(test_part_that_was_never_written),
       cmocka_unit_test(test_attributes),
       cmocka_unit_test(test_sign_and_no_data),
+      cmocka_unit_test(test_named_axes),
       cmocka_unit_test(test_what_is_no_image),
       cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
       cmocka_unit_test(test_deflated_twice),

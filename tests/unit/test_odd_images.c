@@ -52,12 +52,15 @@ struct page {
   uint16_t told;  /* PageNumber; 0: no tag */
   uint16_t format;
   const char *gdal[2]; /* its tags 42112 (metadata) and 42113 (no data) */
+  bool reversed;       /* the bits of each byte */
   bool opaque;         /* the second sample is the same everywhere */
 };
 
-static const struct page PLAIN = {
-    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0,
-    0, SAMPLEFORMAT_UINT};
+static const struct page PLAIN = {.bits = 8,
+                                  .photometric = PHOTOMETRIC_MINISBLACK,
+                                  .samples = 1,
+                                  .compression = COMPRESSION_NONE,
+                                  .format = SAMPLEFORMAT_UINT};
 
 /* Packs the samples of a row; a second sample is another pattern. */
 static void put_row(unsigned char *row, const struct page *page, size_t y, size_t nx) {
@@ -82,6 +85,7 @@ static void add_page(TIFF *tiff, const struct page *page) {
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, page->compression);
   TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, page->format);
+  if (page->reversed) TIFFSetField(tiff, TIFFTAG_FILLORDER, FILLORDER_LSB2MSB);
   if (page->samples > 1) {
     uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
@@ -303,6 +307,27 @@ static void test_lost_slices(void **state) {
   pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\n";
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, NULL);
+}
+
+/* Slices behind the one page: bits that are reversed within bytes are not read as they stand. */
+static void test_slices_of_reversed_bits(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (int reversed = 0; reversed < 2; reversed++) {
+    struct page page = PLAIN;
+    page.description = "ImageJ=1.53t\nimages=2\nslices=2\n";
+    page.reversed = reversed;
+    write_pages("wl", &page, 1);
+    FILE *end = fopen(file, "ab");
+    for (size_t i = 0; i < NX * NY; i++) fputc(0, end);
+    fclose(end);
+    struct stack stack;
+    const char *path = file;
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    assert_int_equal(stack.size[2], reversed ? 1 : 2);
+    stack_close(&stack);
+    if (reversed) holds(&first, 1, 8, NULL, 0, 0, "its text says 2 images, but 1 are there");
+  }
 }
 
 /* A file that holds more than its one page, as of programs whose text got lost. */
@@ -528,6 +553,11 @@ static void test_no_data(void **state) {
   no_data = NAN;
   holds(&first, 1, 8, NULL, 0, 0,
         "greys as stored, before GDAL's scale 0.5; greys as stored, before GDAL's offset -3");
+  page.gdal[0] = NULL;
+  page.description = "SCIFIO=0.46.0\naxes=X,Y,Channel\nimages=3\nchannels=3\nslices=1\n";
+  write_pages("w", &page, 1);
+  refused("3 channels");
+  page.description = NULL;
   page.gdal[0] = "<Item role=\"scale\">1</Item><Item role=\"offset\">0</Item>";
   write_pages("w", &page, 1);
   holds(&first, 1, 8, NULL, 0, 0, NULL);
@@ -560,6 +590,7 @@ int main(void) {
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
       cmocka_unit_test(test_slices_without_a_directory),
+      cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),
       cmocka_unit_test(test_samples_of_less_than_a_byte),
       cmocka_unit_test(test_tiff_palettes),
