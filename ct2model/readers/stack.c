@@ -289,7 +289,10 @@ static enum status order_by_place(struct stack *stack) {
     log_warning("%s says %g mm from slice to slice, but their positions are %g mm apart: these are "
                 "taken",
                 files[0].path, 1e3 * files[0].voxel[2], 1e3 * step);
-  for (size_t i = 0; i < n; i++) files[i].voxel[2] = step;
+  for (size_t i = 0; i < n; i++) {
+    files[i].voxel[2] = step;
+    if (files[i].voxel_source == NULL) files[i].voxel_source = "positions of the slices";
+  }
 cleanup:
   return status;
 }

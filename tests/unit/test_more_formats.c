@@ -88,6 +88,7 @@ static void holds(size_t count, size_t slices, unsigned mask, double factor, dou
     if (isnan(voxel[a]) ? !isnan(found) : !(fabs(found / voxel[a] - 1.0) < 1e-6))
       fail_msg("voxel %g um, not %g", found, voxel[a]);
   }
+  assert_true(stack.voxel_source != NULL || (isnan(stack.voxel[0]) && isnan(stack.voxel[2])));
   if (note == NULL ? stack.files[0].note[0] != '\0' : strstr(stack.files[0].note, note) == NULL)
     fail_msg("told '%s', not '%s'", stack.files[0].note, note != NULL ? note : "");
   stack_close(&stack);
@@ -887,6 +888,14 @@ static void test_dicom_geometry(void **state) {
   holds(1, NZ, 255, 1, 0, flat, "its frames follow one another in time");
   memset(&extra, 0, sizeof extra);
   extra.unspaced = true;
+  const double behind[] = {NAN, 500};
+  struct dicom slice = d;
+  slice.frames = 1;
+  for (size_t z = 0; z < NZ; z++) { /* positions alone */
+    slice.place = 5 * (int)z - 7;
+    write_dicom(z, z, &slice);
+  }
+  holds(NZ, NZ, 255, 1, 0, behind, NULL);
   extra.aspect = "2\\1";
   write_dicom(0, 0, &d);
   holds(1, NZ, 255, 1, 0, untold,
