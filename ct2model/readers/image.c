@@ -237,8 +237,8 @@ enum status image_take_greys(const struct image *image, const unsigned char *in,
 
 bool image_palettes_agree(const struct image *a, const struct image *b) {
   const size_t n = a->palette_size < b->palette_size ? a->palette_size : b->palette_size;
-  if ((a->palette == NULL) != (b->palette == NULL)) return false;
-  return n == 0 || memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
+  if (a->palette == NULL || b->palette == NULL) return a->palette == b->palette;
+  return memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
 }
 
 void image_note(struct image *image, const char *format, ...) {
