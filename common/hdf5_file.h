@@ -97,6 +97,8 @@ enum status h5_read_attribute(struct h5_file *file, const char *name, const char
                               enum h5_type type, size_t count, void *data);
 /* A single number; NAN, without an error, if it is missing or not a number. */
 double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *attribute);
+/* A text in new memory (memory_free), NULL where it fails; several, up to 16, with colons between.
+ */
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                    char **text);
 

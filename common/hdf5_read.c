@@ -75,6 +75,24 @@ static bool holds_numbers(hid_t stored) {
   return (class == H5T_INTEGER || class == H5T_FLOAT) && H5Tget_size(stored) <= NUMBER_BYTES_MAX;
 }
 
+/* What a type without numbers is, for messages. */
+static const char *kind_of(hid_t stored) {
+  switch (H5Tget_class(stored)) {
+  case H5T_BITFIELD:
+    return "bits (H5T_BITFIELD)";
+  case H5T_COMPOUND:
+    return "compounds, as of complex numbers";
+  case H5T_STRING:
+    return "texts";
+  case H5T_ARRAY:
+    return "arrays of several numbers each";
+  case H5T_REFERENCE:
+    return "references";
+  default:
+    return "values of another type";
+  }
+}
+
 static bool holds_texts(hid_t stored) {
   return H5Tget_class(stored) == H5T_STRING && H5Tget_size(stored) <= TEXT_BYTES_MAX;
 }
@@ -84,7 +102,9 @@ enum status h5_number_format(struct h5_file *file, const char *name, int *bits, 
   hid_t set = -1, stored = -1;
   TRY(open_dataset(file, name, &set));
   stored = H5Dget_type(set);
-  if (!holds_numbers(stored)) TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers", file->path, name);
+  if (!holds_numbers(stored))
+    TRY_FAIL(STATUS_INPUT, "%s: %s holds no numbers, but %s; save it as integers or floats",
+             file->path, name, kind_of(stored));
   const H5T_class_t class = H5Tget_class(stored);
   *bits = 8 * (int)H5Tget_size(stored);
   *format = class == H5T_FLOAT                                            ? 'f'
@@ -360,29 +380,42 @@ double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *a
   return value;
 }
 
+/* Adds a text of at most `limit` bytes to others, a colon between. */
+static enum status add_text(const char *from, size_t limit, char **to) {
+  const size_t used = *to != NULL ? strlen(*to) + 1 : 0;
+  const size_t length = from != NULL ? strnlen(from, limit) : 0;
+  const enum status status = memory_resize(to, used + length + 1, 1, "a text");
+  if (status != STATUS_OK) return status;
+  if (used > 0) (*to)[used - 1] = ':';
+  if (length > 0) memcpy(*to + used, from, length);
+  (*to)[used + length] = '\0';
+  return STATUS_OK;
+}
+
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                    char **text) {
+  enum { TEXTS_MOST = 16 };
   enum status status = STATUS_OK;
   hid_t id, stored = -1, space = -1;
-  char *fixed = NULL, *variable = NULL;
+  char *fixed = NULL, *variable[TEXTS_MOST] = {NULL};
+  *text = NULL;
   TRY(open_attribute(file, name, attribute, &id));
   stored = H5Aget_type(id);
   space = H5Aget_space(id);
-  if (!holds_texts(stored) || H5Sget_simple_extent_npoints(space) != 1)
+  const hssize_t points = H5Sget_simple_extent_npoints(space);
+  if (!holds_texts(stored) || points < 1 || points > TEXTS_MOST)
     TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s is no text", file->path, attribute, name);
-  if (H5Tis_variable_str(stored) > 0) {
-    if (H5Aread(id, stored, &variable) < 0)
-      TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
-    TRY(copy_text(variable, (size_t)1 << 40, text));
-  } else {
-    size_t width = H5Tget_size(stored);
-    TRY(memory_allocate(&fixed, width, 1, attribute));
-    if (H5Aread(id, stored, fixed) < 0)
-      TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
-    TRY(copy_text(fixed, width, text));
-  }
+  const bool varies = H5Tis_variable_str(stored) > 0;
+  const size_t width = varies ? (size_t)1 << 40 : H5Tget_size(stored);
+  if (!varies) TRY(memory_allocate(&fixed, (size_t)points, width, attribute));
+  if (H5Aread(id, stored, varies ? (void *)variable : fixed) < 0)
+    TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s cannot be read", file->path, attribute, name);
+  for (hssize_t i = 0; i < points; i++)
+    TRY(add_text(varies ? variable[i] : fixed + (size_t)i * width, width, text));
 cleanup:
-  if (variable != NULL) H5free_memory(variable);
+  for (int i = 0; i < TEXTS_MOST; i++)
+    if (variable[i] != NULL) H5free_memory(variable[i]);
+  if (status != STATUS_OK) memory_free(text);
   memory_free(&fixed);
   if (space >= 0) H5Sclose(space);
   if (stored >= 0) H5Tclose(stored);

@@ -135,7 +135,10 @@ enum status image_open(const char *path, const struct raw_layout *raw, struct im
   uint64_t bytes = 0;
   memset(image, 0, sizeof *image);
   for (int axis = 0; axis < 3; axis++) image->voxel[axis] = NAN;
-  image->place = image->number = NAN;
+  for (int i = 0; i < 6; i++) image->axes[i] = NAN;
+  for (int axis = 0; axis < 3; axis++) image->at[axis] = NAN;
+  image->number = NAN;
+  image->rescale[0] = 1.0;
   TRY(memory_copy_text(path, strlen(path), &image->path));
   if (raw != NULL && raw->given) {
     TRY(raw_open(raw, image));
@@ -210,10 +213,32 @@ cleanup:
   return status;
 }
 
+enum status image_take_greys(const struct image *image, const unsigned char *in, size_t n,
+                             size_t samples, size_t first, const unsigned char *reference,
+                             void *out) {
+  const size_t bytes = pixel_size(image->type), used = samples > 2 ? 3 : 1, width = image->size[0];
+  for (size_t i = 0; i < n; i++, in += bytes * samples) {
+    if (used == 3 && (memcmp(in, in + bytes, bytes) != 0 || memcmp(in, in + 2 * bytes, bytes) != 0))
+      return FAIL(STATUS_INPUT,
+                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
+                  "levels",
+                  image->path, (first + i) % width, (first + i) / width);
+    if (memcmp(in + used * bytes, reference + used * bytes, (samples - used) * bytes) != 0)
+      return FAIL(STATUS_INPUT,
+                  "%s: %zu samples a pixel, of which those beyond the %s are not the same "
+                  "everywhere (pixel %zu,%zu), as of a mask or transparency; save the scan alone, "
+                  "as grey",
+                  image->path, samples, used == 3 ? "colours" : "grey", (first + i) % width,
+                  (first + i) / width);
+    memcpy((char *)out + i * bytes, in, bytes);
+  }
+  return STATUS_OK;
+}
+
 bool image_palettes_agree(const struct image *a, const struct image *b) {
   const size_t n = a->palette_size < b->palette_size ? a->palette_size : b->palette_size;
-  if ((a->palette == NULL) != (b->palette == NULL)) return false;
-  return n == 0 || memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
+  if (a->palette == NULL || b->palette == NULL) return a->palette == b->palette;
+  return memcmp(a->palette, b->palette, 3 * n * sizeof *a->palette) == 0;
 }
 
 void image_note(struct image *image, const char *format, ...) {
@@ -226,9 +251,16 @@ void image_note(struct image *image, const char *format, ...) {
   va_end(arguments);
 }
 
+void image_no_data(struct image *image, double from, double to, const char *name) {
+  if (!(from <= to) || image->no_data_count == NO_DATA_MOST) return;
+  image->no_data[image->no_data_count].from = (float)from;
+  image->no_data[image->no_data_count].to = (float)to;
+  image->no_data[image->no_data_count++].name = name;
+}
+
 bool image_has_levels(const struct image *image) {
   double low, high;
-  return image->plain && pixel_levels(image->type, &low, &high);
+  return image->plain && image->no_data_count == 0 && pixel_levels(image->type, &low, &high);
 }
 
 enum status image_read_stored(const struct image *image, size_t page, void *out) {
@@ -244,13 +276,19 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
 enum status image_read(const struct image *image, size_t page, float *out) {
   enum status status = STATUS_OK;
   const size_t pixels = image->size[0] * image->size[1];
-  const bool levels = image_has_levels(image);
+  double low, high;
   void *stored = NULL;
   if (!image->plain) return image->reader->read(image, page, out);
   TRY(memory_allocate(&stored, pixels, pixel_size(image->type), "a slice"));
-  TRY(levels ? image_read_stored(image, page, stored) : image->reader->read(image, page, stored));
+  TRY(image->reader->read(image, page, stored));
   pixels_to_float(out, stored, pixels, image->type);
-  for (size_t i = 0; i < pixels && image->invert && !levels; i++) out[i] = -out[i];
+  for (size_t k = 0; k < image->no_data_count; k++)
+    for (size_t i = 0; i < pixels; i++)
+      if (out[i] >= image->no_data[k].from && out[i] <= image->no_data[k].to) out[i] = NAN;
+  /* White and black exchanged, as image_read_stored does it. */
+  const bool levels = pixel_levels(image->type, &low, &high);
+  const float ends = image->top > 0 ? image->top : levels ? (float)(low + high) : 0.0f;
+  for (size_t i = 0; i < pixels && image->invert; i++) out[i] = ends - out[i];
 cleanup:
   memory_free(&stored);
   return status;

@@ -16,6 +16,8 @@ struct image_reader;
 struct inflated;
 struct image_dataset;
 
+enum { NO_DATA_MOST = 6 };
+
 struct image {
   char *path;
   const struct image_reader *reader;
@@ -50,8 +52,14 @@ struct image {
   uint16_t *palette;      /* colours, by three, whose numbers the pixels are: labels */
   size_t palette_size;    /* number of colours */
   unsigned used_bits;     /* of a DICOM pixel; 0: all */
-  double place;           /* along the normal of the slice, m; NAN if the file does not tell */
-  double number;          /* of the slice in its series; NAN if the file does not tell */
+  struct {
+    float from, to; /* both included */
+    const char *name;
+  } no_data[NO_DATA_MOST]; /* stored values that are no measurement, and the field that says so */
+  size_t no_data_count;
+  double axes[6];    /* unit vectors along a row and a column; NAN if the file does not tell */
+  double at[3];      /* first pixel along the row, the column and their normal, m; likewise */
+  double number;     /* of the slice in its series; NAN if the file does not tell */
   char series[65];   /* to which the slice belongs, as of DICOM; "" if the file does not tell */
   double rescale[2]; /* slope and intercept that make other numbers of the greys */
   bool plain;        /* every pixel is a value of `type` */
@@ -88,9 +96,9 @@ enum status raw_layout_parse(const char *text, struct raw_layout *layout);
  * image_close. */
 enum status image_open(const char *path, const struct raw_layout *raw, struct image *image);
 void image_close(struct image *image);
-/* Reads page `page` into out[size[1]][size[0]]. */
+/* Reads page `page` into out[size[1]][size[0]]; NAN where a value is no measurement. */
 enum status image_read(const struct image *image, size_t page, float *out);
-/* Whether all pixels are values of an integer type with few levels (pixel_levels). */
+/* Whether all pixels are greys of an integer type with few levels (pixel_levels). */
 bool image_has_levels(const struct image *image);
 /* For an image with levels: reads page `page` as values of `type` in native byte order. */
 enum status image_read_stored(const struct image *image, size_t page, void *out);
@@ -102,6 +110,9 @@ size_t image_stored_size(const struct image *image);
 /* For readers: screen resolutions (pixels per metre), which programs write by default, and coarser
  * ones are no voxel sizes. */
 bool image_is_screen_resolution(double pixels_per_metre);
+/* For readers: stored values `from` to `to` are no measurement, as the field `name` (static) says:
+ * no data, fill, padding. NAN: nothing is said. */
+void image_no_data(struct image *image, double from, double to, const char *name);
 /* For readers: what is told about images in colour. */
 #define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
 #define IMAGE_NUMBERS_OF_COLOURS                                                                   \
@@ -112,6 +123,12 @@ bool image_is_screen_resolution(double pixels_per_metre);
 enum status image_keep_palette(struct image *image, const uint16_t *colours, size_t size);
 /* Whether the numbers of two images mean the same colours, where they mean any. */
 bool image_palettes_agree(const struct image *a, const struct image *b);
+/* For readers: the greys of n pixels, from number `first` of the page on, of several samples each,
+ * at `in`. Refused are colours, and further samples, as of a mask or of transparency, that are not
+ * everywhere those of `reference`, a pixel of the page: they tell of pixels what is not heeded. */
+enum status image_take_greys(const struct image *image, const unsigned char *in, size_t n,
+                             size_t samples, size_t first, const unsigned char *reference,
+                             void *out);
 /* For readers: reads contiguous pixels of page `page` at data_offset. */
 enum status image_read_contiguous(const struct image *image, size_t page, void *out);
 /* For readers: data_offset of pixels that end with the end of the file, wherever they start. */
@@ -121,6 +138,10 @@ enum status image_read_contiguous(const struct image *image, size_t page, void *
 enum status image_claim_pixels(struct image *image, bool compressed);
 /* For readers: adds a message to the user. */
 __attribute__((format(printf, 2, 3))) void image_note(struct image *image, const char *format, ...);
+/* Advice about slices that lie aside of each other. */
+#define SHEARED                                                                                    \
+  " (a tilted gantry?): the body would be sheared; resample the slices upright, as by the tilt "   \
+  "correction of 3D Slicer or dcm2niix"
 /* For readers: advice about data that cannot be decoded. */
 #define EXPORT_AGAIN "; the file is cut short or damaged: export it again"
 /* For readers: size of a file in bytes. */

@@ -119,19 +119,11 @@ cleanup:
 }
 
 static enum status decode_row(const struct image *image, const struct bmp *bmp,
-                              const unsigned char *in, size_t y, unsigned char *out) {
-  const size_t bytes = bmp->bits / 8;
+                              const unsigned char *in, size_t y, const unsigned char *reference,
+                              unsigned char *out) {
+  if (bmp->bits > 8)
+    return image_take_greys(image, in, bmp->width, bmp->bits / 8, y * bmp->width, reference, out);
   for (size_t x = 0; x < bmp->width; x++) {
-    if (bmp->bits > 8) {
-      const unsigned char *blue = in + bytes * x;
-      if (blue[0] != blue[1] || blue[0] != blue[2])
-        return FAIL(STATUS_INPUT,
-                    "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
-                    "levels",
-                    image->path, x, y);
-      out[x] = blue[0];
-      continue;
-    }
     const size_t bit = x * bmp->bits;
     const unsigned entry =
         (unsigned)in[bit / 8] >> (8 - bmp->bits - bit % 8) & ((1u << bmp->bits) - 1u);
@@ -146,7 +138,7 @@ static enum status decode_row(const struct image *image, const struct bmp *bmp,
 static enum status bmp_read(const struct image *image, size_t page, void *out) {
   enum status status = STATUS_OK;
   struct bmp bmp;
-  unsigned char *row = NULL;
+  unsigned char *row = NULL, reference[4];
   FILE *file = NULL;
   (void)page;
   TRY(input_open(image->path, &file));
@@ -159,7 +151,8 @@ static enum status bmp_read(const struct image *image, size_t page, void *out) {
     const size_t y = bmp.top_down ? i : bmp.height - 1 - i;
     if (fread(row, 1, bmp.stride, file) != bmp.stride)
       TRY_FAIL(STATUS_INPUT, "%s: ends within its pixels; the file is cut short", image->path);
-    TRY(decode_row(image, &bmp, row, y, (unsigned char *)out + y * bmp.width));
+    if (i == 0) memcpy(reference, row, sizeof reference); /* rows are padded to four bytes */
+    TRY(decode_row(image, &bmp, row, y, reference, (unsigned char *)out + y * bmp.width));
   }
 cleanup:
   memory_free(&row);

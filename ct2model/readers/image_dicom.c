@@ -24,8 +24,10 @@ struct dicom {
   unsigned rows, columns, allocated, stored, high, is_signed, samples, frames;
   bool white_is_zero, by_table; /* by_table: greys are to be looked up in one */
   double spacing[2], position[3], orientation[6], slope, intercept;
+  double padding[2], tilt, aspect[2]; /* padding: stored values; tilt: of the gantry, degrees */
   double number, thickness, distance; /* of the series; of slices, mm; NAN if not told */
   bool placed, oriented, varied;      /* varied: frames are turned or scaled each in its own way */
+  bool in_time;                       /* frames follow one another in time */
   char series[65];
   size_t places;  /* positions that were told: one a frame */
   double step[3]; /* from the first to the second of them, mm */
@@ -128,12 +130,13 @@ static bool read_decimals(const char *text, int count, double *values) {
   return true;
 }
 
-/* The place along the normal of the slice, m; NAN if it is not told. */
-static double place_along_normal(const struct dicom *d) {
-  const double *r = d->orientation, *c = d->orientation + 3, *p = d->position;
-  if (!d->placed || !d->oriented) return NAN;
-  return 1e-3 * (p[0] * (r[1] * c[2] - r[2] * c[1]) + p[1] * (r[2] * c[0] - r[0] * c[2]) +
-                 p[2] * (r[0] * c[1] - r[1] * c[0]));
+/* The components of p along the row, the column and the normal of the slice. */
+static void along_axes(const struct dicom *d, const double p[3], double along[3]) {
+  const double *r = d->orientation, *c = d->orientation + 3;
+  along[0] = p[0] * r[0] + p[1] * r[1] + p[2] * r[2];
+  along[1] = p[0] * c[0] + p[1] * c[1] + p[2] * c[2];
+  along[2] = p[0] * (r[1] * c[2] - r[2] * c[1]) + p[1] * (r[2] * c[0] - r[0] * c[2]) +
+             p[2] * (r[0] * c[1] - r[1] * c[0]);
 }
 
 /* Takes the position of a slice, or of one frame after the other. */
@@ -167,9 +170,22 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     *whole = value;
     return STATUS_OK;
   }
-  static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x0020000e,
-                                   0x00200013, 0x00200032, 0x00200037, 0x00280004,
-                                   0x00280008, 0x00280030, 0x00281052, 0x00281053};
+  if ((tag == 0x00280120 || tag == 0x00280121) && element->length == 2) {
+    uint32_t value;
+    if (!read_number(dicom->file, 2, &value)) return damaged(dicom);
+    dicom->padding[tag & 1] = dicom->is_signed ? (int16_t)value : (double)value;
+    return STATUS_OK;
+  }
+  if (tag == 0x00280009 && element->length == 4) {
+    uint32_t group, number;
+    if (!read_number(dicom->file, 2, &group) || !read_number(dicom->file, 2, &number))
+      return damaged(dicom);
+    dicom->in_time = group == 0x0018 && (number == 0x1063 || number == 0x1065);
+    return STATUS_OK;
+  }
+  static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
+                                   0x00200013, 0x00200032, 0x00200037, 0x00280004, 0x00280008,
+                                   0x00280030, 0x00280034, 0x00281052, 0x00281053};
   bool is_text = false;
   for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++) is_text |= tag == TEXTS[i];
   if (!is_text || element->length >= sizeof text)
@@ -193,6 +209,8 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     snprintf(dicom->series, sizeof dicom->series, "%.64s", text);
   } else if (tag == 0x00280030) {
     if (!read_decimals(text, 2, dicom->spacing)) dicom->spacing[0] = NAN;
+  } else if (tag == 0x00280034) {
+    if (!read_decimals(text, 2, dicom->aspect)) dicom->aspect[0] = NAN;
   } else if (tag == 0x00200032) {
     double position[3];
     dicom->placed = read_decimals(text, 3, position);
@@ -213,6 +231,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   } else {
     double *told = tag == 0x00200013   ? &dicom->number
                    : tag == 0x00180050 ? &dicom->thickness
+                   : tag == 0x00181120 ? &dicom->tilt
                                        : &dicom->distance;
     if (!read_decimals(text, 1, told)) *told = NAN;
   }
@@ -254,6 +273,9 @@ static enum status read_header(const char *path, struct dicom *dicom) {
                           .slope = NAN,
                           .intercept = NAN,
                           .spacing = {NAN, NAN},
+                          .padding = {NAN, NAN},
+                          .tilt = NAN,
+                          .aspect = {NAN, NAN},
                           .number = NAN,
                           .thickness = NAN,
                           .distance = NAN};
@@ -289,8 +311,19 @@ cleanup:
   return status;
 }
 
-/* Frames are slices one behind the other, of one kind. */
+/* Slices lie one behind the other, and frames are of one kind. */
 static enum status check_frames(const struct dicom *d) {
+  double step[3];
+  along_axes(d, d->step, step);
+  if (d->tilt != 0.0 && isfinite(d->tilt) && !(d->placed && d->oriented))
+    return FAIL(
+        STATUS_INPUT,
+        "%s: its gantry is tilted by %g degrees, and no positions say how its slices lie" SHEARED,
+        d->path, d->tilt);
+  if (d->frames > 1 && d->places > 1 && d->oriented &&
+      hypot(step[0], step[1]) * (d->frames - 1.0) > 0.5 * d->spacing[0])
+    return FAIL(STATUS_INPUT, "%s: its frames are shifted sideways, each by %g mm" SHEARED, d->path,
+                hypot(step[0], step[1]));
   if (d->frames > 1 && d->places > 1 && (d->places != d->frames || d->uneven))
     return FAIL(STATUS_INPUT,
                 "%s: its %u frames are not slices one behind the other at even distances, as their "
@@ -312,6 +345,18 @@ static double slice_distance(const struct dicom *d) {
                     : d->distance > 0.0            ? d->distance
                                                    : d->thickness;
   return mm > 0.0 ? 1e-3 * mm : NAN;
+}
+
+/* Values that fill up a slice beyond what was measured: one, or from one to the other (PS3.3,
+ * C.7.5.1.1.2). Bits that are not stored are not looked at in pixels, nor here. */
+static void take_padding(const struct dicom *d, struct image *image) {
+  const double span = ldexp(1.0, (int)d->stored);
+  double ends[2] = {d->padding[0], isnan(d->padding[1]) ? d->padding[0] : d->padding[1]};
+  for (int i = 0; i < 2 && isfinite(ends[0]); i++) {
+    ends[i] -= span * floor(ends[i] / span);
+    if (d->is_signed && ends[i] >= 0.5 * span) ends[i] -= span;
+  }
+  image_no_data(image, fmin(ends[0], ends[1]), fmax(ends[0], ends[1]), "PixelPaddingValue");
 }
 
 static enum status dicom_open(const char *path, struct image *image) {
@@ -345,7 +390,10 @@ static enum status dicom_open(const char *path, struct image *image) {
   image->invert = d.white_is_zero;
   image->used_bits = d.stored < d.allocated ? d.stored : 0;
   image->plain = true;
-  image->place = place_along_normal(&d);
+  take_padding(&d, image);
+  if (d.oriented) memcpy(image->axes, d.orientation, sizeof image->axes);
+  if (d.oriented && d.placed) along_axes(&d, d.position, image->at);
+  for (int a = 0; a < 3; a++) image->at[a] *= 1e-3;
   image->number = d.number;
   memcpy(image->series, d.series, sizeof d.series);
   image->rescale[0] = d.slope;
@@ -355,7 +403,11 @@ static enum status dicom_open(const char *path, struct image *image) {
     image->voxel[1] = 1e-3 * d.spacing[0];
     image->voxel[2] = slice_distance(&d);
     image->voxel_source = "DICOM pixel spacing";
-  }
+  } else if (isfinite(d.aspect[0]) && d.aspect[0] != d.aspect[1])
+    image_note(image, "its pixels are not square (aspect %g:%g): give --voxel-size as X,Y,Z",
+               d.aspect[0], d.aspect[1]);
+  if (d.frames > 1 && d.in_time)
+    image_note(image, "its frames follow one another in time, as it says: read as slices");
   if (d.by_table) image_note(image, "greys as stored, before its table (Modality LUT Sequence)");
   if (d.slope != 1.0 || d.intercept != 0.0)
     image_note(image, "greys as stored, before its slope %g and intercept %g", d.slope,

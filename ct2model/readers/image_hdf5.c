@@ -4,6 +4,7 @@
 #include <pthread.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
@@ -74,8 +75,22 @@ cleanup:
   return status;
 }
 
-/* The type of a pixel, and that in which numbers are read: the HDF5 layer below has no others. */
-static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_type *type) {
+/* Whether netCDF's attribute says that integers have a sign, or none, other than they are stored
+ * with (NetCDF Users Guide, Attribute Conventions, _Unsigned). */
+static bool sign_is_other(struct h5_file *file, const char *name, char format) {
+  char *text = NULL;
+  if (!h5_attribute_exists(file, name, "_Unsigned")) return false;
+  if (h5_read_attribute_text(file, name, "_Unsigned", &text) != STATUS_OK) error_clear();
+  const bool other = text != NULL && ((format == 'i' && strcasecmp(text, "true") == 0) ||
+                                      (format == 'u' && strcasecmp(text, "false") == 0));
+  memory_free(&text);
+  return other;
+}
+
+/* The type of a pixel, and that in which numbers are read: the HDF5 layer below has no others.
+ * `stored`: the format with which they are stored, other than `format` where sign_is_other. */
+static void choose_types(int bits, char stored, char format, enum pixel_type *pixel,
+                         enum h5_type *type) {
   const bool whole = format != 'f';
   if (!whole || bits > 32 || !pixel_type_of(bits, format, pixel))
     *pixel = !whole && bits <= 32 ? PIXEL_F32 : PIXEL_F64;
@@ -84,6 +99,7 @@ static void choose_types(int bits, char format, enum pixel_type *pixel, enum h5_
           : *pixel == PIXEL_F32 ? H5_F32
           : *pixel == PIXEL_F64 ? H5_F64
                                 : H5_I32;
+  if (stored != format) *type = bits == 32 && stored == 'u' ? H5_U32 : H5_I32; /* see narrow */
 }
 
 /* Converts the numbers read to pixels: those of less than 32 bits were widened. */
@@ -103,21 +119,106 @@ static void narrow(const char *from, size_t n, enum pixel_type pixel, enum h5_ty
   }
 }
 
+/* Values that are no measurement (CF conventions, 2.5.1), as pixels of `bits` and `format`;
+ * `other`: these are stored with the other sign. */
+static void read_no_data(struct h5_file *file, const char *name, int bits, char format, bool other,
+                         struct image *image) {
+  static const char *const NAMES[] = {"_FillValue", "missing_value", "valid_min", "valid_max",
+                                      "valid_range"};
+  const double span = ldexp(1.0, bits);
+  for (size_t i = 0; i < sizeof NAMES / sizeof *NAMES; i++) {
+    const size_t count = i == 4 ? 2 : 1;
+    double value[2];
+    if (!h5_attribute_exists(file, name, NAMES[i])) continue;
+    if (h5_read_attribute(file, name, NAMES[i], H5_F64, count, value) != STATUS_OK) {
+      error_clear();
+      image_note(image, "its attribute %s is not heeded: no single number", NAMES[i]);
+      continue;
+    }
+    for (size_t k = 0; k < count; k++) { /* they have the sign that is stored */
+      if (other && format == 'u' && value[k] < 0.0) value[k] += span;
+      if (other && format == 'i' && value[k] >= 0.5 * span) value[k] -= span;
+    }
+    if (i < 2) image_no_data(image, value[0], value[0], NAMES[i]);
+    if (i == 2 || i == 4)
+      image_no_data(image, -INFINITY, (double)nextafterf((float)value[0], -INFINITY), NAMES[i]);
+    if (i > 2)
+      image_no_data(image, (double)nextafterf((float)value[count - 1], INFINITY), INFINITY,
+                    NAMES[i]);
+  }
+}
+
+/* Projections are no slices: in Data Exchange and NXtomo an angle, or the kind of picture, stands
+ * for each beside them. */
+static enum status check_slices(struct h5_file *file, const char *name, size_t pages) {
+  static const char *const OF_EACH[] = {"theta", "rotation_angle", "image_key"};
+  char beside[240];
+  for (size_t i = 0; i < sizeof OF_EACH / sizeof *OF_EACH; i++) {
+    size_t count;
+    int rank;
+    snprintf(beside, sizeof beside, "%.*s/%s", (int)(strrchr(name, '/') - name), name, OF_EACH[i]);
+    if (pages < 2 || strlen(beside) + 1 == sizeof beside || !h5_exists(file, beside)) continue;
+    if (h5_shape(file, beside, 1, &rank, &count) != STATUS_OK)
+      error_clear();
+    else if (rank == 1 && count == pages)
+      return FAIL(STATUS_INPUT,
+                  "%s: %s holds projections, as %s beside it tells, and no slices; reconstruct "
+                  "them first",
+                  h5_path(file), name, beside);
+  }
+  return STATUS_OK;
+}
+
+/* Tells where an attribute of the array or of its group names the axes, slowest first, in another
+ * order than z, y, x: those of NeXus, the keys of vigra's tags, HDF5's labels. */
+static void tell_axes(struct h5_file *file, const char *name, const char *group,
+                      struct image *image) {
+  static const char *const NAMES[] = {"axes", "axistags", "DIMENSION_LABELS"};
+  static const char BETWEEN[] = " :,;[](){}\"'";
+  for (int i = 0; i < 4; i++) {
+    const char *of = i < 3 ? name : group, *attribute = NAMES[i % 3];
+    char *text = NULL, order[4] = "";
+    size_t count = 0;
+    if (!h5_attribute_exists(file, of, attribute)) continue;
+    if (h5_read_attribute_text(file, of, attribute, &text) != STATUS_OK) error_clear();
+    for (const char *at = text; at != NULL && *at != '\0'; at += strspn(at, BETWEEN)) {
+      const size_t length = strcspn(at, BETWEEN), known = strspn(at, "xyz");
+      for (size_t k = 0; k < length && known == length && count < 3; k++) order[count++] = at[k];
+      at += length;
+    }
+    if (count > 1 && strcmp(order, count == 3 ? "zyx" : "yx") != 0)
+      image_note(image, "its axes are %s by its attribute %s: read as stored, as z, y, x", order,
+                 attribute);
+    memory_free(&text);
+  }
+}
+
 /* Tells of attributes by which other programs take the numbers for other greys (CF conventions,
  * 8.1; HDF5 Image), and of those of Imaris that say which part of an array is the scan. */
 static void tell_attributes(struct h5_file *file, const char *name, struct image *image) {
   static const struct {
     const char *name;
     double idle; /* a value that changes nothing */
-  } CHANGING[] = {
-      {"scale_factor", 1.0}, {"add_offset", 0.0}, {"_Unsigned", NAN}, {"IMAGE_WHITE_IS_ZERO", 0.0}};
-  for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++)
-    if (h5_attribute_exists(file, name, CHANGING[i].name) &&
-        h5_attribute_or_nan(file, name, CHANGING[i].name) != CHANGING[i].idle)
+  } CHANGING[] = {{"scale_factor", 1.0}, {"add_offset", 0.0}, {"IMAGE_WHITE_IS_ZERO", 0.0}};
+  for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++) {
+    if (!h5_attribute_exists(file, name, CHANGING[i].name)) continue;
+    const double value = h5_attribute_or_nan(file, name, CHANGING[i].name);
+    if (value != CHANGING[i].idle)
       image_note(image, "greys as stored, not as its attribute %s says", CHANGING[i].name);
-  char group[200];
+    if (i < 2) image->rescale[i] = value;
+  }
+  if (h5_attribute_exists(file, name, "MATLAB_class"))
+    image_note(image, "of MATLAB, whose first index is x here: rows and columns are exchanged");
+  char group[200], scale[240];
   const int length = (int)(strrchr(name, '/') - name);
   snprintf(group, sizeof group, "%.*s", length, name);
+  tell_axes(file, name, length > 0 ? group : "/", image);
+  static const char *const BESIDE[] = {"_scaling_factor", "_offset"}; /* of NXdata */
+  for (int i = 0; i < 2; i++) {
+    snprintf(scale, sizeof scale, "%s%s", name, BESIDE[i]);
+    if (strlen(scale) + 1 < sizeof scale && h5_exists(file, scale))
+      image_note(image, "greys as stored, before %s", scale);
+  }
   if (length > 0 && h5_attribute_exists(file, group, "ImageSizeX"))
     image_note(image,
                "beyond ImageSizeX, Y and Z of %s it is filled up, no scan: leave that out "
@@ -161,11 +262,15 @@ static enum status hdf5_open(const char *path, struct image *image) {
     TRY_FAIL(STATUS_INPUT, "%s: %s has %d axes; an image has 2 or 3, [z][y][x] (and others of one)",
              of_file, name, dataset->rank);
   TRY(h5_number_format(dataset->file, name, &bits, &format));
-  choose_types(bits, format, &image->type, &dataset->type);
+  const bool other = bits <= 32 && sign_is_other(dataset->file, name, format);
+  const char meant = !other ? format : format == 'i' ? 'u' : 'i';
+  choose_types(bits, format, meant, &image->type, &dataset->type);
   image->size[0] = turned[axis[0]];
   image->size[1] = turned[axis[1]];
   image->pages = axis[2] < 0 ? 1 : turned[axis[2]];
   dataset->z_axis = axis[2] < 0 ? -1 : dataset->rank - 1 - axis[2];
+  read_no_data(dataset->file, name, bits, meant, other, image);
+  TRY(check_slices(dataset->file, name, image->pages));
   tell_attributes(dataset->file, name, image);
   if (h5_is_partial(dataset->file, name))
     image_note(image, "%s was not written to its end: the rest is filled in", name);

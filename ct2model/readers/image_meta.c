@@ -1,7 +1,6 @@
 #include "ct2model/readers/image.h"
 
 #include <errno.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -93,18 +92,6 @@ static enum status place_pixels(const char *value, FILE *file, int number,
                                     : image_data_beside(image, value, number);
 }
 
-/* Whether a matrix, given row by row, turns or mirrors the axes. */
-static bool is_turn(const char *matrix, int dimensions) {
-  for (int i = 0; i < dimensions * dimensions; i++) {
-    char *end;
-    const double value = strtod(matrix, &end);
-    if (end == matrix) return false;
-    if (fabs(value - (i % (dimensions + 1) == 0 ? 1.0 : 0.0)) > 1e-6) return true;
-    matrix = end;
-  }
-  return false;
-}
-
 static enum status read_key(const char *path, const char *key, const char *value, int number,
                             struct meta_header *header, struct image *image) {
   const bool truth = strchr("Tt1", value[0]) != NULL && value[0] != '\0'; /* as MetaIO reads it */
@@ -142,11 +129,12 @@ static enum status read_key(const char *path, const char *key, const char *value
   } else if (strcmp(key, "ElementToIntensityFunctionSlope") == 0 ||
              strcmp(key, "ElementToIntensityFunctionOffset") == 0) {
     const bool slope = strstr(key, "Slope") != NULL;
-    if (strtod(value, NULL) != (slope ? 1.0 : 0.0))
+    image->rescale[slope ? 0 : 1] = strtod(value, NULL);
+    if (image->rescale[slope ? 0 : 1] != (slope ? 1.0 : 0.0))
       image_note(image, "greys as stored, before its %s %.30s", slope ? "slope" : "offset", value);
   } else if (strcmp(key, "TransformMatrix") == 0 || strcmp(key, "Orientation") == 0 ||
              strcmp(key, "Rotation") == 0) {
-    if (is_turn(value, header->dimensions))
+    if (image_is_turn(value, header->dimensions))
       image_note(image, "its axes are turned (%s): read as stored", key);
   } else if (strcmp(key, "HeaderSizePerSlice") == 0 && atoi(value) != 0) {
     return FAIL(STATUS_INPUT, "%s:%d: a header before every slice is not read; save one volume",

@@ -35,6 +35,8 @@ enum field {
   SPACE_UNITS,
   KINDS,
   DATA_FILE,
+  OLD_MIN,
+  OLD_MAX,
   FIELDS, /* those that are used; the others tell nothing about greys and voxels */
   OTHER = FIELDS
 };
@@ -83,10 +85,10 @@ static const struct {
     {"labels", OTHER},
     {"min", OTHER},
     {"max", OTHER},
-    {"old min", OTHER},
-    {"oldmin", OTHER},
-    {"old max", OTHER},
-    {"oldmax", OTHER},
+    {"old min", OLD_MIN},
+    {"oldmin", OLD_MIN},
+    {"old max", OLD_MAX},
+    {"oldmax", OLD_MAX},
     {"sample units", OTHER},
     {"sampleunits", OTHER},
 };
@@ -424,6 +426,10 @@ static enum status nrrd_open(const char *path, struct image *image) {
   read_spacing(&header, image);
   if (is_turned(header.value[DIRECTIONS]))
     image_note(image, "its axes are turned (space directions): read as stored");
+  for (int f = OLD_MIN; f <= OLD_MAX; f++)
+    if (header.value[f] != NULL && isfinite(strtod(header.value[f], NULL)))
+      image_note(image, "greys as stored, before its old %s %.30s", f == OLD_MIN ? "min" : "max",
+                 header.value[f]);
   image->plain = true;
   TRY(image_claim_pixels(image, compressed));
 cleanup:

@@ -132,6 +132,10 @@ static enum status png_open(const char *path, struct image *image) {
     image_note(image, IMAGE_NUMBERS_OF_COLOURS);
   else if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
     image_note(image, IMAGE_STORED_IN_COLOUR);
+  png_color_16p clear;
+  if (colour == PNG_COLOR_TYPE_GRAY &&
+      (png_get_tRNS(session.png, session.info, NULL, NULL, &clear) & PNG_INFO_tRNS) != 0)
+    image_no_data(image, clear->gray, clear->gray, "transparent grey (tRNS)");
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
@@ -143,22 +147,6 @@ static enum status png_open(const char *path, struct image *image) {
 cleanup:
   session_end(&session);
   return status;
-}
-
-/* Colour pixels count as grey only where red, green and blue agree. */
-static enum status colour_to_grey(const struct image *image, const unsigned char *pixels,
-                                  unsigned char *out) {
-  size_t bytes = pixel_size(image->type);
-  for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
-    const unsigned char *rgb = pixels + 3 * bytes * i;
-    if (memcmp(rgb, rgb + bytes, bytes) != 0 || memcmp(rgb, rgb + 2 * bytes, bytes) != 0)
-      return FAIL(STATUS_INPUT,
-                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
-                  "levels",
-                  image->path, i % image->size[0], i / image->size[0]);
-    memcpy(out + bytes * i, rgb, bytes);
-  }
-  return STATUS_OK;
 }
 
 static enum status png_read(const struct image *image, size_t page, void *out) {
@@ -175,7 +163,6 @@ static enum status png_read(const struct image *image, size_t page, void *out) {
   png_read_info(session.png, session.info);
   const bool palette = png_get_color_type(session.png, session.info) == PNG_COLOR_TYPE_PALETTE;
   png_set_packing(session.png); /* samples of less than a byte, as they are */
-  png_set_strip_alpha(session.png);
   (void)png_set_interlace_handling(session.png);
   png_read_update_info(session.png, session.info);
   size_t row = png_get_rowbytes(session.png, session.info);
@@ -197,7 +184,7 @@ static enum status png_read(const struct image *image, size_t page, void *out) {
   if (channels == 1)
     memcpy(out, session.pixels, pixels * pixel_size(image->type));
   else
-    status = colour_to_grey(image, session.pixels, out);
+    status = image_take_greys(image, session.pixels, pixels, channels, 0, session.pixels, out);
   if (palette && status == STATUS_OK) status = palette_to_grey(&session, image, out);
   pixels_swap(out, pixels, image->type); /* PNG is big-endian */
 cleanup:

@@ -1,5 +1,8 @@
 #include "ct2model/readers/image_shape.h"
 
+#include <math.h>
+#include <stdlib.h>
+
 bool image_choose_axes(const size_t *n, int count, int axis[3]) {
   int kept[AXES_MOST], left = count;
   if (count < 2 || count > AXES_MOST) return false;
@@ -16,4 +19,15 @@ bool image_choose_axes(const size_t *n, int count, int axis[3]) {
   }
   for (int a = 0; a < 3; a++) axis[a] = a < left ? kept[a] : -1;
   return true;
+}
+
+bool image_is_turn(const char *matrix, int dimensions) {
+  for (int i = 0; i < dimensions * dimensions; i++) {
+    char *end;
+    const double value = strtod(matrix, &end);
+    if (end == matrix) return false;
+    if (fabs(value - (i % (dimensions + 1) == 0 ? 1.0 : 0.0)) > 1e-6) return true;
+    matrix = end;
+  }
+  return false;
 }

@@ -13,4 +13,7 @@ enum { AXES_MOST = 16 };
  * fewer than two axes or more than three of several pixels are there. */
 bool image_choose_axes(const size_t *n, int count, int axis[3]);
 
+/* Whether a matrix, a text of numbers row by row, turns or mirrors the axes. */
+bool image_is_turn(const char *matrix, int dimensions);
+
 #endif

@@ -119,6 +119,8 @@ static bool tiff_claims(const char *path, const unsigned char *head, size_t n) {
                     (head[0] == 'M' && head[1] == 'M' && (head[3] == 42 || head[3] == 43)));
 }
 
+enum { SAMPLES_MOST = 8 }; /* a pixel */
+
 struct tiff_layout {
   uint32_t width, height;
   uint16_t bits, samples, format, photometric, compression, planar, orientation;
@@ -145,6 +147,9 @@ static enum status layout_type(const char *path, const struct tiff_layout *layou
                                                       : 'u';
   if (layout->format > SAMPLEFORMAT_VOID)
     return FAIL(STATUS_INPUT, "%s: complex numbers are not read; save greys", path);
+  if (layout->samples < 1 || layout->samples > SAMPLES_MOST)
+    return FAIL(STATUS_INPUT, "%s: %u samples a pixel are not read; save the scan alone, as grey",
+                path, layout->samples);
   bool whole = layout->bits == 1 || layout->bits == 2 || layout->bits == 4; /* samples of less than
                                                                                a byte */
   if (whole && layout->samples == 1 && format == 'u') {
@@ -210,9 +215,42 @@ static void read_resolution(TIFF *tiff, const char *description, struct image *i
 static void tell_calibration(const char *description, struct image *image) {
   char c0[40], c1[40];
   if (description != NULL && tiff_description_value(description, "c0", c0, sizeof c0) &&
-      tiff_description_value(description, "c1", c1, sizeof c1))
+      tiff_description_value(description, "c1", c1, sizeof c1)) {
     image_note(image, "greys as stored, before ImageJ's calibration (%s + %s times the grey)", c0,
                c1);
+    image->rescale[0] = strtod(c1, NULL);
+    image->rescale[1] = strtod(c0, NULL);
+  }
+}
+
+/* The text of one of GDAL's tags, at most `size` - 1 letters of it. */
+static bool gdal_text(TIFF *tiff, uint32_t tag, char *text, size_t size) {
+  uint32_t count = 0;
+  const char *value = NULL;
+  if (!TIFFGetField(tiff, tag, &count, &value) || value == NULL) return false;
+  snprintf(text, size, "%.*s", count < size ? (int)count : (int)size - 1, value);
+  return true;
+}
+
+/* GDAL's tags: the value that is no measurement, and the numbers that the greys stand for. */
+static void tell_gdal(TIFF *tiff, struct image *image) {
+  enum { METADATA = 42112, NO_DATA = 42113, TEXT_MOST = 8192 };
+  static const char *const ROLES[] = {"scale", "offset"};
+  char text[TEXT_MOST], role[24];
+  if (gdal_text(tiff, NO_DATA, text, sizeof text)) {
+    char *end;
+    const double value = strtod(text, &end);
+    if (end > text) image_no_data(image, value, value, "GDAL_NODATA");
+  }
+  if (!gdal_text(tiff, METADATA, text, sizeof text)) return;
+  for (int i = 0; i < 2; i++) {
+    snprintf(role, sizeof role, "role=\"%s\">", ROLES[i]);
+    const char *at = strstr(text, role);
+    if (at == NULL) continue;
+    image->rescale[i] = strtod(at + strlen(role), NULL);
+    if (image->rescale[i] != 1.0 - i)
+      image_note(image, "greys as stored, before GDAL's %s %g", ROLES[i], image->rescale[i]);
+  }
 }
 
 /* MetaMorph's stacks: one directory, whose tag UIC2 has a value for each slice. */
@@ -228,8 +266,11 @@ static unsigned long long count_metamorph(TIFF *tiff) {
 static bool slices_follow(TIFF *tiff, unsigned long long slices, const struct tiff_layout *layout,
                           struct image *image) {
   uint64_t bytes, *offsets = NULL;
-  if (layout->compression != COMPRESSION_NONE || layout->samples != 1 || layout->bits < 8 ||
-      layout->photometric == PHOTOMETRIC_PALETTE || !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
+  uint16_t fill = FILLORDER_MSB2LSB; /* else the bits of each byte are reversed */
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill);
+  if (fill != FILLORDER_MSB2LSB || layout->compression != COMPRESSION_NONE ||
+      layout->samples != 1 || layout->bits < 8 || layout->photometric == PHOTOMETRIC_PALETTE ||
+      !TIFFLastDirectory(tiff) || TIFFIsTiled(tiff) ||
       !TIFFGetField(tiff, TIFFTAG_STRIPOFFSETS, &offsets))
     return false;
   size_t page;
@@ -283,14 +324,6 @@ static size_t count_missing(TIFF *tiff) {
   for (uint32_t i = 0; i < count; i++)
     missing += TIFFGetStrileOffset(tiff, i) == 0 && TIFFGetStrileByteCount(tiff, i) == 0;
   return missing;
-}
-
-/* Extra samples are of transparency, or the same everywhere (decode_row); this says whether the
- * first one is declared so. */
-static bool has_alpha(TIFF *tiff) {
-  uint16_t count = 0, *kinds = NULL;
-  if (!TIFFGetField(tiff, TIFFTAG_EXTRASAMPLES, &count, &kinds) || count == 0) return false;
-  return kinds[0] == EXTRASAMPLE_ASSOCALPHA || kinds[0] == EXTRASAMPLE_UNASSALPHA;
 }
 
 /* Collects the offsets of all directories with slices, from the present one on; thumbnails and
@@ -423,6 +456,7 @@ static enum status tiff_open(const char *path, struct image *image) {
                        (const size_t[]){layout.width, layout.height, layout.samples}, &slices,
                        &follow)); /* a text of this directory alone */
   tell_calibration(description, image);
+  tell_gdal(tiff, image);
   const unsigned long long metamorph = count_metamorph(tiff);
   if (slices_follow(tiff, metamorph > 1 ? metamorph : follow ? slices : 0, &layout, image))
     goto cleanup;
@@ -452,8 +486,8 @@ struct row_decoder {
   const struct image *image;
   struct tiff_layout layout;
   uint16_t *palette[3];
-  unsigned step; /* of the palette (palette_step) */
-  bool alpha;    /* the first sample beyond grey or colours is transparency */
+  unsigned step;                                          /* of the palette (palette_step) */
+  unsigned char reference[SAMPLES_MOST * sizeof(double)]; /* the first pixel of the page */
 };
 
 /* Maps entries of a palette of greys, which stand in `out` where they fit in 8 bits. */
@@ -474,25 +508,8 @@ static void map_palette(const struct row_decoder *decoder, const unsigned char *
   }
 }
 
-/* Checks that samples beyond the grey or the three colours are transparency, or tell nothing. */
-static enum status check_extra(const struct row_decoder *decoder, const unsigned char *in,
-                               size_t x0, size_t n, size_t y) {
-  const struct tiff_layout *layout = &decoder->layout;
-  const size_t bytes = pixel_size(decoder->image->type), stride = bytes * layout->samples;
-  const size_t used = layout->samples > 2 ? 3 : 1, first = decoder->alpha ? used + 1 : used;
-  if (first >= layout->samples) return STATUS_OK;
-  for (size_t x = 0; x < n; x++)
-    for (size_t s = first; s < layout->samples; s++)
-      if (memcmp(in + x * stride + s * bytes, in + s * bytes, bytes) != 0)
-        return FAIL(STATUS_INPUT,
-                    "%s: %u samples a pixel, of which number %zu is neither grey nor transparency "
-                    "(pixel %zu,%zu); save the one that is the scan as grey",
-                    decoder->image->path, layout->samples, s + 1, x0 + x, y);
-  return STATUS_OK;
-}
-
 /* Decodes n samples from column x0 on of row y into `page`; `small`: space for a row of bytes. */
-static enum status decode_row(const struct row_decoder *decoder, const unsigned char *in, size_t x0,
+static enum status decode_row(struct row_decoder *decoder, const unsigned char *in, size_t x0,
                               size_t n, size_t y, unsigned char *small, void *page) {
   const struct tiff_layout *layout = &decoder->layout;
   const struct image *image = decoder->image;
@@ -519,18 +536,9 @@ static enum status decode_row(const struct row_decoder *decoder, const unsigned 
     memcpy(out, in, n * bytes);
     return STATUS_OK;
   }
-  const enum status status = check_extra(decoder, in, x0, n, y);
-  if (status != STATUS_OK) return status;
-  for (size_t x = 0; x < n; x++, in += stride) {
-    if (layout->samples > 2 &&
-        (memcmp(in, in + bytes, bytes) != 0 || memcmp(in, in + 2 * bytes, bytes) != 0))
-      return FAIL(STATUS_INPUT,
-                  "%s: a true colour image (pixel %zu,%zu), not grey; export the scan as grey "
-                  "levels",
-                  image->path, x0 + x, y);
-    memcpy(out + x * bytes, in, bytes);
-  }
-  return STATUS_OK;
+  if (x0 == 0 && y == 0) memcpy(decoder->reference, in, stride);
+  return image_take_greys(image, in, n, layout->samples, y * image->size[0] + x0,
+                          decoder->reference, out);
 }
 
 /* Whether strips can be decoded in place, since the page is stored in the wanted form. */
@@ -557,7 +565,7 @@ static enum status find_block(TIFF *tiff, const struct row_decoder *decoder, uin
       decoder->image->path, number, (unsigned long long)count, (unsigned long long)offset, bytes);
 }
 
-static enum status read_strips(TIFF *tiff, const struct row_decoder *decoder, void *out) {
+static enum status read_strips(TIFF *tiff, struct row_decoder *decoder, void *out) {
   enum status status = STATUS_OK;
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
@@ -594,7 +602,7 @@ cleanup:
   return status;
 }
 
-static enum status read_tiles(TIFF *tiff, const struct row_decoder *decoder, void *out) {
+static enum status read_tiles(TIFF *tiff, struct row_decoder *decoder, void *out) {
   enum status status = STATUS_OK;
   const struct image *image = decoder->image;
   size_t width = image->size[0], height = image->size[1];
@@ -639,13 +647,13 @@ static enum status page_open(const struct image *image, size_t page, struct row_
     TRY_FAIL(STATUS_INPUT, "%s: page %zu cannot be read: %s" EXPORT_AGAIN, image->path, page,
              tiff_message);
   layout_read(tiff, layout);
-  if (layout->width != image->size[0] || layout->height != image->size[1])
+  if (layout->width != image->size[0] || layout->height != image->size[1] || layout->samples < 1 ||
+      layout->samples > SAMPLES_MOST)
     TRY_FAIL(STATUS_INPUT, "%s: changed while it was being read; run again", image->path);
   if (layout->samples > 1 && layout->planar != PLANARCONFIG_CONTIG)
     TRY_FAIL(STATUS_INPUT, "%s: colour planes apart are not read; save as grey", image->path);
   if (layout->compression == COMPRESSION_JPEG)
     TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
-  decoder->alpha = has_alpha(tiff);
   if (layout->photometric == PHOTOMETRIC_PALETTE &&
       !TIFFGetField(tiff, TIFFTAG_COLORMAP, &decoder->palette[0], &decoder->palette[1],
                     &decoder->palette[2]))

@@ -8,6 +8,7 @@
 
 #include "common/input_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/image_shape.h"
 #include "ct2model/readers/vti_data.h"
 
 /* ImageData of VTK in XML: one piece with one array of numbers, appended or within the text, as
@@ -269,7 +270,7 @@ static enum status vti_open(const char *path, struct image *image) {
   else
     TRY(vti_data_unpack(&data, image));
   if (start == 0) TRY(check_rest(path, data.file));
-  if (attribute(grid, "Direction", text, sizeof text) && strcmp(text, "1 0 0 0 1 0 0 0 1") != 0)
+  if (attribute(grid, "Direction", text, sizeof text) && image_is_turn(text, 3))
     image_note(image, "its axes are turned (Direction): read as stored");
   if (attribute(grid, "Spacing", text, sizeof text))
     image_note(image, "Spacing = %.60s has no unit; --voxel-size decides", text);

@@ -19,6 +19,8 @@
 
 /* Largest number of voxels along an axis: more are a mistyped size. */
 #define VOXELS_PER_AXIS_MOST (1 << 20)
+/* Fraction to which distances of slices, and the components of their directions, are alike. */
+#define ALIKE 0.1
 
 struct name_list {
   char **names;
@@ -228,6 +230,12 @@ static enum status check_agreement(const struct image *first, const struct image
                 "%s: its palette is not that of the first slice, so that its numbers "
                 "mean other colours; save all with one palette",
                 image->path);
+  for (int i = 0; i < 6; i++)
+    if (fabs(image->axes[i] - first->axes[i]) > ALIKE)
+      return FAIL(STATUS_INPUT,
+                  "%s: a slice in another direction than %s (ImageOrientation): a localizer? leave "
+                  "it out",
+                  image->path, first->path);
   if (image->orientation != first->orientation)
     return FAIL(STATUS_INPUT,
                 "%s: orientation %u, but the first slice has %u; save all in one orientation",
@@ -236,7 +244,7 @@ static enum status check_agreement(const struct image *first, const struct image
 }
 
 static int by_place(const void *a, const void *b) {
-  const double x = ((const struct image *)a)->place, y = ((const struct image *)b)->place;
+  const double x = ((const struct image *)a)->at[2], y = ((const struct image *)b)->at[2];
   return x < y ? -1 : x > y;
 }
 
@@ -245,25 +253,46 @@ static int by_number(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
+/* Slices one behind the other; those of a tilted gantry are shifted sideways, each more than the
+ * one before, and in the stack the body is sheared. */
+static enum status check_upright(const struct image *files, size_t n, double step) {
+  for (size_t i = 1; i < n; i++) {
+    const double aside = hypot(files[i].at[0] - files[0].at[0], files[i].at[1] - files[0].at[1]);
+    if (aside > 0.5 * (files[0].voxel[0] > 0.0 ? files[0].voxel[0] : step))
+      return FAIL(STATUS_INPUT,
+                  "%s: its first pixel does not lie behind that of %s, but %g mm aside" SHEARED,
+                  files[i].path, base_name(files[0].path), 1e3 * aside);
+  }
+  return STATUS_OK;
+}
+
 /* Puts slices that tell where they are in that order; their distance is that of the slices. */
 static enum status order_by_place(struct stack *stack) {
   enum status status = STATUS_OK;
   struct image *files = stack->files;
   const size_t n = stack->file_count;
   qsort(files, n, sizeof *files, by_place);
-  const double step = (files[n - 1].place - files[0].place) / (double)(n - 1);
+  const double step = (files[n - 1].at[2] - files[0].at[2]) / (double)(n - 1);
   for (size_t i = 1; i < n; i++)
-    if (!(files[i].place - files[i - 1].place > 0.01 * step))
+    if (!(files[i].at[2] - files[i - 1].at[2] > 0.01 * step))
       TRY_FAIL(STATUS_INPUT, "%s and %s are at the same place, %g mm; give one series",
-               files[i - 1].path, base_name(files[i].path), 1e3 * files[i].place);
+               files[i - 1].path, base_name(files[i].path), 1e3 * files[i].at[2]);
   for (size_t i = 1; i < n; i++) {
-    const double here = files[i].place - files[i - 1].place;
-    if (fabs(here - step) > 0.1 * step)
+    const double here = files[i].at[2] - files[i - 1].at[2];
+    if (fabs(here - step) > ALIKE * step)
       TRY_FAIL(STATUS_INPUT,
                "%s is %g mm behind %s, but slices are %g mm apart in the mean: are some missing?",
                files[i].path, 1e3 * here, base_name(files[i - 1].path), 1e3 * step);
   }
-  for (size_t i = 0; i < n; i++) files[i].voxel[2] = step;
+  TRY(check_upright(files, n, step));
+  if (fabs(files[0].voxel[2] / step - 1.0) > ALIKE)
+    log_warning("%s says %g mm from slice to slice, but their positions are %g mm apart: these are "
+                "taken",
+                files[0].path, 1e3 * files[0].voxel[2], 1e3 * step);
+  for (size_t i = 0; i < n; i++) {
+    files[i].voxel[2] = step;
+    if (files[i].voxel_source == NULL) files[i].voxel_source = "positions of the slices";
+  }
 cleanup:
   return status;
 }
@@ -293,7 +322,7 @@ static enum status order_slices(struct stack *stack) {
   size_t placed = 0, numbered = 0;
   for (size_t i = 0; i < n; i++) {
     const struct image *image = &stack->files[i];
-    placed += isfinite(image->place) && image->pages == 1;
+    placed += isfinite(image->at[2]) && image->pages == 1;
     numbered += isfinite(image->number) && image->pages == 1;
   }
   for (size_t i = 1; i < n; i++)
@@ -405,6 +434,11 @@ enum status stack_read(const struct stack *stack, size_t z, float *out) {
   return image_read(&stack->files[file], z - stack->first_slice[file], out);
 }
 
+const char *stack_no_data(const struct stack *stack, size_t z) {
+  const struct image *image = &stack->files[file_of_slice(stack, z)];
+  return image->no_data_count > 0 ? image->no_data[0].name : NULL;
+}
+
 enum status stack_read_stored(const struct stack *stack, size_t z, void *out) {
   size_t file = file_of_slice(stack, z);
   return image_read_stored(&stack->files[file], z - stack->first_slice[file], out);
@@ -423,7 +457,11 @@ enum status stack_keep_labels(struct stack *stack, size_t z) {
     high = fmaxf(high, slice[i]);
   }
   for (size_t i = 0; i < pixels; i++) others += slice[i] != low && slice[i] != high;
-  if (others > 0) goto cleanup;
+  if (others > 0) {
+    log_info("%s says white is zero: its greys are read with white and black exchanged",
+             stack->files[0].path);
+    goto cleanup;
+  }
   log_warning("%s says white is zero, but holds labels: they are used as stored, the higher one "
               "is bright",
               stack->files[0].path);

@@ -32,6 +32,9 @@ void stack_close(struct stack *stack);
 enum status stack_read(const struct stack *stack, size_t z, float *out);
 /* For a stack with levels: reads slice z as values of `type` in native byte order. */
 enum status stack_read_stored(const struct stack *stack, size_t z, void *out);
+/* The field by which the file of slice z says that some of its values are no measurement; NULL if
+ * it has none. */
+const char *stack_no_data(const struct stack *stack, size_t z);
 /* Warns if the files contradict the voxel size `given` (m; x, y, z; NAN: not given), and if their
  * numbers come in steps of more than two while no distance of slices was given. */
 void stack_compare_voxel(const struct stack *stack, const double given[3], bool has_slice_distance);

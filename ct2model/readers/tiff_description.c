@@ -22,6 +22,11 @@ bool tiff_description_value(const char *description, const char *key, char *valu
   return false;
 }
 
+/* Texts of lines "key=value", of ImageJ and of its successor. */
+static bool is_imagej(const char *description) {
+  return strncmp(description, "ImageJ=", 7) == 0 || strncmp(description, "SCIFIO=", 7) == 0;
+}
+
 /* PhysicalSizeX="5.83" PhysicalSizeXUnit="um" of OME-XML; micrometres if no unit is given. */
 static double ome_size(const char *xml, char axis) {
   char key[32], value[40], unit[16] = "um";
@@ -44,7 +49,7 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
     if (voxel[0] > 0.0) *source = "OME metadata";
     return;
   }
-  const bool imagej = description != NULL && strncmp(description, "ImageJ=", 7) == 0;
+  const bool imagej = description != NULL && is_imagej(description);
   double unit[3] = {metres, metres, metres};
   if (imagej && tiff_description_value(description, "unit", text, sizeof text)) {
     static const char *const OF_AXIS[] = {"unit", "yunit", "zunit"};
@@ -166,7 +171,7 @@ enum status tiff_told_slices(const char *path, const char *description, const si
   *slices = 0;
   *follow = false;
   if (description == NULL) return STATUS_OK;
-  const bool imagej = strncmp(description, "ImageJ=", 7) == 0;
+  const bool imagej = is_imagej(description);
   const bool ome = strstr(description, "<OME") != NULL;
   for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
     const char *at = ome ? after(description, OME[i]) : NULL;

@@ -29,11 +29,13 @@ static enum status read_one(const struct region *region, size_t z, float *whole,
       float grey = scale * row[x];
       if (!isfinite(grey)) {
         char name[160];
+        const char *field = stack_no_data(stack, region->origin[2] + z);
         stack_slice_name(stack, region->origin[2] + z, name, sizeof name);
-        return FAIL(
-            STATUS_INPUT,
-            "%s: pixel %zu,%zu is no finite number; crop it away (--crop) or repair the slice",
-            name, region->origin[0] + x, region->origin[1] + y);
+        return FAIL(STATUS_INPUT,
+                    "%s: pixel %zu,%zu is no %s%s; crop it away (--crop) or repair %s", name,
+                    region->origin[0] + x, region->origin[1] + y,
+                    field == NULL ? "finite number" : "measurement, as the file says by its ",
+                    field == NULL ? "" : field, field == NULL ? "the slice" : "that");
       }
       out[y * region->size[0] + x] = grey;
     }

@@ -68,7 +68,8 @@ static size_t select_inside(const struct roi *roi, const struct stack *stack, si
   for (size_t y = 0; y < stack->size[1]; y++) {
     for (size_t x = 0; x < stack->size[0]; x++) {
       size_t i = y * stack->size[0] + x;
-      if (mask != NULL ? mask[i] != 0.0f : is_inside(roi, x, y, z)) slice[n++] = slice[i];
+      /* What is no data of a mask is outside. */
+      if (mask != NULL ? fabsf(mask[i]) > 0.0f : is_inside(roi, x, y, z)) slice[n++] = slice[i];
     }
   }
   return n;
@@ -96,6 +97,7 @@ static void warn_of_greys(const struct roi *roi, const float *slice, size_t pixe
   size_t values = 0;
   for (size_t i = 0; i < pixels; i++) {
     size_t v = 0;
+    if (isnan(slice[i])) continue;
     while (v < values && seen[v] != slice[i]) v++;
     if (v == LABELS) {
       log_warning("--roi mask:%s holds more than %d greys, as a scan does: all but 0 counts as "

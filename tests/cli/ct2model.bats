@@ -357,6 +357,42 @@ a.tofile(open("nan.raw", "wb"))'
     exit !ok }'
 }
 
+@test "what a file calls no measurement is outside, or refused" {
+  cd "$WORK"
+  # The disc, around which a fill value stands, once 200 instead of a dark grey; a mask, which is no data outside.
+  /usr/bin/python3 - <<'P'
+import h5py, numpy as np
+z, y, x = np.mgrid[:4, :160, :160]
+outside = (x - 79.5)**2 + (y - 79.5)**2 > 4900
+a = np.where(outside, 3, np.where((x + y) % 10 < 4, 40, 110)).astype(np.uint8)
+a.tofile("round.raw")
+a[outside] = 200
+with h5py.File("fill.h5", "w") as f:
+    f["v"] = a
+    f["v"].attrs["_FillValue"] = np.uint8(200)
+    f["mask"] = np.where(outside, np.nan, 1).astype("f4")
+P
+  run ! "$CT" build fill.h5:/v --voxel-size 1um --void-ratio 0.6667 -o fill.hdf
+  [[ "$output" == *"pixel 0,0 is no measurement, as the file says by its _FillValue; crop it away (--crop)"* ]]
+  run --separate-stderr "$CT" build round.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto \
+    -o round.hdf
+  crop=$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')
+  run --separate-stderr "$CT" build fill.h5:/v --voxel-size 1um --void-ratio 0.6667 --crop auto -o fill.hdf
+  [ "$status" -eq 0 ]
+  [ -n "$crop" ]
+  [ "$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')" = "$crop" ]
+  # The same body, voxel for voxel.
+  /usr/bin/python3 -c 'import h5py
+a, b = (h5py.File(n)["model/solid"][()] for n in ("round.hdf", "fill.hdf"))
+assert a.shape == b.shape and (a == b).all()'
+  run_ct build round.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --roi mask:fill.h5:/mask --json -o m.hdf
+  inside=$(echo "$output" | value threshold)
+  /usr/bin/python3 -c 'import h5py, numpy as np
+with h5py.File("fill.h5", "a") as f: f["mask2"] = np.nan_to_num(f["mask"][()])'
+  run_ct build round.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --roi mask:fill.h5:/mask2 --json -o m.hdf
+  [ "$(echo "$output" | value threshold)" = "$inside" ]
+}
+
 @test "an infinite grey is called what it is" {
   cd "$WORK"
   /usr/bin/python3 -c 'import array, sys

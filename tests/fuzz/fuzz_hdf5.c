@@ -16,11 +16,6 @@ enum status h5_try(const char *path) {
   return tried;
 }
 
-/* HDF5 1.10 loses parts of its tables when it gives up on a damaged file; not ours to free. */
-const char *__lsan_default_suppressions(void) {
-  return "leak:libhdf5\nleak:^H5\n";
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const char *path = fuzz_file(".hdf", data, size);
   struct h5_file *file = NULL;

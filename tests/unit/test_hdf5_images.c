@@ -7,6 +7,8 @@
 #include <cmocka.h>
 
 #include <hdf5.h>
+#include <math.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -162,7 +164,7 @@ static void test_attributes(void **state) {
                {"g/v", "scale_factor", NULL, 1.0},
                {"g/v", "add_offset", "not as its attribute add_offset says", -3.0},
                {"g/v", "add_offset", NULL, 0.0},
-               {"g/v", "_Unsigned", "not as its attribute _Unsigned says", 1.0},
+               {"g/v", "MATLAB_class", "rows and columns are exchanged", 1.0},
                {"g/v", "IMAGE_WHITE_IS_ZERO", "not as its attribute IMAGE_WHITE_IS_ZERO says", 1.0},
                {"g/v", "IMAGE_WHITE_IS_ZERO", NULL, 0.0},
                {"g", "ImageSizeX", "beyond ImageSizeX, Y and Z of /g it is filled up", 13.0}};
@@ -179,6 +181,151 @@ static void test_attributes(void **state) {
     H5Fclose(h5);
     holds(":/g/v", NZ, cases[i].note);
   }
+}
+
+/* Stores the bytes of the greys with or without a sign, and an attribute that is a text (NULL: two
+ * numbers, `low` and `high`, of which one if they are alike). */
+static void add_signed(hid_t type, const char *name, const char *text, double low, double high) {
+  static unsigned char greys[N];
+  const double numbers[] = {low, high};
+  const hsize_t two = 2;
+  for (size_t i = 0; i < N; i++) greys[i] = grey(i);
+  hid_t h5 = begin(), space = H5Screate_simple(3, VOLUME, NULL);
+  hid_t set = H5Dcreate2(h5, "v", type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Dwrite(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, greys) >= 0);
+  hid_t kind = text != NULL ? H5Tcopy(H5T_C_S1) : H5Tcopy(H5T_NATIVE_DOUBLE);
+  if (text != NULL) H5Tset_size(kind, strlen(text));
+  hid_t one = text != NULL || low == high ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &two, NULL);
+  hid_t attribute = H5Acreate2(set, name, kind, one, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Awrite(attribute, kind, text != NULL ? (const void *)text : numbers) >= 0);
+  H5Aclose(attribute);
+  H5Sclose(one);
+  H5Tclose(kind);
+  H5Dclose(set);
+  H5Sclose(space);
+  H5Fclose(h5);
+}
+
+/* The file holds the greys, those of `low` to `high` as no measurement, as of a sign if it is so.
+ */
+static void lacks(double low, double high, bool is_signed, const char *note) {
+  char path[160];
+  const char *paths = path;
+  struct stack stack;
+  float slice[NX * NY];
+  size_t lacking = 0;
+  snprintf(path, sizeof path, "%s:/v", file);
+  if (stack_open(&paths, 1, NULL, &stack) != STATUS_OK) fail_msg("%s", error_message());
+  for (size_t z = 0; z < NZ; z++) {
+    assert_int_equal(stack_read(&stack, z, slice), STATUS_OK);
+    for (size_t i = 0; i < NX * NY; i++) {
+      const unsigned char stored = grey(z * NX * NY + i);
+      const double wanted = is_signed ? (signed char)stored : stored;
+      const bool lost = wanted >= low && wanted <= high;
+      if (lost ? !isnan(slice[i]) : (double)slice[i] != wanted)
+        fail_msg("%g, not %g", (double)slice[i], wanted);
+      lacking += lost;
+    }
+  }
+  assert_true(lacking > 0 || !(low <= high));
+  if (note == NULL ? stack.files[0].note[0] != '\0' : strstr(stack.files[0].note, note) == NULL)
+    fail_msg("told '%s'", stack.files[0].note);
+  stack_close(&stack);
+}
+
+static void test_sign_and_no_data(void **state) {
+  (void)state;
+  const hid_t u8 = H5T_NATIVE_UINT8, i8 = H5T_NATIVE_INT8;
+  add_signed(i8, "_Unsigned", "true", 0, 0);
+  lacks(NAN, NAN, false, NULL);
+  add_signed(u8, "_Unsigned", "false", 0, 0);
+  lacks(NAN, NAN, true, NULL);
+  add_signed(u8, "_Unsigned", "true", 0, 0); /* as it is */
+  lacks(NAN, NAN, false, NULL);
+  add_signed(i8, "_Unsigned", "false", 0, 0);
+  lacks(NAN, NAN, true, NULL);
+  add_signed(u8, "axes", "z:y:x", 0, 0);
+  lacks(NAN, NAN, false, NULL);
+  add_signed(u8, "axes", "x:y:z", 0, 0);
+  lacks(NAN, NAN, false, "its axes are xyz by its attribute axes: read as stored");
+  static const char *const TAGS[] = {
+      "[{\"key\": \"z\"}, {\"key\": \"y\"}, {\"key\": \"x\"}, {\"key\": \"c\"}]",
+      "[{\"key\": \"x\"}, {\"key\": \"y\"}, {\"key\": \"z\"}]"};
+  for (int i = 0; i < 2; i++) {
+    add_signed(u8, "axistags", TAGS[i], 0, 0);
+    lacks(NAN, NAN, false, i == 0 ? NULL : "its axes are xyz by its attribute axistags");
+  }
+  add_signed(u8, "_FillValue", NULL, 77, 77);
+  lacks(77, 77, false, NULL);
+  add_signed(i8, "missing_value", NULL, -77, -77);
+  lacks(-77, -77, true, NULL);
+  add_signed(u8, "missing_value", NULL, 7, 77);
+  lacks(NAN, NAN, false, "missing_value is not heeded");
+  add_signed(u8, "_FillValue", NULL, -1, -1); /* which no voxel can have */
+  lacks(NAN, NAN, false, NULL);
+  add_signed(u8, "valid_max", NULL, 250, 250);
+  lacks(251, 255, false, NULL);
+  add_signed(u8, "valid_min", NULL, 3, 3);
+  lacks(0, 2, false, NULL);
+  add_signed(u8, "valid_range", NULL, 0, 240);
+  lacks(241, 255, false, NULL);
+}
+
+/* Names of axes and scales that stand beside the array, as of NeXus and in HDF5's labels. */
+static void test_named_axes(void **state) {
+  (void)state;
+  static const char *const ORDERS[] = {"zyx", "xyz"};
+  for (int k = 0; k < 4; k++) {
+    const char *order = ORDERS[k % 2];
+    const char *const names[] = {(char[]){order[0], 0}, (char[]){order[1], 0},
+                                 (char[]){order[2], 0}};
+    const hsize_t three = 3;
+    hid_t h5 = begin();
+    add(h5, "entry/v", 3, VOLUME, 0);
+    hid_t text = H5Tcopy(H5T_C_S1), space = H5Screate_simple(1, &three, NULL);
+    H5Tset_size(text, H5T_VARIABLE);
+    hid_t object = H5Oopen(h5, k < 2 ? "entry" : "entry/v", H5P_DEFAULT);
+    hid_t attribute = H5Acreate2(object, k < 2 ? "axes" : "DIMENSION_LABELS", text, space,
+                                 H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(attribute, text, names) >= 0);
+    H5Aclose(attribute);
+    H5Oclose(object);
+    H5Sclose(space);
+    H5Tclose(text);
+    H5Fclose(h5);
+    holds(":/entry/v", NZ,
+          k == 0   ? NULL
+          : k == 1 ? "its axes are xyz by its attribute axes: read as stored"
+          : k == 2 ? NULL
+                   : "its axes are xyz by its attribute DIMENSION_LABELS");
+  }
+  const hsize_t one[] = {1};
+  hid_t h5 = begin();
+  add(h5, "entry/v", 3, VOLUME, 0);
+  add(h5, "entry/v_scaling_factor", 1, one, 0);
+  H5Fclose(h5);
+  holds(":/entry/v", NZ, "greys as stored, before /entry/v_scaling_factor");
+}
+
+static void test_what_is_no_image(void **state) {
+  (void)state;
+  const hsize_t angles[] = {NZ}, others[] = {NZ + 1};
+  hid_t h5 = begin();
+  add(h5, "exchange/data", 3, VOLUME, 0);
+  add(h5, "exchange/theta", 1, angles, 0);
+  H5Fclose(h5);
+  refused("", "/exchange/data holds projections, as /exchange/theta beside it tells");
+  h5 = begin();
+  add(h5, "exchange/data", 3, VOLUME, 0);
+  add(h5, "exchange/theta", 1, others, 0);
+  H5Fclose(h5);
+  holds(":/exchange/data", NZ, NULL);
+  h5 = begin();
+  hid_t space = H5Screate_simple(3, VOLUME, NULL);
+  H5Dclose(H5Dcreate2(h5, "v", H5T_STD_B8LE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+  H5Sclose(space);
+  H5Fclose(h5);
+  refused(":/v", "/v holds no numbers, but bits (H5T_BITFIELD); save it as integers or floats");
 }
 
 /* A chunk of 1 MB that inflates to 100: the library would allocate all of it. */
@@ -267,6 +414,9 @@ int main(void) {
       cmocka_unit_test(test_axes_of_one),
       cmocka_unit_test(test_part_that_was_never_written),
       cmocka_unit_test(test_attributes),
+      cmocka_unit_test(test_sign_and_no_data),
+      cmocka_unit_test(test_named_axes),
+      cmocka_unit_test(test_what_is_no_image),
       cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
       cmocka_unit_test(test_deflated_twice),
   };

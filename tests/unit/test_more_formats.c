@@ -66,6 +66,8 @@ static void refused(size_t count, const char *word) {
   stack_close(&stack);
 }
 
+static double no_data[2] = {NAN, NAN}; /* values from one to the other are no measurement */
+
 /* The files hold `slices` slices of factor * (grey & mask) + offset; voxels in um, NAN: not told.
  */
 static void holds(size_t count, size_t slices, unsigned mask, double factor, double offset,
@@ -77,13 +79,16 @@ static void holds(size_t count, size_t slices, unsigned mask, double factor, dou
     fail_msg("%zux%zux%zu", stack.size[0], stack.size[1], stack.size[2]);
   for (size_t i = 0; i < slices * NX * NY; i++) {
     const double wanted = factor * (grey(i % NX, i / NX % NY, i / NX / NY) & mask) + offset;
-    if ((double)pixels[i] != wanted) fail_msg("%g at %zu, not %g", (double)pixels[i], i, wanted);
+    const bool lost = wanted >= no_data[0] && wanted <= no_data[1];
+    if (lost ? !isnan(pixels[i]) : (double)pixels[i] != wanted)
+      fail_msg("%g at %zu, not %g", (double)pixels[i], i, wanted);
   }
   for (int a = 0; a < 2; a++) {
     const double found = stack.voxel[2 * a] * 1e6;
     if (isnan(voxel[a]) ? !isnan(found) : !(fabs(found / voxel[a] - 1.0) < 1e-6))
       fail_msg("voxel %g um, not %g", found, voxel[a]);
   }
+  assert_true(stack.voxel_source != NULL || (isnan(stack.voxel[0]) && isnan(stack.voxel[2])));
   if (note == NULL ? stack.files[0].note[0] != '\0' : strstr(stack.files[0].note, note) == NULL)
     fail_msg("told '%s', not '%s'", stack.files[0].note, note != NULL ? note : "");
   stack_close(&stack);
@@ -521,6 +526,11 @@ static struct {
   const int *places;  /* of frames, in tenths of a mm */
   const char *scaled; /* slope of the last frame */
   bool table, floats; /* a table for the greys; pixels that are floats */
+  int padding, limit; /* values of padding, from one to the other; 0: none */
+  const char *tilt, *aspect, *axes;
+  double aside;     /* of a slice from the one before, mm along y */
+  unsigned pointer; /* what the next frame follows by: an element of group 0x18 */
+  bool unspaced;
 } extra;
 
 static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsigned element) {
@@ -549,7 +559,7 @@ static void put_frames(FILE *file, const struct dicom *d) {
   for (unsigned f = 0; f < d->frames; f++) {
     put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
     put_item(file, true, implicit, 0x20, 0x9113);
-    snprintf(text, sizeof text, "-10.5\\20\\%g", 0.1 * extra.places[f]);
+    snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + f * extra.aside, 0.1 * extra.places[f]);
     put_text(file, 0x20, 0x32, "DS", text, implicit);
     put_item(file, false, implicit, 0, 0);
     put_item(file, true, implicit, 0x28, 0x9145);
@@ -589,15 +599,18 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   }
   if (extra.thickness != NULL) put_text(file, 0x18, 0x50, "DS", extra.thickness, implicit);
   if (extra.distance != NULL) put_text(file, 0x18, 0x88, "DS", extra.distance, implicit);
+  if (extra.tilt != NULL) put_text(file, 0x18, 0x1120, "DS", extra.tilt, implicit);
   if (extra.series != NULL) put_text(file, 0x20, 0x0e, "UI", extra.series, implicit);
   if (extra.number != 0) {
     snprintf(text, sizeof text, "%d", extra.number);
     put_text(file, 0x20, 0x13, "IS", text, implicit);
   }
   if (d->place != 0) {
-    snprintf(text, sizeof text, "-10.5\\20\\%g", 0.1 * d->place);
+    snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + (double)z * extra.aside, 0.1 * d->place);
     put_text(file, 0x20, 0x32, "DS", text, implicit);
-    if (!extra.unturned) put_text(file, 0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0", implicit);
+    if (!extra.unturned)
+      put_text(file, 0x20, 0x37, "DS", extra.axes != NULL ? extra.axes : "1\\0\\0\\0\\1\\0",
+               implicit);
   }
   put_whole(file, 2, 1, implicit);
   put_text(file, 0x28, 4, "CS", d->photometric, implicit);
@@ -607,11 +620,19 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   }
   put_whole(file, 0x10, NY, implicit);
   put_whole(file, 0x11, NX, implicit);
-  if (extra.places == NULL) put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
+  if (extra.pointer > 0) {
+    put_head(file, 0x28, 9, "AT", 4, implicit);
+    put(file, 0x18, 2), put(file, extra.pointer, 2);
+  }
+  if (extra.places == NULL && !extra.unspaced)
+    put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
+  if (extra.aspect != NULL) put_text(file, 0x28, 0x34, "IS", extra.aspect, implicit);
   put_whole(file, 0x100, 16, implicit);
   put_whole(file, 0x101, d->stored, implicit);
   put_whole(file, 0x102, d->stored - 1, implicit);
   put_whole(file, 0x103, d->is_signed, implicit);
+  if (extra.padding != 0) put_whole(file, 0x120, (unsigned)extra.padding & 0xffff, implicit);
+  if (extra.limit != 0) put_whole(file, 0x121, (unsigned)extra.limit & 0xffff, implicit);
   if (d->slope != NULL) put_text(file, 0x28, 0x1053, "DS", d->slope, implicit);
   if (extra.places != NULL) put_frames(file, d);
   if (extra.table) put_item(file, true, implicit, 0x28, 0x3000);
@@ -793,6 +814,98 @@ static void test_dicom_values(void **state) {
   memset(&extra, 0, sizeof extra);
 }
 
+/* Values that fill up slices beyond what was measured. */
+static void test_dicom_padding(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  const struct {
+    bool is_signed;
+    unsigned stored;
+    int padding, limit;
+    double from, to;
+  } cases[] = {{false, 16, 77, 0, 77, 77},
+               {false, 16, 77, 90, 77, 90},
+               {true, 16, -77, 0, -77, -77},
+               {true, 16, 20, -77, -77, 20},
+               {true, 12, -77, 0, -77, -77},
+               {false, 12, 0xf000 | 77, 0, 77, 77}}; /* bits that are not stored */
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    const struct dicom d = {EXPLICIT, "MONOCHROME2",   NULL, false, cases[i].is_signed,
+                            false,    cases[i].stored, NZ,   0,     0};
+    extra.padding = cases[i].padding;
+    extra.limit = cases[i].limit;
+    no_data[0] = cases[i].from;
+    no_data[1] = cases[i].to;
+    write_dicom(0, 0, &d);
+    holds(1, NZ, 255, 1, d.is_signed ? -100 : 0, flat, NULL);
+  }
+  no_data[0] = no_data[1] = NAN;
+  memset(&extra, 0, sizeof extra);
+}
+
+/* Where slices lie: upright, of one direction, of square pixels; else a body comes out sheared. */
+static void test_dicom_geometry(void **state) {
+  (void)state;
+  const double deep[] = {10, 500}, untold[] = {NAN, NAN}, flat[] = {10, NAN};
+  const double asides[] = {0.001,
+                           0.13}; /* within a fraction of a pixel, and more: a tilt of 15 degrees */
+  struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, 1, 0, 0};
+  for (int k = 0; k < 2; k++) {
+    extra.aside = asides[k];
+    extra.tilt = "15"; /* what counts is where the slices lie */
+    for (size_t z = 0; z < NZ; z++) {
+      d.place = 5 * (int)z - 7;
+      write_dicom(z, z, &d);
+    }
+    if (k == 0)
+      holds(NZ, NZ, 255, 1, 0, deep, NULL);
+    else
+      refused(NZ, "does not lie behind that of IM0.dcm, but 0.13 mm aside (a tilted gantry?)");
+  }
+  extra.aside = 0.0;
+  for (size_t z = 0; z < NZ; z++) {
+    d.place = 5 * (int)z - 7;
+    extra.axes = z == 3 ? "1\\0\\0\\0\\0\\-1" : NULL;
+    write_dicom(z, z, &d);
+  }
+  refused(NZ, "IM3.dcm: a slice in another direction than");
+  memset(&extra, 0, sizeof extra);
+  static const int places[] = {-7, -2, 3, 8, 13};
+  d = (struct dicom){EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  extra.places = places;
+  extra.aside = 0.13;
+  write_dicom(0, 0, &d);
+  refused(1, "its frames are shifted sideways, each by 0.13 mm");
+  memset(&extra, 0, sizeof extra);
+  extra.tilt = "-15";
+  write_dicom(0, 0, &d);
+  refused(1, "its gantry is tilted by -15 degrees");
+  extra.tilt = "0";
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, NULL);
+  extra.pointer = 0x1063;
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, "its frames follow one another in time");
+  memset(&extra, 0, sizeof extra);
+  extra.unspaced = true;
+  const double behind[] = {NAN, 500};
+  struct dicom slice = d;
+  slice.frames = 1;
+  for (size_t z = 0; z < NZ; z++) { /* positions alone */
+    slice.place = 5 * (int)z - 7;
+    write_dicom(z, z, &slice);
+  }
+  holds(NZ, NZ, 255, 1, 0, behind, NULL);
+  extra.aspect = "2\\1";
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, untold,
+        "its pixels are not square (aspect 2:1): give --voxel-size as X,Y,Z");
+  extra.aspect = "1\\1";
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, untold, NULL);
+  memset(&extra, 0, sizeof extra);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_bmp),
@@ -803,6 +916,8 @@ int main(void) {
       cmocka_unit_test(test_dicom_numbers),
       cmocka_unit_test(test_dicom_frames),
       cmocka_unit_test(test_dicom_values),
+      cmocka_unit_test(test_dicom_padding),
+      cmocka_unit_test(test_dicom_geometry),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -51,11 +51,16 @@ struct page {
   uint32_t depth; /* slices in a page; 0: no tag */
   uint16_t told;  /* PageNumber; 0: no tag */
   uint16_t format;
+  const char *gdal[2]; /* its tags 42112 (metadata) and 42113 (no data) */
+  bool reversed;       /* the bits of each byte */
+  bool opaque;         /* the second sample is the same everywhere */
 };
 
-static const struct page PLAIN = {
-    8, PHOTOMETRIC_MINISBLACK, 1, 0, COMPRESSION_NONE, 0, 0, false, false, NULL, NULL, 0, 0,
-    0, SAMPLEFORMAT_UINT};
+static const struct page PLAIN = {.bits = 8,
+                                  .photometric = PHOTOMETRIC_MINISBLACK,
+                                  .samples = 1,
+                                  .compression = COMPRESSION_NONE,
+                                  .format = SAMPLEFORMAT_UINT};
 
 /* Packs the samples of a row; a second sample is another pattern. */
 static void put_row(unsigned char *row, const struct page *page, size_t y, size_t nx) {
@@ -63,7 +68,7 @@ static void put_row(unsigned char *row, const struct page *page, size_t y, size_
   for (size_t x = 0; x < nx; x++)
     for (size_t s = 0; s < page->samples; s++) {
       const unsigned mask = (1u << page->bits) - 1u,
-                     value = grey(x + 5 * s, y, page->number) & mask;
+                     value = s > 0 && page->opaque ? mask : grey(x + 5 * s, y, page->number) & mask;
       const size_t bit = (x * page->samples + s) * page->bits;
       row[bit / 8] = (unsigned char)(row[bit / 8] | value << (8 - page->bits - bit % 8));
     }
@@ -80,9 +85,18 @@ static void add_page(TIFF *tiff, const struct page *page) {
   TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
   TIFFSetField(tiff, TIFFTAG_COMPRESSION, page->compression);
   TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, page->format);
+  if (page->reversed) TIFFSetField(tiff, TIFFTAG_FILLORDER, FILLORDER_LSB2MSB);
   if (page->samples > 1) {
     uint16_t kinds[4] = {page->extra, page->extra, page->extra, page->extra};
     TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, page->samples - 1, kinds);
+  }
+  static const TIFFFieldInfo GDAL[] = {
+      {42112, -1, -1, TIFF_ASCII, FIELD_CUSTOM, true, false, (char *)"GDALMetadata"},
+      {42113, -1, -1, TIFF_ASCII, FIELD_CUSTOM, true, false, (char *)"GDALNoData"}};
+  for (uint32_t i = 0; i < 2; i++) {
+    if (page->gdal[i] == NULL) continue;
+    TIFFMergeFieldInfo(tiff, &GDAL[i], 1);
+    TIFFSetField(tiff, 42112 + i, page->gdal[i]);
   }
   if (page->told > 0) TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page->told, 9);
   if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
@@ -146,6 +160,8 @@ static void refused(const char *word) {
   stack_close(&stack);
 }
 
+static double no_data = NAN; /* value that is no measurement */
+
 /* The file holds these pages, each pixel of which is value(its sample), and tells of `word`. */
 static void holds(const unsigned *numbers, size_t n, unsigned bits,
                   double (*value)(unsigned sample), size_t zero_from, size_t zero_to,
@@ -161,7 +177,8 @@ static void holds(const unsigned *numbers, size_t n, unsigned bits,
       const unsigned sample = grey(i % NX, i / NX, numbers[z]) & ((1u << bits) - 1u);
       const bool zero = i / NX >= zero_from && i / NX < zero_to;
       const double wanted = zero ? 0.0 : value != NULL ? value(sample) : (double)sample;
-      if ((double)pixels[z * NX * NY + i] != wanted)
+      const double found = (double)pixels[z * NX * NY + i];
+      if (wanted == no_data ? !isnan(found) : found != wanted)
         fail_msg("%zu,%zu,%zu: %g, not %g", i % NX, i / NX, z, (double)pixels[z * NX * NY + i],
                  wanted);
     }
@@ -292,6 +309,27 @@ static void test_lost_slices(void **state) {
   holds(slices, 3, 8, NULL, 0, 0, NULL);
 }
 
+/* Slices behind the one page: bits that are reversed within bytes are not read as they stand. */
+static void test_slices_of_reversed_bits(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (int reversed = 0; reversed < 2; reversed++) {
+    struct page page = PLAIN;
+    page.description = "ImageJ=1.53t\nimages=2\nslices=2\n";
+    page.reversed = reversed;
+    write_pages("wl", &page, 1);
+    FILE *end = fopen(file, "ab");
+    for (size_t i = 0; i < NX * NY; i++) fputc(0, end);
+    fclose(end);
+    struct stack stack;
+    const char *path = file;
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    assert_int_equal(stack.size[2], reversed ? 1 : 2);
+    stack_close(&stack);
+    if (reversed) holds(&first, 1, 8, NULL, 0, 0, "its text says 2 images, but 1 are there");
+  }
+}
+
 /* A file that holds more than its one page, as of programs whose text got lost. */
 static void test_slices_without_a_directory(void **state) {
   (void)state;
@@ -310,12 +348,18 @@ static void test_undeclared_samples(void **state) {
   const unsigned first = 0;
   struct page page = PLAIN;
   page.samples = 2;
-  page.extra = EXTRASAMPLE_UNASSALPHA;
-  write_pages("w", &page, 1);
-  holds(&first, 1, 8, NULL, 0, 0, NULL);
-  page.extra = EXTRASAMPLE_UNSPECIFIED;
-  write_pages("w", &page, 1);
-  refused("2 samples a pixel, of which number 2 is neither grey nor transparency");
+  static const uint16_t KINDS[] = {EXTRASAMPLE_UNASSALPHA, EXTRASAMPLE_ASSOCALPHA,
+                                   EXTRASAMPLE_UNSPECIFIED};
+  for (size_t i = 0; i < 3; i++) { /* what is transparent is no measurement, whatever its grey */
+    page.extra = KINDS[i];
+    page.opaque = true;
+    write_pages("w", &page, 1);
+    holds(&first, 1, 8, NULL, 0, 0, NULL);
+    page.opaque = false;
+    write_pages("w", &page, 1);
+    refused("2 samples a pixel, of which those beyond the grey are not the same everywhere (pixel "
+            "1,0), as of a mask or transparency");
+  }
   page = PLAIN;
   page.format = SAMPLEFORMAT_COMPLEXINT;
   write_pages("w", &page, 1);
@@ -393,6 +437,9 @@ static void test_tiff_palettes(void **state) {
   }
 }
 
+static int clear_grey = -1; /* the transparent one; -1: none */
+static bool alpha_opaque;
+
 static void write_png(const char *path, int bits, int colour, unsigned turn) {
   FILE *out = fopen(path, "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -407,11 +454,15 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
                              (png_byte)(in_colour(1, i + turn) / 257),
                              (png_byte)(in_colour(2, i + turn) / 257)};
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, (int)count);
+  const png_color_16 clear = {.gray = (png_uint_16)clear_grey};
+  if (clear_grey >= 0) png_set_tRNS(png, info, NULL, 0, &clear);
   png_write_info(png, info);
   for (size_t y = 0; y < NY; y++) {
     unsigned char row[256];
     struct page page = PLAIN;
     page.bits = (uint16_t)bits;
+    page.samples = colour == PNG_COLOR_TYPE_GRAY_ALPHA ? 2 : 1;
+    page.opaque = alpha_opaque;
     put_row(row, &page, y, NX);
     png_write_row(png, row);
   }
@@ -473,6 +524,65 @@ static void test_png_labels(void **state) {
   error_clear();
 }
 
+/* Values that are no measurement: GDAL's no data and PNG's transparent grey. */
+static void test_no_data(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  struct page page = PLAIN;
+  page.gdal[1] = "77";
+  write_pages("w", &page, 1);
+  no_data = 77.0;
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  page.gdal[1] = "-9999"; /* which no pixel can have */
+  write_pages("w", &page, 1);
+  no_data = NAN;
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  page.gdal[1] = "nan";
+  write_pages("w", &page, 1);
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  page.bits = 2;
+  page.gdal[1] = "2";
+  page.photometric = PHOTOMETRIC_MINISWHITE; /* no data is a stored value */
+  write_pages("w", &page, 1);
+  no_data = 1.0;
+  holds(&first, 1, 2, inverted2, 0, 0, NULL);
+  page = PLAIN;
+  page.gdal[0] = "<GDALMetadata>\n<Item name=\"SCALE\" sample=\"0\" role=\"scale\">0.5</Item>\n"
+                 "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">-3</Item>\n</GDALMetadata>";
+  write_pages("w", &page, 1);
+  no_data = NAN;
+  holds(&first, 1, 8, NULL, 0, 0,
+        "greys as stored, before GDAL's scale 0.5; greys as stored, before GDAL's offset -3");
+  page.gdal[0] = NULL;
+  page.description = "SCIFIO=0.46.0\naxes=X,Y,Channel\nimages=3\nchannels=3\nslices=1\n";
+  write_pages("w", &page, 1);
+  refused("3 channels");
+  page.description = NULL;
+  page.gdal[0] = "<Item role=\"scale\">1</Item><Item role=\"offset\">0</Item>";
+  write_pages("w", &page, 1);
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  clear_grey = 77;
+  write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
+  no_data = 77.0;
+  holds(&first, 1, 8, NULL, 0, 0, NULL);
+  clear_grey = -1;
+  no_data = NAN;
+}
+
+/* PNG with a second sample: transparency. */
+static void test_png_alpha(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  for (int opaque = 0; opaque < 2; opaque++) {
+    alpha_opaque = opaque;
+    write_png(file, 8, PNG_COLOR_TYPE_GRAY_ALPHA, 0);
+    if (opaque)
+      holds(&first, 1, 8, NULL, 0, 0, NULL);
+    else
+      refused("those beyond the grey are not the same everywhere");
+  }
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_sparse),
@@ -480,11 +590,14 @@ int main(void) {
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
       cmocka_unit_test(test_slices_without_a_directory),
+      cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),
       cmocka_unit_test(test_samples_of_less_than_a_byte),
       cmocka_unit_test(test_tiff_palettes),
       cmocka_unit_test(test_png_labels),
       cmocka_unit_test(test_animated_png),
+      cmocka_unit_test(test_no_data),
+      cmocka_unit_test(test_png_alpha),
   };
   return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -101,7 +101,8 @@ def tiff(name, kind, order="<", big=False, compression=1, rows=8, tile=0, predic
     link = 8 if big else 4
     for z in range(NZ):
         whole = plane(kind, order, factor, offset, z)
-        pixel = [whole[i:i + size] * samples for i in range(0, len(whole), size)]
+        pixel = [whole[i:i + size] * (samples - len(beyond)) + b"\xff" * (size * len(beyond))
+                 for i in range(0, len(whole), size)]
         blocks = []
         if tile:
             for y0 in range(0, NY, tile):
