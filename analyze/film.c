@@ -86,7 +86,7 @@ static double tic_distance(double range) {
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES_MAX ? f->frames - FRAMES_MAX : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.12\n"
+  fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.14\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);
@@ -160,7 +160,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   if (film.frames > 0) {
     write_plot(&film, product->plot.stream);
     /* Sized so that the text is readable on a telephone. */
-    product->width = 560, product->height = 600;
+    product->width = 560, product->height = 660;
   }
 cleanup:
   free_film(&film);

@@ -71,7 +71,7 @@ cleanup:
   return status;
 }
 
-/* The sections of analyses, with the plot of those that page.js does not draw. */
+/* The sections of analyses, with their charts, or the picture of those without. */
 static void add_sections(struct page *page) {
   json_t *sections = json_array();
   for (size_t i = 0; i < ANALYSES; i++) {
@@ -83,7 +83,8 @@ static void add_sections(struct page *page) {
                                 analysis->heading, "contents", analysis->contents, "caption",
                                 analysis->caption, "summary", json_text(product->summary.data));
     json_array_append_new(sections, section);
-    if (analysis->charts) continue;
+    if (json_array_size(product->charts) > 0) json_object_set(section, "charts", product->charts);
+    if (json_array_size(product->charts) > 0 || product->width == 0) continue;
     if (plot_svg(analysis->name, product->plot.data, product->width, product->height, &svg) ==
         STATUS_OK) {
       json_object_set_new(section, "width", json_integer(product->width));
