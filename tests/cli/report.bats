@@ -256,6 +256,14 @@ END
   page pit.html '(lambda f, n: abs(field(f["values"][-1])[n - 2] / (9810 * 6.9) - 1) < 0.1)(page["pictures"]["frames"], page["pictures"]["frames"]["size"][0])'
 }
 
+@test "water that moves through space is stored at six times where the scene names no interval; a steady flow at its end alone" {
+  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column -q > /dev/null
+  analyze report column.hdf -o column.html -q > /dev/null
+  page column.html '(lambda t: len(t) == 6 and t[0] == 0 and max(abs(t[i] / t[5] - i / 5) for i in range(6)) < 0.05)(page["pictures"]["frames"]["times_s"])' \
+    '"pdf" not in [s["name"] for s in page["sections"]]' # one velocity has no distribution
+  [ -e run-matched-0000.hdf ] && [ ! -e run-matched-0001.hdf ]
+}
+
 @test "free water: the page begins with where it is" {
   sphsolve run "$ROOT/data-samples/scenes/dam-break.cfg" --set scene.end_time='"0.1 s"' --set domain.spacing='"1.46 cm"' -o fall -q > /dev/null
   analyze report fall.hdf -o fall.html -q > /dev/null

@@ -160,7 +160,7 @@ END
   # The plot has no line for a level that is none, and none for y in two dimensions.
   panel() { sed -n "/^set title \"$1\"/,/^unset/p" still/history.gp | grep -o 'title "[a-z]*"$\|title "[a-z]*",' | tr -d ','; }
   [ "$(panel Level)" = 'title "beside"' ]
-  [ "$(panel Head)" = $'title "under"\ntitle "beside"' ]
+  [ "$(panel Head)" = $'title "beside"\ntitle "under"' ]
   [ "$(panel "Front low")" = $'title "x"\ntitle "z"' ]
 }
 
