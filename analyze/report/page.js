@@ -83,7 +83,7 @@
       if (text) add(line, 'span', {class: 'interval'}, (i === 0 ? ', ' : '') + text);
     });
     by('verdict').append(result.good_for.replace(/^./, c => c.toUpperCase()) + '. ' + result.advice);
-    const area = result.intrinsic_permeability_m2, share = result.k_relative_error;
+    const area = result.intrinsic_permeability_m2, share = result.k_relative_error < 1 ? result.k_relative_error : 0;
     table(by('units'), [[result.name, ''], ['Hydraulic conductivity k', quantity(result.k_m_per_s, share * result.k_m_per_s, 'm/s')],
                         ['Intrinsic permeability', quantity(area, share * area, 'm²')],
                         ['', quantity(area / 9.869233e-13, share * area / 9.869233e-13, 'darcy')]].filter(r => r[1]), result.name);
@@ -234,8 +234,13 @@
         if (regions.some(b => x > b[0] && x < b[3] && z > b[2] && z < b[5])) ground[k * f.size[0] + i] = 1;
       }
     const soil = regions.length > 0;
+    const same = (i, k) => f.kinds[i] === f.kinds[k] && f.values[i].bytes === f.values[k].bytes;
     f.times_s.forEach((t, i) => {
-      map(by('times'), duration(t), duration(t), {
+      if (i > 0 && same(i, i - 1)) return; /* nothing has changed */
+      let until = i;
+      while (until + 1 < f.times_s.length && same(until + 1, i)) until++;
+      const time = duration(t) + (until > i ? ` to ${duration(f.times_s[until])}, unchanged` : '');
+      map(by('times'), time, time, {
         size: f.size, spacing: f.cell_m[0], value: pictures.field(f.values[i]), kinds: pictures.bytes(f.kinds[i]), low: 0, high: high,
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});

@@ -248,6 +248,24 @@ static const char *good_for(double k, double relative) {
   return "no more than an order of magnitude: do not publish it";
 }
 
+/* What k is good for; as that of this image and as that of its material, where these differ. */
+static void judge_use(json_t *result) {
+  const double k = json_number_or_nan(result, "k_m_per_s");
+  const double low = json_number_or_nan(result, "k_low_image_m_per_s");
+  const double high = json_number_or_nan(result, "k_high_image_m_per_s");
+  const json_t *budget = json_object_get(result, "error_budget");
+  /* A soil that the scene describes has no error but that of its lattice. */
+  const bool known = isfinite(json_number_or_nan(budget, "resolution"));
+  const char *material =
+      good_for(k, known || k == 0 ? json_number_or_nan(result, "k_relative_error") : NAN);
+  const char *image = known && low <= high ? good_for(k, fmax(high - k, k - low) / k) : material;
+  char text[300];
+  snprintf(text, sizeof text,
+           strcmp(image, material) == 0 ? "%s" : "of this image: %s; of the material: %s", image,
+           material);
+  json_object_set_new(result, "good_for", json_string(text));
+}
+
 /* The parts of the error, and what reduces each of them. */
 static const struct {
   const char *part, *remedy;
@@ -413,9 +431,7 @@ static void judge_notes(json_t *result) {
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
-  json_object_set_new(result, "good_for",
-                      json_string(good_for(json_number_or_nan(result, "k_m_per_s"),
-                                           json_number_or_nan(result, "k_relative_error"))));
+  judge_use(result);
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
   if (!judge_interrupted(result, run)) judge_advice(result, model->voxel_scanned);
