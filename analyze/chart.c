@@ -7,6 +7,11 @@
 #include "analyze/plot.h"
 #include "common/json_number.h"
 
+static const char *text_of(const json_t *object, const char *key) {
+  const char *text = json_string_value(json_object_get(object, key));
+  return text != NULL ? text : "";
+}
+
 json_t *chart_add(json_t *charts, const char *title, const char *x, const char *y,
                   enum chart_axes axes, enum chart_place place) {
   static const char *const AXES[] = {"plain", "zero", "log x", "log y", "log xy"};
@@ -16,6 +21,15 @@ json_t *chart_add(json_t *charts, const char *title, const char *x, const char *
                 json_text(y), "axes", AXES[axes], "place", PLACES[place], "series");
   json_array_append_new(charts, chart);
   return chart;
+}
+
+json_t *chart_find(const json_t *charts, const char *title) {
+  json_t *chart;
+  size_t c;
+  json_array_foreach(charts, c, chart) {
+    if (strcmp(text_of(chart, "title"), title) == 0) return chart;
+  }
+  return NULL;
 }
 
 json_t *chart_series(json_t *chart, const char *name, enum chart_style style, int colour,
@@ -66,11 +80,6 @@ void chart_drop_empty(json_t *charts) {
       if (!has_points(json_array_get(list, s))) json_array_remove(list, s);
     if (json_array_size(list) == 0) json_array_remove(charts, c);
   }
-}
-
-static const char *text_of(const json_t *object, const char *key) {
-  const char *text = json_string_value(json_object_get(object, key));
-  return text != NULL ? text : "";
 }
 
 static int integer_of(const json_t *object, const char *key) {

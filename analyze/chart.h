@@ -21,6 +21,8 @@ enum chart_style { CHART_LINE, CHART_DOTS };
 json_t *chart_add(json_t *charts, const char *title, const char *x, const char *y,
                   enum chart_axes axes, enum chart_place place);
 json_t *chart_series(json_t *chart, const char *name, enum chart_style style, int colour, int dash);
+/* The chart of that title; NULL without one. */
+json_t *chart_find(const json_t *charts, const char *title);
 /* Adds a point; y NAN: a gap in the line. Low and high are its interval. */
 void chart_point(json_t *series, double x, double y);
 void chart_interval(json_t *series, double x, double y, double low, double high);

@@ -214,61 +214,53 @@ static bool spans_decades(const struct history_column *column) {
 
 /* Adds the components of a column of all runs to a chart: not y in two dimensions. */
 static void draw_column(json_t *chart, const struct run_history *table, size_t n,
-                        const struct history_column *column, size_t kind, double time_scale,
-                        int *colour) {
+                        const struct history_column *column, size_t kind, double time_scale) {
   for (size_t i = 0; i < n; i++) {
     const struct history_column *own = run_column(table[i].run, column->name, column->components);
+    const bool vector = column->components > 1;
     for (size_t d = 0; own != NULL && d < (size_t)own->components; d++) {
       char name[500], place[200] = "";
-      const bool vector = own->components > 1;
       if (vector && d == 1 && table[i].run->dimensions == 2) continue;
       if (kind > 0) name_in_words(own->name + kind + 1, sizeof place, place, sizeof place);
       const char *of = n > 1 || (kind == 0 && !vector) ? table[i].run->name : "";
       snprintf(name, sizeof name, "%.200s%s%.200s%s%.*s", of, *of && *place ? ", " : "", place,
                vector && (*of || *place) ? ", " : "", vector ? 1 : 0, &"xyz"[d]);
-      draw_rows(chart_series(chart, name, CHART_LINE, (*colour)++, 0), &table[i], time_scale,
+      const int colour = (int)json_array_size(json_object_get(chart, "series"));
+      draw_rows(chart_series(chart, name, CHART_LINE, colour, 0), &table[i], time_scale,
                 own->values + d, (size_t)own->components, 1.0, 0.0);
     }
   }
 }
 
-/* What the scene asks for comes first, a chart for all places of a kind; without it where free
- * water is and how fast; without that the Darcy velocity. The solver's own records come behind a
- * fold. The works of the energy budget are a table (/run/ledger). */
-static void draw_columns(const struct run_history *table, size_t n, bool free, const char *time,
+/* What the scene asks for is shown openly, a chart for all places of a kind; without it where free
+ * water is and how fast. The solver's own records are folded. The works of the energy budget are a
+ * table (/run/ledger). Returns whether a chart is open. */
+static bool draw_columns(const struct run_history *table, size_t n, bool free, const char *time,
                          double time_scale, json_t *charts) {
   const struct run *run = table[0].run;
-  bool asked = false;
+  bool asked = false, open = false;
   for (size_t c = 0; c < run->column_count; c++) asked |= kind_of(run->columns[c].name) > 0;
   for (size_t c = 0; c < run->column_count; c++) {
     const struct history_column *column = &run->columns[c];
     const size_t kind = kind_of(column->name);
-    const size_t length = kind > 0 ? kind : strlen(column->name);
     const bool where =
         strcmp(column->name, "front_high") == 0 || strcmp(column->name, "velocity_rms") == 0;
-    char title[200], label[300];
-    size_t first = 0;
-    int colour = 0;
-    while (kind > 0 && first < c &&
-           (kind_of(run->columns[first].name) != kind ||
-            strncmp(run->columns[first].name, column->name, kind) != 0))
-      first++;
-    if (is_standard(column->name) || strncmp(column->name, "work_", 5) == 0 ||
-        (kind > 0 && first < c))
-      continue;
-    name_in_words(column->name, length, title, sizeof title);
-    title[0] = (char)toupper((unsigned char)title[0]);
+    const bool shown = kind > 0 || (free && where && !asked);
     const bool none = strcmp(column->unit, "1") == 0 || column->unit[0] == '\0';
+    char title[200], label[300];
+    if (is_standard(column->name) || strncmp(column->name, "work_", 5) == 0) continue;
+    name_in_words(column->name, kind > 0 ? kind : strlen(column->name), title, sizeof title);
+    title[0] = (char)toupper((unsigned char)title[0]);
     snprintf(label, sizeof label, "%s (%.60s)", title, none ? "-" : column->unit);
-    json_t *chart =
-        chart_add(charts, title, time, label, spans_decades(column) ? CHART_LOG_Y : CHART_PLAIN,
-                  kind > 0 || (free && where && !asked) ? CHART_OPEN : CHART_FOLDED);
-    draw_column(chart, table, n, column, kind, time_scale, &colour);
-    for (size_t other = c + 1; kind > 0 && other < run->column_count; other++)
-      if (kind_of(run->columns[other].name) == kind &&
-          strncmp(run->columns[other].name, column->name, kind) == 0)
-        draw_column(chart, table, n, &run->columns[other], kind, time_scale, &colour);
+    json_t *chart = chart_find(charts, title);
+    if (chart == NULL)
+      chart =
+          chart_add(charts, title, time, label, spans_decades(column) ? CHART_LOG_Y : CHART_PLAIN,
+                    shown ? CHART_OPEN : CHART_FOLDED);
+    draw_column(chart, table, n, column, kind, time_scale);
+    open |= shown;
   }
+  return open;
 }
 
 static void draw(const struct run_history *table, size_t n, bool free, json_t *charts) {
@@ -285,14 +277,8 @@ static void draw(const struct run_history *table, size_t n, bool free, json_t *c
                      : brief    ? "Time (ms)"
                      : hours    ? "Time (h)"
                                 : "Time (s)";
-  draw_columns(table, n, free, time, scale, charts);
-  enum chart_place place = CHART_OPEN;
-  const json_t *chart;
-  size_t c;
-  json_array_foreach(charts, c, chart) {
-    if (strcmp(json_string_value(json_object_get(chart, "place")), "open") == 0)
-      place = CHART_FOLDED;
-  }
+  const enum chart_place place =
+      draw_columns(table, n, free, time, scale, charts) ? CHART_FOLDED : CHART_OPEN;
   json_t *velocity =
       chart_add(charts, "Darcy velocity", time, "Darcy velocity (cm/s)", CHART_PLAIN, place);
   json_t *peak = chart_add(charts, "Maximum density", time, "Maximum density above reference (%)",

@@ -172,7 +172,7 @@ class_of_interval() { # NAME...
   class_of_interval matched plain levels
   # K = n^3 / (5 S^2) of the model's own numbers; S as the file knows it.
   page matched.html '(lambda n, s, f: abs(f["kozeny_carman"] / (9.80665e6 * n**3 / (5 * s * s)) - 1) < 1e-9
-    and abs(f["hazen"] / (9.80665e6 * 6e-4 * (1 + 10 * (n - 0.26)) * (6 * (1 - n) / s) ** 2) - 1) < 1e-9)(
+    and set(f) == {"kozeny_carman"})(
     page["models"][0]["model"]["attributes"]["porosity"], page["models"][0]["model"]["attributes"]["specific_surface"], page["verdict"][0]["formulas"])'
 }
 
