@@ -6,6 +6,7 @@
 
 #include "analyze/analysis.h"
 #include "analyze/chart.h"
+#include "analyze/solute_flow.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
@@ -37,15 +38,6 @@ static bool has_walk(struct h5_file *file, size_t walk) {
   char path[64];
   snprintf(path, sizeof path, "/solute/walk/%zu/passage_time", walk);
   return h5_exists(file, path);
-}
-
-/* Whether a file contains walks of method solute. */
-static bool is_walk(const char *path) {
-  struct h5_file *file = NULL;
-  const bool is = h5_open(path, &file) == STATUS_OK && has_walk(file, 0);
-  h5_close(file);
-  error_clear();
-  return is;
 }
 
 static void fit(const struct curves *c, struct plane *p) {
@@ -251,7 +243,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   struct curves *list = NULL;
   size_t count = 0;
   for (size_t i = 0; i < n; i++)
-    if (is_walk(paths[i])) TRY(read_file(paths[i], &list, &count));
+    if (solute_has(paths[i], SOLUTE_WALK)) TRY(read_file(paths[i], &list, &count));
   write_json(list, count, product->json);
   write_csv(list, count, product->csv.stream);
   write_summary(list, count, product->summary.stream);
@@ -263,8 +255,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = false;
-  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_walk(subject->solutes[i]);
+  *applies = solute_any_has(subject->solutes, subject->solute_count, SOLUTE_WALK);
   return STATUS_OK;
 }
 

@@ -1,5 +1,4 @@
-#include "analyze/dispersion.h"
-
+/* Dispersion of a solute against the Peclet number, from runs of method solute. */
 #include <math.h>
 #include <string.h>
 
@@ -43,14 +42,6 @@ struct solute_run {
   double formation_sample, correlation[2]; /* NAN in files of older versions */
   bool mirrored;                           /* along the flow */
 };
-
-bool dispersion_is(const char *path) {
-  struct h5_file *file = NULL;
-  bool is = h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute");
-  h5_close(file);
-  error_clear();
-  return is;
-}
 
 static enum status read_curve(struct h5_file *file, const char *group, size_t count,
                               struct curve *curve) {

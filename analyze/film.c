@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "analyze/analysis.h"
+#include "analyze/solute_flow.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
@@ -17,16 +18,6 @@ struct film {
 
 static void name_of(char path[64], size_t walk, const char *what) {
   snprintf(path, 64, "/solute/walk/%zu/plume%s", walk, what);
-}
-
-/* Whether a file contains such distributions. */
-static bool is_filmed(const char *path) {
-  struct h5_file *file = NULL;
-  bool is = false;
-  if (h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute/walk/0/plume")) is = true;
-  h5_close(file);
-  error_clear();
-  return is;
 }
 
 static enum status read_film(const char *path, struct film *f) {
@@ -136,7 +127,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   (void)options;
   struct film film = {0};
   size_t i = 0;
-  while (i + 1 < n && !is_filmed(paths[i])) i++;
+  while (i + 1 < n && !solute_has(paths[i], SOLUTE_PLUME)) i++;
   TRY(read_film(paths[i], &film));
   json_t *list = json_array();
   fputs("time_s,mean_m,deviation_along_m,deviation_across_m\n", product->csv.stream);
@@ -168,8 +159,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = false;
-  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_filmed(subject->solutes[i]);
+  *applies = solute_any_has(subject->solutes, subject->solute_count, SOLUTE_PLUME);
   return STATUS_OK;
 }
 

@@ -45,9 +45,9 @@ cleanup:
 
 static enum status add_files(struct page *page) {
   enum status status = STATUS_OK;
-  static const char *const OF_RUN[] = {"/run",        "/run/error",  "/run/levels", "/run/effects",
-                                       "/run/timing", "/run/ledger", "/run/micro",  "/run/regions",
-                                       "/run/planes", "/provenance"};
+  static const char *const OF_RUN[] = {"/run",         "/run/error",  "/run/levels",
+                                       "/run/effects", "/run/ledger", "/run/micro",
+                                       "/run/regions", "/run/planes", "/provenance"};
   static const char *const OF_MODEL[] = {"/model", "/calibration", "/scanner", "/quality",
                                          "/provenance"};
   static const char *const OF_SOLUTE[] = {"/run", "/solute", "/provenance"};

@@ -331,7 +331,7 @@
           add(null, 'p', {}, 'No pore leads through the model along the force: the water is at rest, and there is no velocity to show.'));
   }
 
-  /* ---- specimen, soil, methods, effects, provenance ---- */
+  /* ---- specimen, soil, methods, provenance ---- */
   function soil() {
     const m = first.micro, a = m && m.attributes;
     if (!m) return;
@@ -396,42 +396,6 @@
     data.methods.references.forEach(r => add(by('references'), 'li', {}, r));
   }
 
-  function effects() {
-    const e = first.effects, t = first.timing;
-    if (e && e.name) {
-      const rows = on => e.name.map((name, i) => [name, e.reason[i], e.model[i] + (e.citation[i] ? ` (${e.citation[i]})` : '')])
-        .filter((_, i) => (e.state[i] === 'on') === on);
-      table(by('effects-table'), rows(true), undefined, ['Effect', 'Why', 'Model']);
-      table(add(by('passes'), 'div', {class: 'wide'}), rows(false), 'Off', ['Effect', 'Why', 'Model']);
-    }
-    if (t && t.name) table(by('passes'), t.name.map((name, i) => [name, `${number(t.seconds[i])} s`]), 'Passes');
-    data.runs.forEach(r => ledger(by('ledger'), r));
-    if (by('ledger').children.length < 2) by('ledger').remove();
-  }
-
-  /* What each effect gave the water over a run, or how well a steady flow is balanced. */
-  function ledger(parent, r) {
-    const l = r.ledger, a = l && l.attributes, value = v => Number((v + 0).toPrecision(4));
-    if (!l) return;
-    if (known(a.flux_open))
-      return void add(parent, 'p', {}, `${r.name}: the flux is the same through all planes across the flow to ${percent(a.flux_open)} (rms); ` +
-        `walls and pressure balance what drives the flow to ${percent(a.force_open)}; friction takes what drives the flow gives to ` +
-        `${percent(a.power_open)}.`);
-    if (!l.words) return;
-    add(parent, 'p', {}, `${r.name}: ${a.particles_start} particles at the start, ${a.particles_entered} came in, ${a.particles_left} went out, ` +
-        `${a.particles_lost} were lost, ${a.particles_end} at the end, ${a.particles_open} unaccounted for. ` +
-        `Mass: ${value(a.mass_end)} kg at the end, open by ${number(a.mass_open, 2)} kg.`);
-    const row = (name, p, energy) => [name, ...p.map(value), value(energy)].map(String);
-    const terms = [0, 1].flatMap(numerical => l.words.map((w, i) => l.numerical[i] === numerical &&
-      row(w + (numerical ? ' (numerical)' : ''), l.impulse[i], l.work[i])));
-    table(add(parent, 'div', {class: 'wide'}),
-          [row('there at the start', a.account_momentum_start, a.energy_start), ...terms,
-           row('not accounted for', a.momentum_open, a.energy_open), row('there at the end', a.account_momentum_end, a.energy_end)],
-          'Given to the water', ['', 'momentum x, kg m/s', 'y', 'z', 'energy, J']);
-    add(parent, 'p', {}, `Not accounted for: ${percent(a.momentum_open_share)} of the largest term of the momentum, ` +
-        `${percent(a.energy_open_share)} of that of the energy.`);
-  }
-
   function provenance() {
     const value = v => (Array.isArray(v) ? v.map(short).join(', ') : typeof v === 'number' ? String(Number(v.toPrecision(8))) :
       v === null ? 'none' : v);
@@ -441,6 +405,11 @@
       const inputs = (p.input_files || []).map((name, i) => [`input, XXH3 ${p.input_hashes[i]}`, name]);
       table(box, [...Object.entries(p.attributes), ...inputs].map(([k, v]) => [k, value(v)]));
       if (file.run) table(box, Object.entries(file.run.attributes).map(([k, v]) => [k, value(v)]), 'Run');
+      if (file.effects && file.effects.name) {
+        const e = file.effects, on = e.name.map((name, i) => e.state[i] === 'on' && [name, e.reason[i], e.model[i] + (e.citation[i] ? ` (${e.citation[i]})` : '')]);
+        table(box, on, 'Effects that are on', ['', 'Why', 'Model']);
+      }
+      if (file.ledger) table(box, Object.entries(file.ledger.attributes).map(([k, v]) => [k.replace(/_/g, ' '), value(v)]), 'Balance (SI units, or fractions)');
       if (file.run && file.run.scene) add(fold, 'pre', {}, file.run.scene);
     });
   }
@@ -462,7 +431,7 @@
   function contents() {
     document.querySelectorAll('figure:empty, .charts:empty, .note:empty, .pair > div:empty, p:empty').forEach(e => e.remove());
     const names = {...Object.fromEntries(data.sections.map(s => [s.name, s.contents])),
-                   blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan', effects: 'Effects'};
+                   blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan'};
     document.querySelectorAll('main section').forEach(s => {
       if (s.id === 'headline') return;
       if (!s.querySelector('canvas, table, img, p, .plot, .note, details > :nth-child(2)')) s.remove();
@@ -476,7 +445,7 @@
   else answerOfHeadline();
   asked(by('asked'));
   others(by('others'));
-  [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, effects, provenance, contents].forEach(f => f());
+  [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, provenance, contents].forEach(f => f());
 
   start();
 })();

@@ -209,9 +209,9 @@ assert (points <= size).all() and np.ptp(points, axis=0)[2] > 0.8 * size[2], (po
 END
 }
 
-@test "a line through one point and a record of one row are no sections; effects that are off wait behind a fold" {
+@test "a line through one point and a record of one row are no sections; effects and balance are in the provenance" {
   page matched.html '{"darcy", "history"} <= set(page) and not {"darcy", "history"} & {s["name"] for s in page["sections"]}' \
-    '{"on", "off"} == set(page["runs"][0]["effects"]["state"])'
+    '{"on", "off"} == set(page["runs"][0]["effects"]["state"]) and page["runs"][0]["ledger"]["attributes"]["flux_open"] < 0.1'
   # What page.js fills is there.
   for id in $(grep -o "by('[a-z-]*')" "$ROOT/analyze/report/page.js" | sort -u | cut -d"'" -f2); do
     grep -q "id=\"$id\"" "$ROOT/analyze/report/page.html" || { echo "no $id in page.html"; false; }
