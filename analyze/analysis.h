@@ -39,7 +39,7 @@ struct analysis {
   const char *delivered_with;
 
   /* The section of the page; without a heading there is none. */
-  /* Plain text; `contents` is the entry in the list of sections. */
+  /* Plain text; `contents` is the entry in the list of sections, NULL: the heading. */
   const char *heading, *contents, *caption;
   /* Runs in the section: all, those with a permeability, those with a permeability above 0, or, if
    * none has a permeability, the first. */

@@ -264,7 +264,6 @@ const struct analysis breakthrough_analysis = {
     .of_solutes = true,
     .delivered_with = "dispersion",
     .heading = "Breakthrough",
-    .contents = "Breakthrough",
     .caption =
         "When a solute that began spread over the pores has passed the first plane across the "
         "flow, one box length on: share and density of travel times of the random walk "

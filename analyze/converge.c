@@ -408,7 +408,6 @@ const struct analysis converge_analysis = {
     .several_models = true,
     .heading = "Accuracy",
     .page_runs = OF_PERMEABLE,
-    .contents = "Accuracy",
     .caption = "k against spacing, and the extrapolation to spacing 0.",
     .may_fail = true, /* runs of different bodies cannot be extrapolated */
     .applies = applies,

@@ -379,7 +379,6 @@ const struct analysis darcy_analysis = {
                 "permeability with its error: Darcy velocity against gradient",
                 "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
     .heading = "Darcy's law",
-    .contents = "Darcy's law",
     .caption = "Darcy velocity against hydraulic gradient with the fitted line.",
     .page_runs = OF_PERMEABLE,
     .applies = applies,

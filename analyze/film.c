@@ -168,7 +168,6 @@ const struct analysis film_analysis = {
     .of_solutes = true,
     .delivered_with = "dispersion",
     .heading = "Plume",
-    .contents = "Plume",
     .caption =
         "Where a solute is that began at one point, on the mean over all points of the pores: "
         "concentration over its maximum, at times that double; along the flow and across it.",

@@ -342,7 +342,6 @@ const struct analysis history_analysis = {
                 "Darcy velocity, density and gauges against time; steadiness",
                 "analyze history dense-1G.hdf -o results", 1, -1},
     .heading = "History",
-    .contents = "History",
     .caption = "What the scene records, against time; what the solver records is folded.",
     .analyze = analyze,
     .shown = shown};

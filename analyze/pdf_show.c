@@ -290,7 +290,6 @@ const struct analysis pdf_analysis = {
                 "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
     .heading = "Pore velocity",
     .page_runs = OF_FLOWING,
-    .contents = "Pore velocity",
     .caption = "Probability density of the velocity along the driving force, and of this over the "
                "mean in the pores with an exponential and a fitted power-exponential.",
     .applies = applies,

@@ -79,9 +79,10 @@ static void add_sections(struct page *page) {
     const struct product *product = &page->parts[i].product;
     char *svg = NULL;
     if (!page->parts[i].there || !page->parts[i].shown) continue;
-    json_t *section = json_pack("{s:s,s:s,s:s,s:s,s:o}", "name", analysis->name, "heading",
-                                analysis->heading, "contents", analysis->contents, "caption",
-                                analysis->caption, "summary", json_text(product->summary.data));
+    json_t *section =
+        json_pack("{s:s,s:s,s:s,s:s,s:o}", "name", analysis->name, "heading", analysis->heading,
+                  "contents", analysis->contents != NULL ? analysis->contents : analysis->heading,
+                  "caption", analysis->caption, "summary", json_text(product->summary.data));
     json_array_append_new(sections, section);
     if (json_array_size(product->charts) > 0) json_object_set(section, "charts", product->charts);
     if (json_array_size(product->charts) > 0 || product->width == 0) continue;
