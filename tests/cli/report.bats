@@ -257,9 +257,9 @@ END
 }
 
 @test "water that moves through space is stored at six times where the scene names no interval; a steady flow at its end alone" {
-  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column -q > /dev/null
-  analyze report column.hdf -o column.html -q > /dev/null
-  page column.html '(lambda t: len(t) == 6 and t[0] == 0 and max(abs(t[i] / t[5] - i / 5) for i in range(6)) < 0.05)(page["pictures"]["frames"]["times_s"])' \
+  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o fallen -q > /dev/null
+  analyze report fallen.hdf -o fallen.html -q > /dev/null
+  page fallen.html '(lambda t: len(t) == 6 and t[0] == 0 and max(abs(t[i] / t[5] - i / 5) for i in range(6)) < 0.05)(page["pictures"]["frames"]["times_s"])' \
     '"pdf" not in [s["name"] for s in page["sections"]]' # one velocity has no distribution
   [ -e run-matched-0000.hdf ] && [ ! -e run-matched-0001.hdf ]
 }
