@@ -39,12 +39,11 @@ struct analysis {
   const char *delivered_with;
 
   /* The section of the page; without a heading there is none. */
-  /* Plain text; `contents` is the entry in the list of sections. */
+  /* Plain text; `contents` is the entry in the list of sections, NULL: the heading. */
   const char *heading, *contents, *caption;
   /* Runs in the section: all, those with a permeability, those with a permeability above 0, or, if
    * none has a permeability, the first. */
   enum { OF_ALL, OF_PERMEABLE, OF_FLOWING, OF_FIRST } page_runs;
-  bool charts;   /* page.js draws its data; otherwise the page shows the plot */
   bool may_fail; /* on failure the page gives a warning and omits the section */
 
   /* Decides by the contents of the subject whether the analysis applies, without running it. NULL:

@@ -8,10 +8,10 @@
 
 #include "analyze/analysis.h"
 #include "analyze/compatible_runs.h"
-#include "analyze/dispersion.h"
 #include "analyze/product.h"
 #include "analyze/report_command.h"
 #include "analyze/run_file.h"
+#include "analyze/solute_flow.h"
 #include "common/error.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -71,7 +71,7 @@ static enum status read_runs(const struct options *options, bool solutes, struct
   TRY(memory_allocate(runs, count, sizeof **runs, "runs"));
   for (size_t i = 0; i < count; i++) {
     const char *path = options_operand(options, i);
-    const bool solute = count > 1 && dispersion_is(path);
+    const bool solute = count > 1 && solute_has(path, SOLUTE);
     if (solutes && solute) continue;
     if (solute || (count > 1 && run_is_companion(path))) {
       log_verbose("%s: no run but a model or a file beside a run, passed over", path);

@@ -1,11 +1,12 @@
-/* Breakthrough curves from the walks of a run: reading, fit, output and plot. */
+/* Breakthrough curves from the walks of a run: reading, fit and output. */
 #include "analyze/breakthrough.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "analyze/analysis.h"
-#include "analyze/plot.h"
+#include "analyze/chart.h"
+#include "analyze/solute_flow.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
@@ -37,15 +38,6 @@ static bool has_walk(struct h5_file *file, size_t walk) {
   char path[64];
   snprintf(path, sizeof path, "/solute/walk/%zu/passage_time", walk);
   return h5_exists(file, path);
-}
-
-/* Whether a file contains walks of method solute. */
-static bool is_walk(const char *path) {
-  struct h5_file *file = NULL;
-  const bool is = h5_open(path, &file) == STATUS_OK && has_walk(file, 0);
-  h5_close(file);
-  error_clear();
-  return is;
 }
 
 static void fit(const struct curves *c, struct plane *p) {
@@ -208,68 +200,38 @@ static const struct plane *plane_to_draw(const struct curves *c) {
   return NULL;
 }
 
-/* Share against time, and the density of travel times between the shares, each with the fit. */
-static void write_blocks(const struct curves *c, const struct plane *p, size_t i, FILE *stream) {
-  fprintf(stream, "$share%zu << EOD\n", i);
-  for (size_t q = 0; q < c->quantiles; q += 4)
-    if (isfinite(p->time[q])) fprintf(stream, "%.6g %.6g\n", p->time[q], c->share[q]);
-  fprintf(stream, "EOD\n$fit%zu << EOD\n", i);
-  for (size_t q = 0; q < c->quantiles; q++)
-    fprintf(stream, "%.6g %.6g\n", breakthrough_time(p->v, p->d, c->share[q]), c->share[q]);
-  fprintf(stream, "EOD\n$rate%zu << EOD\n", i);
-  const size_t step = 5;
-  for (size_t q = 0; q + step < c->quantiles; q += step) {
-    const double from = p->time[q], to = p->time[q + step];
-    const double part = c->share[q + step] - c->share[q];
-    if (!isfinite(to) || !(to > from)) continue;
-    fprintf(stream, "%.6g %.6g %.6g\n", sqrt(from * to), part / (to - from),
-            (breakthrough_share(p->v, p->d, to) - breakthrough_share(p->v, p->d, from)) /
-                (to - from));
-  }
-  fputs("EOD\n", stream);
-}
-
-static void write_curves(const struct curves *list, size_t n, bool rates, FILE *stream) {
-  size_t drawn_so_far = 0;
-  for (size_t i = 0; i < n && drawn_so_far < CURVES_MAX; i++) {
-    const struct plane *p = plane_to_draw(&list[i]);
-    char title[120];
+/* Fraction against time, and the density of travel times, each with the fit. */
+static void draw(const struct curves *list, size_t n, json_t *charts) {
+  enum { STEP = 5 }; /* quantiles between two densities */
+  json_t *passed = chart_add(charts, "What has passed", "Time × U / distance (-)",
+                             "Fraction that has passed (-)", CHART_LOG_X, CHART_OPEN);
+  json_t *rates = chart_add(charts, "Travel times", "Time × U / distance (-)",
+                            "Density of travel times (-)", CHART_LOG_XY, CHART_OPEN);
+  for (size_t i = 0, drawn = 0; i < n && drawn < CURVES_MAX; i++) {
+    const struct curves *c = &list[i];
+    const struct plane *p = plane_to_draw(c);
+    char name[120], line[140];
     if (p == NULL) continue;
-    snprintf(title, sizeof title, "Pe %.4g, %.3g mm", list[i].peclet, 1e3 * p->distance);
-    fprintf(stream, "%s$%s%zu using 1:2 with points pointsize 0.6 ",
-            drawn_so_far > 0 ? ", \\\n  " : "plot ", rates ? "rate" : "share", i);
-    plot_line_style(stream, drawn_so_far);
-    plot_point_style(stream, drawn_so_far);
-    fputs(rates ? " notitle" : " title ", stream);
-    if (!rates) plot_text(stream, title);
-    fprintf(stream, ", \\\n  $%s%zu using 1:%d with lines linewidth 1.5 ", rates ? "rate" : "fit",
-            i, rates ? 3 : 2);
-    plot_line_style(stream, drawn_so_far);
-    fputs(" notitle", stream);
-    drawn_so_far++;
-  }
-  fputc('\n', stream);
-}
-
-static void write_plot(const struct curves *list, size_t n, FILE *stream) {
-  size_t rows = 0; /* of the legend, one for each curve */
-  for (size_t i = 0; i < n; i++)
-    if (plane_to_draw(&list[i]) != NULL) {
-      write_blocks(&list[i], plane_to_draw(&list[i]), i, stream);
-      rows += rows < CURVES_MAX;
+    const int colour = (int)drawn++;
+    snprintf(name, sizeof name, "Pe %.4g, %.3g mm", c->peclet, 1e3 * p->distance);
+    snprintf(line, sizeof line, "%s, fit", name);
+    json_t *walk = chart_series(passed, name, CHART_DOTS, colour, 0);
+    json_t *fit = chart_series(passed, line, CHART_LINE, colour, 0);
+    json_t *rate = chart_series(rates, name, CHART_DOTS, colour, 0);
+    json_t *fit_rate = chart_series(rates, line, CHART_LINE, colour, 0);
+    for (size_t q = 0; q < c->quantiles; q++) {
+      if (q % (STEP - 1) == 0 && isfinite(p->time[q])) chart_point(walk, p->time[q], c->share[q]);
+      chart_point(fit, breakthrough_time(p->v, p->d, c->share[q]), c->share[q]);
     }
-  fprintf(stream,
-          "set multiplot layout 2,1 margins 0.16,0.97,%.3f,0.985 spacing 0,0.11\n"
-          "set xlabel 'time × {/:Italic U} / distance'\nset ylabel 'fraction that has passed'\n"
-          "set logscale x\nset yrange [0:1]\n"
-          "set key at screen 0.5,0.01 center bottom vertical maxcols 1 samplen 1\n",
-          0.12 + 0.027 * (double)rows);
-  write_curves(list, n, false, stream);
-  fputs("set ylabel 'density of travel times'\nset logscale xy\nset yrange [*:*]\n"
-        "set format y '10^{%T}'\nunset key\n",
-        stream);
-  write_curves(list, n, true, stream);
-  fputs("unset multiplot\n", stream);
+    for (size_t q = 0; q + STEP < c->quantiles; q += STEP) {
+      const double from = p->time[q], to = p->time[q + STEP], middle = sqrt(from * to);
+      if (!isfinite(to) || !(to > from)) continue;
+      chart_point(rate, middle, (c->share[q + STEP] - c->share[q]) / (to - from));
+      chart_point(fit_rate, middle,
+                  (breakthrough_share(p->v, p->d, to) - breakthrough_share(p->v, p->d, from)) /
+                      (to - from));
+    }
+  }
 }
 
 static enum status analyze(const struct subject *subject, const struct options *options,
@@ -280,18 +242,12 @@ static enum status analyze(const struct subject *subject, const struct options *
   (void)options;
   struct curves *list = NULL;
   size_t count = 0;
-  bool any = false;
   for (size_t i = 0; i < n; i++)
-    if (is_walk(paths[i])) TRY(read_file(paths[i], &list, &count));
-  for (size_t i = 0; i < count; i++) any = any || plane_to_draw(&list[i]) != NULL;
+    if (solute_has(paths[i], SOLUTE_WALK)) TRY(read_file(paths[i], &list, &count));
   write_json(list, count, product->json);
   write_csv(list, count, product->csv.stream);
   write_summary(list, count, product->summary.stream);
-  if (any) {
-    write_plot(list, count, product->plot.stream);
-    /* Sized so that the text is readable on a telephone. */
-    product->width = 480, product->height = 720;
-  }
+  draw(list, count, product->charts);
 cleanup:
   for (size_t i = 0; i < count; i++) free_curves(&list[i]);
   memory_free(&list);
@@ -299,8 +255,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = false;
-  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_walk(subject->solutes[i]);
+  *applies = solute_any_has(subject->solutes, subject->solute_count, SOLUTE_WALK);
   return STATUS_OK;
 }
 
@@ -309,7 +264,6 @@ const struct analysis breakthrough_analysis = {
     .of_solutes = true,
     .delivered_with = "dispersion",
     .heading = "Breakthrough",
-    .contents = "Breakthrough",
     .caption =
         "When a solute that began spread over the pores has passed the first plane across the "
         "flow, one box length on: share and density of travel times of the random walk "

@@ -3,9 +3,9 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/chart.h"
 #include "analyze/uncertainty.h"
 #include "analyze/compatible_runs.h"
-#include "analyze/plot.h"
 #include "analyze/averaging.h"
 #include "common/convergence.h"
 #include "common/log.h"
@@ -304,74 +304,44 @@ static void write_summary(const struct level *levels, const struct series *serie
   }
 }
 
-/* Left: k against spacing with the fit; right: deviation against wall-clock time. */
-static void write_plot(const struct level *levels, const struct series *series, size_t count,
-                       FILE *stream) {
-  double widest = 0.0;
-  size_t extrapolated = 0;
+/* k against spacing with the fit; and, for the files, its deviation from the extrapolated k against
+ * wall-clock time. */
+static void draw(const struct level *levels, const struct series *series, size_t count,
+                 json_t *charts) {
+  enum { POINTS = 80 };
+  json_t *spacing =
+      chart_add(charts, "k against spacing", "Spacing (µm)", "k (cm/s)", CHART_ZERO, CHART_OPEN);
+  json_t *time = chart_add(charts, "Error against time", "Wall-clock time (s)",
+                           "Deviation from the extrapolated k (%)", CHART_LOG_XY, CHART_OF_FILES);
   for (size_t g = 0; g < count; g++) {
     const struct series *s = &series[g];
-    widest = fmax(widest, levels[s->first + s->count - 1].spacing);
-    extrapolated += s->count > 1;
-    fprintf(stream, "$k%zu << EOD\n", g);
-    for (size_t i = s->first; i < s->first + s->count; i++)
-      fprintf(stream, "%.8g %.8g %.6g\n", 1e6 * levels[i].spacing,
-              100.0 * levels[i].permeability * conductivity_per_permeability(&levels[i]),
-              levels[i].run->wall_time);
-    fputs("EOD\n", stream);
+    const struct level *own = &levels[s->first];
+    const double unit = 100.0 * conductivity_per_permeability(own), k0 = unit * s->result.value;
+    const double widest = own[s->count - 1].spacing, error = uncertainty_total(&s->uncertainty);
+    char name[200], line[300];
+    snprintf(name, sizeof name, "%.80s%s%.80s%s", own->run->method, own->run->wall[0] ? ", " : "",
+             own->run->wall, own->run->wall[0] ? " walls" : "");
+    json_t *dots = chart_series(spacing, name, CHART_DOTS, (int)g, 0);
+    for (size_t i = 0; i < s->count; i++)
+      chart_point(dots, 1e6 * own[i].spacing, unit * own[i].permeability);
     if (s->count < 2) continue;
-    double k = 100.0 * s->result.value * conductivity_per_permeability(&levels[s->first]);
-    fprintf(stream, "k0_%zu = %.8g; e_%zu = %.6g\n", g, k, g,
-            k * uncertainty_total(&s->uncertainty));
-    fprintf(stream, "fit%zu(h) = %.8g + %.8g*(h*1e-6)**%.6g\n", g, k,
-            100.0 * s->result.slope * conductivity_per_permeability(&levels[s->first]),
-            s->result.order_used);
-  }
-  const size_t lines = (count + 1) / 2;
-  fprintf(stream,
-          "set multiplot layout 1,2 margins 0.085,0.985,%.3f,0.97 spacing 0.11,0\n"
-          "set samples 400\nset xlabel 'Spacing (µm)'\nset ylabel 'k (cm/s)'\n"
-          "set xrange [%.6g:%.6g]\nset key at screen 0.5,0.012 center bottom vertical maxcols 2 "
-          "samplen 2 reverse Left\nplot ",
-          (75.0 + 26.0 * (double)lines) / (460.0 + 26.0 * (double)lines), -0.03e6 * widest,
-          1.06e6 * widest);
-  for (size_t g = 0; g < count; g++) {
-    const struct series *s = &series[g];
-    const struct run *run = levels[s->first].run;
-    char title[300];
-    if (g > 0) fputs(", ", stream);
-    if (s->count > 1) {
-      fprintf(stream, "(x < 0 ? NaN : fit%zu(x)) with lines linewidth 2 ", g);
-      plot_line_style(stream, g);
-      fprintf(stream,
-              " notitle, '+' using (0):(k0_%zu):(e_%zu) every ::::0 with yerrorbars "
-              "linewidth 1.5 linecolor rgb '%s' pointtype 4 notitle, ",
-              g, g, plot_colours[g % PLOT_COLOURS]);
-    }
-    fprintf(stream, "$k%zu using 1:2 with points pointsize 1.2 linewidth 1.5 linecolor rgb '%s'", g,
-            plot_colours[g % PLOT_COLOURS]);
-    plot_point_style(stream, g);
-    const int used = snprintf(title, sizeof title, "%.80s%s%.80s%s", run->method,
-                              run->wall[0] ? ", " : "", run->wall, run->wall[0] ? " walls" : "");
+    json_t *cost = chart_series(time, name, CHART_DOTS, (int)g, 0);
+    for (size_t i = 0; i < s->count; i++)
+      if (own[i].permeability != s->result.value)
+        chart_point(cost, own[i].run->wall_time,
+                    100.0 * fabs(own[i].permeability / s->result.value - 1.0));
     if (isfinite(s->result.order))
-      snprintf(title + used, sizeof title - (size_t)used, ", order %.2f", s->result.order);
-    else if (s->count > 1)
-      snprintf(title + used, sizeof title - (size_t)used, ", order %g assumed", s->formal_order);
-    fputs(" title ", stream);
-    plot_text(stream, title);
+      snprintf(line, sizeof line, "%s, order %.2f", name, s->result.order);
+    else
+      snprintf(line, sizeof line, "%s, order %g assumed", name, s->formal_order);
+    json_t *fit = chart_series(spacing, line, CHART_LINE, (int)g, 0);
+    for (int i = 0; i <= POINTS && s->result.monotone && !s->result.far; i++) {
+      const double h = widest * i / POINTS;
+      chart_point(fit, 1e6 * h, k0 + unit * s->result.slope * pow(h, s->result.order_used));
+    }
+    json_t *limit = chart_series(spacing, "result, 95 %", CHART_DOTS, (int)g, 0);
+    chart_interval(limit, 0.0, k0, k0 * (1.0 - error), k0 * (1.0 + error));
   }
-  fputs("\nunset key\nset logscale xy\nset xrange [*:*]\nset yrange [*:*]\nset format '10^{%L}'\n"
-        "set xlabel 'Wall-clock time (s)'\n"
-        "set ylabel 'Deviation from the extrapolated k (%)'\nplot ",
-        stream);
-  for (size_t g = 0, drawn = 0; g < count; g++) {
-    if (series[g].count < 2) continue;
-    fprintf(stream, "%s$k%zu using 3:(100*abs($2/k0_%zu - 1)) with linespoints linewidth 1.8 ",
-            drawn++ > 0 ? ", " : "", g, g);
-    plot_line_style(stream, g);
-    plot_point_style(stream, g);
-  }
-  fputs("\nunset multiplot\n", stream);
 }
 
 static enum status analyze(const struct subject *subject, const struct options *options,
@@ -415,9 +385,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   }
   if (good == 1) series_json(levels, &series[last], product->json);
   write_summary(levels, series, count, product->summary.stream);
-  write_plot(levels, series, count, product->plot.stream);
-  product->width = 1200;
-  product->height = (int)(460 + 26 * ((count + 1) / 2));
+  draw(levels, series, count, product->charts);
 cleanup:
   memory_free(&levels);
   memory_free(&series);
@@ -438,13 +406,9 @@ const struct analysis converge_analysis = {
          "k at spacing 0 from runs at different spacings: order, grid convergence index, cost",
          "analyze converge sand-30.hdf sand-60.hdf sand-120.hdf -o results", 2, -1},
     .several_models = true,
-    .heading = "Accuracy and its cost",
+    .heading = "Accuracy",
     .page_runs = OF_PERMEABLE,
-    .contents = "Accuracy",
-    .caption =
-        "k against spacing with the extrapolation, and its deviation from the extrapolated k "
-        "against wall-clock time.",
-    .charts = true,
+    .caption = "k against spacing, and the extrapolation to spacing 0.",
     .may_fail = true, /* runs of different bodies cannot be extrapolated */
     .applies = applies,
     .analyze = analyze};

@@ -1,12 +1,12 @@
-/* Output of Darcy's law as text, JSON and plot; the fits are in darcy.c. */
+/* Output of Darcy's law as text, JSON and chart; the fits are in darcy.c. */
 #include "analyze/darcy.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/chart.h"
 #include "analyze/uncertainty.h"
-#include "analyze/plot.h"
 #include "analyze/tensor.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -296,55 +296,37 @@ static void write_summary(const struct darcy_table *table, FILE *stream) {
   if (log_level() >= LOG_VERBOSE) fprintf(stream, "%s\n", superficial);
 }
 
-static void write_plot(const struct darcy_table *table, FILE *stream) {
-  double widest = 0.0, lowest = 0.0;
-  for (size_t i = 0; i < table->n; i++) {
-    widest = fmax(widest, table->points[i].gradient);
-    lowest = fmin(lowest, 110.0 * table->points[i].average.mean);
-  }
+/* v at a gradient by the fit: the root of i = v/k + b v^2, or k i. */
+static double fitted(const struct darcy_fit *fit, double gradient) {
+  if (!fit->forchheimer) return fit->k * gradient;
+  return (sqrt(1.0 / (fit->k * fit->k) + 4.0 * fit->b * gradient) - 1.0 / fit->k) / (2.0 * fit->b);
+}
+
+static void draw(const struct darcy_table *table, json_t *charts) {
+  enum { POINTS = 60 };
+  json_t *chart = chart_add(charts, "Darcy velocity", "Hydraulic gradient (-)",
+                            "Darcy velocity (cm/s)", CHART_ZERO, CHART_OPEN);
   for (size_t g = 0; g < table->groups; g++) {
-    fprintf(stream, "$group%zu << EOD\n", g);
+    const struct darcy_fit *fit = &table->fits[g];
+    char name[400], line[600];
+    double widest = 0.0;
+    run_group_name(table->first[g], name, sizeof name);
+    json_t *dots = chart_series(chart, name, CHART_DOTS, (int)g, 0);
     for (size_t i = 0; i < table->n; i++) {
       const struct point *point = &table->points[i];
+      const double v = 100.0 * point->average.mean, error = 100.0 * point->average.error95;
       if (point->group != g) continue;
-      double error = isfinite(point->average.error95) ? point->average.error95 : 0.0;
-      fprintf(stream, "%.9g %.9g %.6g\n", point->gradient, 100.0 * point->average.mean,
-              100.0 * error);
+      chart_interval(dots, point->gradient, v, v - error, v + error);
+      widest = fmax(widest, point->gradient);
     }
-    fputs("EOD\n", stream);
-    const struct darcy_fit *fit = &table->fits[g];
-    if (fit->count == 0)
-      fprintf(stream, "line%zu(i) = NaN\n", g);
-    else if (fit->forchheimer)
-      fprintf(stream, "line%zu(i) = 100*(sqrt(1/%.9g**2 + 4*%.9g*i) - 1/%.9g)/(2*%.9g)\n", g,
-              fit->k, fit->b, fit->k, fit->b);
-    else
-      fprintf(stream, "line%zu(i) = 100*%.9g*i\n", g, fit->k);
+    if (fit->count == 0) continue;
+    snprintf(line, sizeof line, "%s: k = %.3g cm/s", name, 100.0 * fit->k);
+    json_t *curve = chart_series(chart, line, CHART_LINE, (int)g, 0);
+    for (int i = 0; i <= POINTS; i++) {
+      const double gradient = 1.05 * widest * i / POINTS;
+      chart_point(curve, gradient, 100.0 * fitted(fit, gradient));
+    }
   }
-  fprintf(stream,
-          "set xlabel 'Hydraulic gradient {/:Italic i} (-)'\n"
-          "set ylabel 'Darcy velocity (cm/s)'\n"
-          "set xrange [0:%.6g]\nset yrange [%.6g:*]\nset samples 400\n"
-          "set key top left reverse Left spacing 1.3\n"
-          "plot ",
-          1.08 * widest, lowest);
-  for (size_t g = 0; g < table->groups; g++) {
-    char name[400], title[600];
-    run_group_name(table->first[g], name, sizeof name);
-    if (g > 0) fputs(", \\\n  ", stream);
-    fprintf(stream, "line%zu(x) with lines linewidth 2 ", g);
-    plot_line_style(stream, g);
-    fprintf(stream, " notitle, \\\n  $group%zu using 1:2:3 with yerrorbars linewidth 1.5 ", g);
-    plot_line_style(stream, g);
-    plot_point_style(stream, g);
-    if (table->fits[g].count > 0)
-      snprintf(title, sizeof title, "%s: k = %.3g cm/s", name, 100.0 * table->fits[g].k);
-    else
-      snprintf(title, sizeof title, "%s: drifts", name);
-    fputs(" title ", stream);
-    plot_text(stream, title);
-  }
-  fputc('\n', stream);
 }
 
 static enum status analyze(const struct subject *subject, const struct options *options,
@@ -365,9 +347,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_json(&table, product->json);
   write_csv(&table, product->csv.stream);
   write_summary(&table, product->summary.stream);
-  write_plot(&table, product->plot.stream);
-  product->width = 800;
-  product->height = 560;
+  draw(&table, product->charts);
 cleanup:
   memory_free(&table.points);
   memory_free(&table.fits);
@@ -399,10 +379,8 @@ const struct analysis darcy_analysis = {
                 "permeability with its error: Darcy velocity against gradient",
                 "analyze darcy dense-1G.hdf dense-5G.hdf dense-10G.hdf -o results", 1, -1},
     .heading = "Darcy's law",
-    .contents = "Darcy's law",
     .caption = "Darcy velocity against hydraulic gradient with the fitted line.",
     .page_runs = OF_PERMEABLE,
-    .charts = true,
     .applies = applies,
     .analyze = analyze,
     .shown = shown};

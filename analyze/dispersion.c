@@ -1,10 +1,9 @@
-#include "analyze/dispersion.h"
-
+/* Dispersion of a solute against the Peclet number, from runs of method solute. */
 #include <math.h>
 #include <string.h>
 
 #include "analyze/analysis.h"
-#include "analyze/plot.h"
+#include "analyze/chart.h"
 #include "common/hdf5_file.h"
 #include "common/json_number.h"
 #include "common/memory.h"
@@ -43,14 +42,6 @@ struct solute_run {
   double formation_sample, correlation[2]; /* NAN in files of older versions */
   bool mirrored;                           /* along the flow */
 };
-
-bool dispersion_is(const char *path) {
-  struct h5_file *file = NULL;
-  bool is = h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute");
-  h5_close(file);
-  error_clear();
-  return is;
-}
 
 static enum status read_curve(struct h5_file *file, const char *group, size_t count,
                               struct curve *curve) {
@@ -157,31 +148,6 @@ static double dispersivity(const struct solute_run *run, size_t i, double over_d
 #define BED_PECLET_MAX 1000.0
 static double bed(const struct solute_run *run, double peclet) {
   return 1 / run->tortuosity + 0.5 * pow(peclet * run->grain_size / run->length, 1.2);
-}
-
-/* For a range of grain Peclet numbers: rows of Pe, lowest and highest longitudinal value,
- * transverse value. */
-static void write_range(const struct solute_run *run, bool power, double first, double last,
-                        FILE *stream) {
-  enum { ROWS = 30 };
-  const double still = 1 / run->tortuosity;
-  for (int i = 0; i <= ROWS; i++) {
-    const double grain = first * pow(last / first, (double)i / ROWS);
-    fprintf(stream, "%.6g ", grain * run->length / run->grain_size);
-    if (power)
-      fprintf(stream, "%.6g %.6g %.6g\n", still + 0.5 * grain, still + 0.5 * pow(grain, 1.2),
-              still + 0.025 * pow(grain, 1.1));
-    else
-      fprintf(stream, "%.6g %.6g NaN\n", 1.4 * grain, 2.2 * grain);
-  }
-}
-
-static void write_beds(const struct solute_run *run, FILE *stream) {
-  fputs("$beds << EOD\n", stream);
-  write_range(run, true, BED_PECLET_MIN, BED_PECLET_MIDDLE, stream);
-  fputs("\n", stream);
-  write_range(run, false, BED_PECLET_MIDDLE, BED_PECLET_MAX, stream);
-  fputs("EOD\n", stream);
 }
 
 static void write_json(const struct solute_run *runs, size_t n, json_t *json) {
@@ -314,71 +280,58 @@ static void write_summary(const struct solute_run *runs, size_t n, FILE *stream)
   }
 }
 
-/* Rows of Pe, D_L, its error, D_T, its error. Values without flow (Pe 0) are omitted on the
- * logarithmic axis. */
-static void write_block(FILE *stream, const char *name, size_t r, const struct solute_run *run,
-                        const struct curve *curve) {
-  fprintf(stream, "$%s%zu << EOD\n", name, r);
+/* A curve against the Peclet number. Values without flow (Pe 0) and along an axis of one cell,
+ * where nothing spreads, are omitted on the logarithmic axes. */
+static void draw_curve(const struct solute_run *run, const struct curve *curve, int direction,
+                       const char *name, int colour, int dash, json_t *chart) {
+  json_t *dots = chart_series(chart, name, CHART_DOTS, colour, dash);
   for (size_t i = 0; i < run->count; i++) {
-    double *const *c = curve->column;
-    if (!(run->peclet[i] > 0)) continue;
-    fprintf(stream, "%.9g", run->peclet[i]);
-    for (int t = 0; t < 2; t++) {
-      const double value = c[t][i], error = c[LONGITUDINAL_ERROR + t][i];
-      if (value > 1e-9)
-        fprintf(stream, " %.9g %.6g %.6g", value, value * fmax(1 - error, 0.01),
-                value * (1 + error));
-      else
-        fputs(" NaN NaN NaN", stream);
-    }
-    fputc('\n', stream);
+    const double value = curve->column[direction][i];
+    const double error = curve->column[LONGITUDINAL_ERROR + direction][i];
+    if (run->peclet[i] > 0 && value > 1e-9)
+      chart_interval(dots, run->peclet[i], value, value * fmax(1 - error, 0.01),
+                     value * (1 + error));
   }
-  fputs("EOD\n", stream);
 }
 
-static void write_plot(const struct solute_run *runs, size_t n, FILE *stream) {
-  for (size_t r = 0; r < n; r++) {
-    write_block(stream, "best", r, &runs[r], &runs[r].best);
-    const bool both = runs[r].way[0].there && runs[r].way[1].there;
-    for (int w = 0; w < WAYS && both; w++)
-      write_block(stream, way_names[w], r, &runs[r], &runs[r].way[w]);
-  }
-  /* The range of packed beds uses the formation factor of the first run that has one. */
-  const struct solute_run *still = NULL;
-  for (size_t r = n; r-- > 0;)
-    if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
-  fprintf(stream, "set logscale xy\nset xlabel 'Pe = {/:Italic U} × length / {/:Italic D}'\n"
-                  "set ylabel 'dispersion coefficient / {/:Italic D}'\nset format xy '10^{%%T}'\n"
-                  "set samples 300\nset key outside below center vertical maxcols 1 samplen 3 "
-                  "reverse Left height 1\n");
-  if (still != NULL) write_beds(still, stream);
-  fputs("plot ", stream);
-  if (still != NULL)
-    fputs("$beds using 1:2:3 with filledcurves fillcolor rgb '#dddddd' title 'beds in print, along "
-          "the flow', \\\n  $beds using 1:4 with lines linewidth 1.6 dashtype 2 linecolor rgb "
-          "'#888888' title 'beds in print, across', \\\n  ",
-          stream);
-  for (size_t r = 0; r < n; r++) {
-    char title[400];
-    const bool both = runs[r].way[0].there && runs[r].way[1].there;
-    for (int t = 0; t < 2; t++) {
-      const int y = 2 + 3 * t;
-      if (r + (size_t)t > 0) fputs(", \\\n  ", stream);
-      fprintf(stream, "$best%zu using 1:%d:%d:%d with yerrorlines linewidth 1.6 ", r, y, y + 1,
-              y + 2);
-      plot_line_style(stream, 2 * r + (size_t)t);
-      plot_point_style(stream, 2 * r + (size_t)t);
-      snprintf(title, sizeof title, "%s, %s the flow", name_of(&runs[r]), t ? "across" : "along");
-      fputs(" title ", stream);
-      plot_text(stream, title);
-      if (both)
-        fprintf(stream,
-                ", \\\n  $walk%zu using 1:%d:%d:%d with yerrorbars pointtype %d linewidth 1.2 "
-                "linecolor rgb '#000000' %s",
-                r, y, y + 1, y + 2, t ? 4 : 6, t || r ? "notitle" : "title 'random walk'");
+/* The ranges of `bed` over its Peclet numbers, as lines. */
+static void draw_beds(const struct solute_run *run, json_t *chart) {
+  enum { ROWS = 30, LINES = 3 };
+  static const char *const names[LINES] = {"published beds, along the flow: least",
+                                           "published beds, along the flow: most",
+                                           "published beds, across"};
+  const double still = 1 / run->tortuosity, range = BED_PECLET_MAX / BED_PECLET_MIN;
+  for (int line = 0; line < LINES; line++) {
+    json_t *curve = chart_series(chart, names[line], CHART_LINE, CHART_GREY, line);
+    for (int i = 0; i <= ROWS; i++) {
+      const double grain = BED_PECLET_MIN * pow(range, (double)i / ROWS);
+      const bool low = grain <= BED_PECLET_MIDDLE;
+      const double values[LINES] = {low ? still + 0.5 * grain : 1.4 * grain,
+                                    low ? still + 0.5 * pow(grain, 1.2) : 2.2 * grain,
+                                    low ? still + 0.025 * pow(grain, 1.1) : NAN};
+      chart_point(curve, grain * run->length / run->grain_size, values[line]);
     }
   }
-  fputc('\n', stream);
+}
+
+static void draw(const struct solute_run *runs, size_t n, json_t *charts) {
+  json_t *chart = chart_add(charts, "Dispersion", "Pe = U × length / D",
+                            "Dispersion coefficient / D", CHART_LOG_XY, CHART_OPEN);
+  const struct solute_run *still = NULL; /* the first run with a formation factor */
+  for (size_t r = n; r-- > 0;)
+    if (isfinite(runs[r].tortuosity) && runs[r].grain_size > 0) still = &runs[r];
+  for (size_t r = 0; r < n; r++)
+    for (int d = 0; d < DIRECTIONS; d++) {
+      char name[400];
+      const int colour = (int)(2 * r) + d;
+      snprintf(name, sizeof name, "%s%s%s the flow", n > 1 ? name_of(&runs[r]) : "",
+               n > 1 ? ", " : "", d > 0 ? "across" : "along");
+      draw_curve(&runs[r], &runs[r].best, d, name, colour, 0, chart);
+      if (!runs[r].way[0].there || !runs[r].way[1].there) continue;
+      strncat(name, ", random walk", sizeof name - strlen(name) - 1);
+      draw_curve(&runs[r], &runs[r].way[1], d, name, colour + 2, 1, chart);
+    }
+  if (still != NULL) draw_beds(still, chart);
 }
 
 static enum status analyze(const struct subject *subject, const struct options *options,
@@ -393,9 +346,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_json(runs, n, product->json);
   write_csv(runs, n, product->csv.stream);
   write_summary(runs, n, product->summary.stream);
-  write_plot(runs, n, product->plot.stream);
-  product->width = 560; /* sized so that the text is readable on a telephone */
-  product->height = 480;
+  draw(runs, n, product->charts);
 cleanup:
   for (size_t r = 0; r < n && runs != NULL; r++) free_run(&runs[r]);
   memory_free(&runs);
@@ -417,6 +368,5 @@ const struct analysis dispersion_analysis = {
     .contents = "Dispersion",
     .caption = "How fast a solute spreads along and across the flow, over the molecular diffusion "
                "coefficient, against the Peclet number.",
-    .charts = true,
     .applies = applies,
     .analyze = analyze};

@@ -2,6 +2,7 @@
 #include <math.h>
 
 #include "analyze/analysis.h"
+#include "analyze/solute_flow.h"
 #include "common/hdf5_file.h"
 #include "common/memory.h"
 
@@ -17,16 +18,6 @@ struct film {
 
 static void name_of(char path[64], size_t walk, const char *what) {
   snprintf(path, 64, "/solute/walk/%zu/plume%s", walk, what);
-}
-
-/* Whether a file contains such distributions. */
-static bool is_filmed(const char *path) {
-  struct h5_file *file = NULL;
-  bool is = false;
-  if (h5_open(path, &file) == STATUS_OK && h5_exists(file, "/solute/walk/0/plume")) is = true;
-  h5_close(file);
-  error_clear();
-  return is;
 }
 
 static enum status read_film(const char *path, struct film *f) {
@@ -86,7 +77,7 @@ static double tic_distance(double range) {
 static void write_plot(const struct film *f, FILE *stream) {
   const size_t first = f->frames > FRAMES_MAX ? f->frames - FRAMES_MAX : 0;
   for (size_t k = first; k < f->frames; k++) write_frame(f, k, stream);
-  fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.12\n"
+  fputs("set multiplot layout 3,2 margins 0.17,0.97,0.135,0.95 spacing 0.14,0.14\n"
         "set palette defined (0 '#ffffff', 0.05 '#dceaf5', 0.4 '#56B4E9', 1 '#003a5d')\n"
         "unset colorbox\nunset key\nset cbrange [0:1]\nset tics out\nunset grid\n",
         stream);
@@ -136,7 +127,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   (void)options;
   struct film film = {0};
   size_t i = 0;
-  while (i + 1 < n && !is_filmed(paths[i])) i++;
+  while (i + 1 < n && !solute_has(paths[i], SOLUTE_PLUME)) i++;
   TRY(read_film(paths[i], &film));
   json_t *list = json_array();
   fputs("time_s,mean_m,deviation_along_m,deviation_across_m\n", product->csv.stream);
@@ -160,7 +151,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   if (film.frames > 0) {
     write_plot(&film, product->plot.stream);
     /* Sized so that the text is readable on a telephone. */
-    product->width = 560, product->height = 600;
+    product->width = 560, product->height = 660;
   }
 cleanup:
   free_film(&film);
@@ -168,8 +159,7 @@ cleanup:
 }
 
 static enum status applies(const struct subject *subject, bool *applies) {
-  *applies = false;
-  for (size_t i = 0; i < subject->solute_count; i++) *applies |= is_filmed(subject->solutes[i]);
+  *applies = solute_any_has(subject->solutes, subject->solute_count, SOLUTE_PLUME);
   return STATUS_OK;
 }
 
@@ -178,7 +168,6 @@ const struct analysis film_analysis = {
     .of_solutes = true,
     .delivered_with = "dispersion",
     .heading = "Plume",
-    .contents = "Plume",
     .caption =
         "Where a solute is that began at one point, on the mean over all points of the pores: "
         "concentration over its maximum, at times that double; along the flow and across it.",

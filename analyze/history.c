@@ -1,14 +1,30 @@
-#include "analyze/history.h"
-#include "analyze/history_plot.h"
+/* History of a run: maximum density, Darcy velocity and further columns that its scene records. */
 
+#include <ctype.h>
 #include <math.h>
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/averaging.h"
+#include "analyze/chart.h"
+#include "analyze/pdf.h"
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/statistics.h"
 #include "common/units.h"
+
+struct run_history {
+  const struct run *run;
+  size_t rows;
+  double *times, *velocity; /* velocity along the driving force */
+  bool stationary;          /* stationary solution: rows are iterations, `times` their numbers */
+  struct average average;
+  /* Highest density_max over the reference density, 1.08 for 8 %; NAN: unknown. */
+  double density_peak;
+  double density_mean; /* mean of the last snapshot over the reference density; NAN: unknown */
+  /* Distribution of density / reference in the last snapshot; no bins if all are equal. */
+  struct pdf density;
+};
 
 static enum status measure(const struct run *run, struct run_history *h) {
   enum status status = STATUS_OK;
@@ -49,18 +65,16 @@ cleanup:
   return status;
 }
 
-#define SERIES_ROWS 600
+#define SERIES_ROWS 600 /* drawn at most */
 
-/* At most SERIES_ROWS + 1 of `rows` values with the given stride, evenly spaced and including the
- * last. */
-static json_t *json_thinned(const double *values, size_t stride, size_t rows) {
-  json_t *array = json_array();
-  size_t step = (rows + SERIES_ROWS - 1) / SERIES_ROWS;
-  for (size_t i = 0; i < rows; i += step)
-    json_array_append_new(array, json_number(values[i * stride]));
-  if (rows > 0 && (rows - 1) % step != 0)
-    json_array_append_new(array, json_number(values[(rows - 1) * stride]));
-  return array;
+/* Columns of every run; all others were added by the scene (gauges, planes, volumes). */
+static bool is_standard(const char *column) {
+  static const char *const names[] = {
+      "time",         "step",     "dt",   "darcy_velocity", "density_max",
+      "density_mean", "momentum", "mass", "kinetic_energy", "reynolds"};
+  for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+    if (strcmp(column, names[i]) == 0) return true;
+  return false;
 }
 
 static void fill_json(const struct run_history *h, json_t *object) {
@@ -81,16 +95,6 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_put_number(object, "drift_m_per_s", s->drift);
   json_put_number(object, "density_max_rise_percent", 100.0 * (h->density_peak - 1.0));
   json_put_number(object, "density_mean_rise_percent", 100.0 * (h->density_mean - 1.0));
-  /* Series are thinned to the resolution of a plot; history.csv has all rows. */
-  json_object_set_new(object, h->stationary ? "iteration" : "time_s",
-                      json_thinned(h->times, 1, h->rows));
-  json_object_set_new(object, "darcy_velocity_series_m_per_s",
-                      json_thinned(h->velocity, 1, h->rows));
-  const struct history_column *density = run_column(h->run, "density_max", 1);
-  json_put_number(object, "density_reference_kg_per_m3", h->run->density);
-  if (density != NULL)
-    json_object_set_new(object, "density_max_series_kg_per_m3",
-                        json_thinned(density->values, 1, h->rows));
   if (h->density.bins > 0)
     json_object_set_new(object, "density_histogram",
                         json_pack("{s:o,s:o}", "bin_edges",
@@ -99,16 +103,12 @@ static void fill_json(const struct run_history *h, json_t *object) {
   json_t *extra = json_object();
   for (size_t c = 0; c < h->run->column_count; c++) {
     const struct history_column *column = &h->run->columns[c];
-    if (history_is_standard(column->name) || column->rows == 0) continue;
+    if (is_standard(column->name) || column->rows == 0) continue;
     size_t components = (size_t)column->components;
-    json_t *series = json_array();
-    for (size_t d = 0; d < components; d++)
-      json_array_append_new(series, json_thinned(column->values + d, components, column->rows));
     json_object_set_new(
         extra, column->name,
-        json_pack("{s:o,s:o,s:o}", "unit", json_text(column->unit), "last",
-                  json_numbers(&column->values[(column->rows - 1) * components], components),
-                  "series", series));
+        json_pack("{s:o,s:o}", "unit", json_text(column->unit), "last",
+                  json_numbers(&column->values[(column->rows - 1) * components], components)));
   }
   json_object_set_new(object, "columns", extra);
 }
@@ -168,6 +168,136 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
   }
 }
 
+/* The kind of a column that the scene asks for, NAME of NAME_PLACE: its length; 0 for a record of
+ * the solver. */
+static size_t kind_of(const char *column) {
+  static const char *const kinds[] = {"head",     "level",    "flux",          "force",
+                                      "pressure", "velocity", "water_content", "infiltration",
+                                      "inflow",   "entered",  "fallen",        "ran_off"};
+  if (strcmp(column, "velocity_through_soil") == 0) return 0;
+  for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+    const size_t length = strlen(kinds[i]);
+    if (strncmp(column, kinds[i], length) == 0 && column[length] == '_' &&
+        strncmp(column + length, "_rms", 4) != 0)
+      return length;
+  }
+  return 0;
+}
+
+/* The first `length` characters of a column's name, in words: "pressure_open" as "pressure open".
+ */
+static void name_in_words(const char *column, size_t length, char *text, size_t size) {
+  snprintf(text, length < size ? length + 1 : size, "%s", column);
+  for (char *at = text; *at != '\0'; at++)
+    if (*at == '_') *at = ' ';
+}
+
+/* Adds every so many rows of a component of a column, so that no more than SERIES_ROWS are drawn.
+ */
+static void draw_rows(json_t *series, const struct run_history *h, double time_scale,
+                      const double *values, size_t stride, double scale, double offset) {
+  const size_t step = (h->rows + SERIES_ROWS - 1) / SERIES_ROWS;
+  for (size_t r = 0; r < h->rows; r += step)
+    chart_point(series, h->times[r] * time_scale, values[r * stride] * scale - offset);
+}
+
+/* Whether all values are positive and span more than three decades, as with residuals. */
+static bool spans_decades(const struct history_column *column) {
+  double low = INFINITY, high = 0.0;
+  for (size_t i = 0; i < column->rows * (size_t)column->components; i++) {
+    if (!isfinite(column->values[i])) continue;
+    low = fmin(low, column->values[i]);
+    high = fmax(high, column->values[i]);
+  }
+  return low > 0.0 && high > 1e3 * low;
+}
+
+/* Adds the components of a column of all runs to a chart: not y in two dimensions. */
+static void draw_column(json_t *chart, const struct run_history *table, size_t n,
+                        const struct history_column *column, size_t kind, double time_scale) {
+  for (size_t i = 0; i < n; i++) {
+    const struct history_column *own = run_column(table[i].run, column->name, column->components);
+    const bool vector = column->components > 1;
+    for (size_t d = 0; own != NULL && d < (size_t)own->components; d++) {
+      char name[500], place[200] = "";
+      if (vector && d == 1 && table[i].run->dimensions == 2) continue;
+      if (kind > 0) name_in_words(own->name + kind + 1, sizeof place, place, sizeof place);
+      const char *of = n > 1 || (kind == 0 && !vector) ? table[i].run->name : "";
+      snprintf(name, sizeof name, "%.200s%s%.200s%s%.*s", of, *of && *place ? ", " : "", place,
+               vector && (*of || *place) ? ", " : "", vector ? 1 : 0, &"xyz"[d]);
+      const int colour = (int)json_array_size(json_object_get(chart, "series"));
+      draw_rows(chart_series(chart, name, CHART_LINE, colour, 0), &table[i], time_scale,
+                own->values + d, (size_t)own->components, 1.0, 0.0);
+    }
+  }
+}
+
+/* What the scene asks for is shown openly, a chart for all places of a kind; without it where free
+ * water is and how fast. The solver's own records are folded. The works of the energy budget are a
+ * table (/run/ledger). Returns whether a chart is open. */
+static bool draw_columns(const struct run_history *table, size_t n, bool free, const char *time,
+                         double time_scale, json_t *charts) {
+  const struct run *run = table[0].run;
+  bool asked = false, open = false;
+  for (size_t c = 0; c < run->column_count; c++) asked |= kind_of(run->columns[c].name) > 0;
+  for (size_t c = 0; c < run->column_count; c++) {
+    const struct history_column *column = &run->columns[c];
+    const size_t kind = kind_of(column->name);
+    const bool where =
+        strcmp(column->name, "front_high") == 0 || strcmp(column->name, "velocity_rms") == 0;
+    const bool shown = kind > 0 || (free && where && !asked);
+    const bool none = strcmp(column->unit, "1") == 0 || column->unit[0] == '\0';
+    char title[200], label[300];
+    if (is_standard(column->name) || strncmp(column->name, "work_", 5) == 0) continue;
+    name_in_words(column->name, kind > 0 ? kind : strlen(column->name), title, sizeof title);
+    title[0] = (char)toupper((unsigned char)title[0]);
+    snprintf(label, sizeof label, "%s (%.60s)", title, none ? "-" : column->unit);
+    json_t *chart = chart_find(charts, title);
+    if (chart == NULL)
+      chart =
+          chart_add(charts, title, time, label, spans_decades(column) ? CHART_LOG_Y : CHART_PLAIN,
+                    shown ? CHART_OPEN : CHART_FOLDED);
+    draw_column(chart, table, n, column, kind, time_scale);
+    open |= shown;
+  }
+  return open;
+}
+
+static void draw(const struct run_history *table, size_t n, bool free, json_t *charts) {
+  double longest = 0.0;
+  bool rises = false;
+  const bool iterations = table[0].stationary;
+  for (size_t i = 0; i < n; i++) {
+    longest = fmax(longest, table[i].times[table[i].rows - 1]);
+    rises |= fabs(table[i].density_peak - 1.0) > 1e-9; /* false for NAN */
+  }
+  const bool brief = longest<0.1, hours = longest> 7200.0;
+  const double scale = iterations ? 1.0 : brief ? 1e3 : hours ? 1.0 / 3600.0 : 1.0;
+  const char *time = iterations ? "Iteration"
+                     : brief    ? "Time (ms)"
+                     : hours    ? "Time (h)"
+                                : "Time (s)";
+  const enum chart_place place =
+      draw_columns(table, n, free, time, scale, charts) ? CHART_FOLDED : CHART_OPEN;
+  json_t *velocity =
+      chart_add(charts, "Darcy velocity", time, "Darcy velocity (cm/s)", CHART_PLAIN, place);
+  json_t *peak = chart_add(charts, "Maximum density", time, "Maximum density above reference (%)",
+                           CHART_PLAIN, place);
+  json_t *end = chart_add(charts, "Density at the end", "Density above reference (%)",
+                          "Probability density (1/%)", CHART_ZERO, CHART_FOLDED);
+  for (size_t i = 0; i < n; i++) {
+    const struct run_history *h = &table[i];
+    const struct history_column *density = run_column(h->run, "density_max", 1);
+    draw_rows(chart_series(velocity, h->run->name, CHART_LINE, (int)i, 0), h, scale, h->velocity, 1,
+              100.0, 0.0);
+    if (density != NULL && rises && !h->stationary)
+      draw_rows(chart_series(peak, h->run->name, CHART_LINE, (int)i, 0), h, scale, density->values,
+                1, 100.0 / h->run->density, 100.0);
+    chart_steps(chart_series(end, h->run->name, CHART_LINE, (int)i, 0), h->density.bins,
+                h->density.edges, h->density.density, 100.0, 100.0);
+  }
+}
+
 static enum status analyze(const struct subject *subject, const struct options *options,
                            struct product *product) {
   enum status status = STATUS_OK;
@@ -184,7 +314,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   }
   write_csv(runs, n, product->csv.stream);
   write_summary(table, n, product->summary.stream);
-  history_plot(table, n, product);
+  draw(table, n, subject->permeable == 0, product->charts);
 cleanup:
   for (size_t i = 0; table != NULL && i < n; i++) {
     memory_free(&table[i].times);
@@ -212,9 +342,6 @@ const struct analysis history_analysis = {
                 "Darcy velocity, density and gauges against time; steadiness",
                 "analyze history dense-1G.hdf -o results", 1, -1},
     .heading = "History",
-    .contents = "History",
-    .caption = "Darcy velocity and density against time, the density's histogram at the end, and "
-               "what the scene records.",
-    .charts = true,
+    .caption = "What the scene records, against time; what the solver records is folded.",
     .analyze = analyze,
     .shown = shown};

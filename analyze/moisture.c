@@ -298,7 +298,6 @@ const struct analysis moisture_analysis = {
          "analyze moisture recharge.hdf -o results", 1, 1},
     .heading = "Water in the soil",
     .page_runs = OF_FIRST,
-    .contents = "Water in the soil",
     .caption =
         "Water content: a map at the end with the water table, and profiles where most water "
         "is, at each snapshot.",

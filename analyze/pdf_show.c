@@ -1,12 +1,12 @@
-/* Output of velocity densities as text, JSON and plot; the estimates are in pdf.c. */
+/* Output of velocity densities as text, JSON and charts; the estimates are in pdf.c. */
 #include "analyze/pdf.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/chart.h"
 #include "analyze/lattice_note.h"
-#include "analyze/plot.h"
 #include "common/memory.h"
 
 /* Statistics of a run's last snapshot. */
@@ -152,7 +152,7 @@ static void write_summary(const struct velocity_statistics *table, size_t n, FIL
   }
 }
 
-/* ---- reference curves: computed once, for plot, JSON and page ---- */
+/* ---- reference curves: computed once, for charts and JSON ---- */
 
 #define REFERENCE_POINTS 300
 
@@ -193,78 +193,52 @@ static void reference_json(const struct velocity_statistics *table, size_t n, js
   json_object_set_new(json, "references", list);
 }
 
-/* Writes `$name << EOD` with each curve of reference_json. */
-static void write_references(const json_t *json, FILE *stream) {
+/* Velocity, and velocity over the mean with the reference curves; densities on logarithmic axes.
+ * On the page (`scaled`) the velocities of a run carry the flow of its k. */
+static void draw(const struct velocity_statistics *table, size_t n, bool scaled,
+                 const struct product *product) {
+  static const struct {
+    double factor;
+    const char *name;
+  } units[] = {{1.0, "m/s"}, {1e3, "mm/s"}, {1e6, "µm/s"}, {1e9, "nm/s"}};
+  double fastest = 0.0;
+  size_t unit = 0;
+  char velocity[64], density_label[64];
+  for (size_t i = 0; i < n; i++) fastest = fmax(fastest, table[i].mean * table[i].high);
+  while (unit < 3 && units[unit].factor * fastest < 0.1) unit++;
+  snprintf(velocity, sizeof velocity, "Velocity along the force (%s)", units[unit].name);
+  snprintf(density_label, sizeof density_label, "Probability density (1/(%s))", units[unit].name);
+  json_t *raw = chart_add(product->charts, "Velocity along the force", velocity, density_label,
+                          CHART_LOG_Y, CHART_OPEN);
+  json_t *normalised = chart_add(product->charts, "Velocity over the mean in the pores",
+                                 "Velocity / mean in the pores (-)", "Probability density (-)",
+                                 CHART_LOG_Y, CHART_OPEN);
   const json_t *reference, *x;
-  size_t r, i;
-  json_array_foreach(json_object_get(json, "references"), r, reference) {
+  double least = 1.0;
+  size_t r, j;
+  for (size_t i = 0; i < n; i++) {
+    const struct pdf *a = &table[i].raw, *b = &table[i].normalised;
+    const double scale = scaled && n == 1 ? lattice_note_scale(table[i].run) : 1.0;
+    const char *name = table[i].run->name;
+    chart_steps(chart_series(raw, name, CHART_LINE, (int)i, 0), a->bins, a->edges, a->density,
+                units[unit].factor * scale, 0.0);
+    chart_steps(chart_series(normalised, name, CHART_LINE, (int)i, 0), b->bins, b->edges,
+                b->density, 1.0, 0.0);
+    for (j = 0; j < b->bins; j++)
+      if (b->density[j] > 0) least = fmin(least, b->density[j]);
+  }
+  json_array_foreach(json_object_get(product->json, "references"), r, reference) {
     const json_t *density = json_object_get(reference, "density");
-    fprintf(stream, "$reference%zu << EOD\n", r);
-    json_array_foreach(json_object_get(reference, "normalised_velocity"), i, x) {
-      fprintf(stream, "%.6g %.8g\n", json_number_value(x),
-              json_number_value(json_array_get(density, i)));
-    }
-    fputs("EOD\n", stream);
-  }
-}
-
-/* Left: velocity in mm/s; right: normalised, with the reference curves. Densities on logarithmic
- * axes. */
-static void write_plot(const struct velocity_statistics *table, size_t n, struct product *product) {
-  FILE *stream = product->plot.stream;
-  double peak = 0.0, least = 1.0, low = 0.0, high = 2.5;
-  for (size_t i = 0; i < n; i++) {
-    const struct pdf *raw = &table[i].raw, *normalised = &table[i].normalised;
-    char name[32];
-    snprintf(name, sizeof name, "raw%zu", i);
-    plot_steps(stream, name, raw->bins, raw->edges, raw->density, 1e3, 0.0);
-    snprintf(name, sizeof name, "norm%zu", i);
-    plot_steps(stream, name, normalised->bins, normalised->edges, normalised->density, 1.0, 0.0);
-    low = fmin(low, table[i].low);
-    high = fmax(high, table[i].high);
-    for (size_t j = 0; j < normalised->bins; j++) {
-      peak = fmax(peak, normalised->density[j]);
-      if (normalised->density[j] > 0) least = fmin(least, normalised->density[j]);
+    char name[64];
+    if (scaled && strstr(references[r].name, "exponential") == NULL) continue;
+    snprintf(name, sizeof name, references[r].density == NULL ? "%s, γ = %.2f" : "%s",
+             references[r].name, table[0].gamma);
+    json_t *curve = chart_series(normalised, name, CHART_LINE, CHART_GREY, (int)r + 1);
+    json_array_foreach(json_object_get(reference, "normalised_velocity"), j, x) {
+      const double y = json_number_value(json_array_get(density, j));
+      if (y > 0.5 * least && y < 10.0) chart_point(curve, json_number_value(x), y);
     }
   }
-  size_t key_rows = (n + 2) / 3 > 2 ? (n + 2) / 3 : 2;
-  product->width = 1200;
-  product->height = (int)(490 + key_rows * 25);
-  fprintf(stream,
-          "set multiplot layout 1,2 margins 0.07,0.985,%.4f,0.97 spacing 0.085,0\n"
-          "set logscale y\nset format y '10^{%%L}'\nset mytics 1\nset samples 2000\n"
-          "set ylabel 'Probability density (s/mm)'\n"
-          "set xlabel 'Velocity along the force (mm/s)'\n"
-          "set key at screen 0.28,0.012 center bottom horizontal maxcols 3 samplen 2 reverse Left "
-          "width 1\n",
-          (double)(key_rows * 25 + 72) / product->height);
-  fputs("plot ", stream);
-  for (size_t i = 0; i < n; i++) {
-    fprintf(stream, "%s$raw%zu with lines linewidth 1.8 ", i > 0 ? ", " : "", i);
-    plot_line_style(stream, i);
-    fputs(" title ", stream);
-    plot_text(stream, table[i].run->name);
-  }
-  fprintf(stream,
-          "\nset key at screen 0.785,0.012 center bottom vertical maxrows 2 maxcols 2\n"
-          "set ylabel 'Probability density (-)'\n"
-          "set xlabel 'Velocity along the force / pore mean (-)'\n"
-          "set xrange [%.4g:%.4g]\nset yrange [%.4g:%.4g]\n",
-          1.05 * low, 1.05 * high, fmin(0.5 * least, 0.05), 3.0 * fmax(peak, 1.0));
-  fputs("plot ", stream);
-  for (size_t i = 0; i < n; i++) {
-    fprintf(stream, "$norm%zu with lines linewidth 1.8 ", i);
-    plot_line_style(stream, i);
-    fputs(" notitle, ", stream);
-  }
-  for (size_t r = 0; r < REFERENCES; r++) {
-    fprintf(stream,
-            "%s$reference%zu with lines linewidth 1.5 linecolor rgb '%s' dashtype %zu title '%s",
-            r > 0 ? ", " : "", r, r < 2 ? "#777777" : "#000000", r + 1, references[r].name);
-    if (references[r].density == NULL) fprintf(stream, ", γ = %.2f", table[0].gamma);
-    fputc('\'', stream);
-  }
-  fputs("\nunset multiplot\n", stream);
 }
 
 static enum status analyze(const struct subject *subject, const struct options *options,
@@ -272,7 +246,6 @@ static enum status analyze(const struct subject *subject, const struct options *
   enum status status = STATUS_OK;
   const struct run *runs = subject->runs;
   const size_t n = subject->n;
-  (void)options;
   struct velocity_statistics *table = NULL;
   TRY(memory_allocate(&table, n, sizeof *table, "runs"));
   for (size_t i = 0; i < n; i++) {
@@ -284,8 +257,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   write_csv(table, n, product->csv.stream);
   write_summary(table, n, product->summary.stream);
   reference_json(table, n, product->json);
-  write_references(product->json, product->plot.stream);
-  write_plot(table, n, product);
+  draw(table, n, options == NULL, product);
 cleanup:
   for (size_t i = 0; table != NULL && i < n; i++) {
     pdf_free(&table[i].raw);
@@ -300,6 +272,17 @@ static enum status applies(const struct subject *subject, bool *applies) {
   return STATUS_OK;
 }
 
+/* A uniform velocity, as in a soil without pores of its own, has no distribution. */
+static bool shown(const struct subject *subject, const json_t *json) {
+  const json_t *run;
+  size_t i;
+  (void)subject;
+  json_array_foreach(json_object_get(json, "runs"), i, run) {
+    if (json_number_or_nan(run, "standard_deviation") > 1e-6) return true;
+  }
+  return false;
+}
+
 const struct analysis pdf_analysis = {
     .name = "pdf",
     .command = {"pdf", "RUN... [-o DIR]",
@@ -307,9 +290,8 @@ const struct analysis pdf_analysis = {
                 "analyze pdf dense-1G.hdf dense-10G.hdf -o results", 1, -1},
     .heading = "Pore velocity",
     .page_runs = OF_FLOWING,
-    .contents = "Pore velocity",
     .caption = "Probability density of the velocity along the driving force, and of this over the "
                "mean in the pores with an exponential and a fitted power-exponential.",
-    .charts = true,
     .applies = applies,
-    .analyze = analyze};
+    .analyze = analyze,
+    .shown = shown};

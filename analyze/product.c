@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "analyze/chart.h"
 #include "analyze/plot.h"
 #include "common/output_file.h"
 #include "common/output_guard.h"
@@ -36,7 +37,9 @@ enum status product_start(const char *name, struct product *product) {
   memset(product, 0, sizeof *product);
   product->name = name;
   product->json = json_object();
-  if (product->json == NULL) TRY_FAIL(STATUS_RUN, "out of memory for JSON");
+  product->charts = json_array();
+  if (product->json == NULL || product->charts == NULL)
+    TRY_FAIL(STATUS_RUN, "out of memory for JSON");
   TRY(text_start(&product->csv));
   TRY(text_start(&product->plot));
   TRY(text_start(&product->summary));
@@ -47,16 +50,28 @@ cleanup:
 
 enum status product_finish(struct product *product) {
   enum status status = STATUS_OK;
+  struct text script = {0};
   TRY(text_finish(&product->csv));
   TRY(text_finish(&product->plot));
   TRY(text_finish(&product->summary));
+  chart_drop_empty(product->charts);
+  if (json_array_size(product->charts) == 0) goto cleanup;
+  TRY(text_start(&script));
+  chart_script(product->charts, product->plot.data, script.stream, &product->width,
+               &product->height);
+  TRY(text_finish(&script));
+  text_free(&product->plot);
+  product->plot = script;
+  script = (struct text){0};
 cleanup:
+  text_free(&script);
   return status;
 }
 
 void product_free(struct product *product) {
   json_decref(product->json);
-  product->json = NULL;
+  json_decref(product->charts);
+  product->json = product->charts = NULL;
   text_free(&product->csv);
   text_free(&product->plot);
   text_free(&product->summary);

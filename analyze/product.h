@@ -1,4 +1,4 @@
-/* The output of an analysis: JSON, CSV, a gnuplot script and a summary. `analyze` (stdout, a
+/* The output of an analysis: JSON, CSV, charts or a picture, and a summary. `analyze` (stdout, a
  * folder) or the report decides where it goes. */
 #ifndef TOSUI_ANALYZE_PRODUCT_H
 #define TOSUI_ANALYZE_PRODUCT_H
@@ -23,13 +23,15 @@ void text_free(struct text *text);
 struct product {
   const char *name; /* "darcy" */
   json_t *json;     /* an object */
-  struct text csv, plot, summary;
+  json_t *charts;   /* an array: chart.h */
+  struct text csv, summary;
+  struct text plot;  /* a gnuplot script of a picture that is no chart */
   int width, height; /* of the plot, pixels; no plot while width is 0 */
 };
 
 /* Starts with an empty JSON object and open texts. Free with product_free; `name` is not copied. */
 enum status product_start(const char *name, struct product *product);
-/* Ends writing: from here on the data of the texts are valid. */
+/* Ends writing: from here on the data of the texts are valid, and `plot` draws the charts, too. */
 enum status product_finish(struct product *product);
 void product_free(struct product *product);
 

@@ -304,7 +304,6 @@ const struct analysis slice_analysis = {
                 {"zoom", 0, "Y0,Z0,Y1,Z1", 0,
                  "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"}},
     .heading = "Slice",
-    .contents = "Slice",
     .caption = "Velocity in the plane, half-way through the body; grains and walls are grey.",
     .applies = applies,
     .analyze = analyze,

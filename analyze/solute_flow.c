@@ -12,6 +12,20 @@
 
 enum { HASH_TEXT = 17 };
 
+bool solute_has(const char *path, const char *object) {
+  struct h5_file *file = NULL;
+  const bool has = h5_open(path, &file) == STATUS_OK && h5_exists(file, object);
+  h5_close(file);
+  error_clear();
+  return has;
+}
+
+bool solute_any_has(const char *const *paths, size_t n, const char *object) {
+  size_t i = 0;
+  while (i < n && !solute_has(paths[i], object)) i++;
+  return i < n;
+}
+
 /* Name and hash of the flow's file, as stored in the file of the solute. */
 static enum status read_source(const char *path, char **flow, char hash[HASH_TEXT]) {
   enum status status = STATUS_OK;

@@ -45,9 +45,9 @@ cleanup:
 
 static enum status add_files(struct page *page) {
   enum status status = STATUS_OK;
-  static const char *const OF_RUN[] = {"/run",        "/run/error",  "/run/levels", "/run/effects",
-                                       "/run/timing", "/run/ledger", "/run/micro",  "/run/regions",
-                                       "/run/planes", "/provenance"};
+  static const char *const OF_RUN[] = {"/run",         "/run/error",  "/run/levels",
+                                       "/run/effects", "/run/ledger", "/run/micro",
+                                       "/run/regions", "/run/planes", "/provenance"};
   static const char *const OF_MODEL[] = {"/model", "/calibration", "/scanner", "/quality",
                                          "/provenance"};
   static const char *const OF_SOLUTE[] = {"/run", "/solute", "/provenance"};
@@ -71,7 +71,7 @@ cleanup:
   return status;
 }
 
-/* The sections of analyses, with the plot of those that page.js does not draw. */
+/* The sections of analyses, with their charts, or the picture of those without. */
 static void add_sections(struct page *page) {
   json_t *sections = json_array();
   for (size_t i = 0; i < ANALYSES; i++) {
@@ -79,11 +79,13 @@ static void add_sections(struct page *page) {
     const struct product *product = &page->parts[i].product;
     char *svg = NULL;
     if (!page->parts[i].there || !page->parts[i].shown) continue;
-    json_t *section = json_pack("{s:s,s:s,s:s,s:s,s:o}", "name", analysis->name, "heading",
-                                analysis->heading, "contents", analysis->contents, "caption",
-                                analysis->caption, "summary", json_text(product->summary.data));
+    json_t *section =
+        json_pack("{s:s,s:s,s:s,s:s,s:o}", "name", analysis->name, "heading", analysis->heading,
+                  "contents", analysis->contents != NULL ? analysis->contents : analysis->heading,
+                  "caption", analysis->caption, "summary", json_text(product->summary.data));
     json_array_append_new(sections, section);
-    if (analysis->charts) continue;
+    if (json_array_size(product->charts) > 0) json_object_set(section, "charts", product->charts);
+    if (json_array_size(product->charts) > 0 || product->width == 0) continue;
     if (plot_svg(analysis->name, product->plot.data, product->width, product->height, &svg) ==
         STATUS_OK) {
       json_object_set_new(section, "width", json_integer(product->width));

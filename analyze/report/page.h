@@ -11,7 +11,7 @@
 #include "analyze/run_file.h"
 
 /* Writes the page to `path`, atomically, and its numbers, all of its JSON but "pictures", into
- * *json (a new object). `solutes`: files of solutes in the flows of the runs (dispersion.h).
+ * *json (a new object). `solutes`: files of solutes in the flows of the runs (solute_flow.h).
  * `command_line` is shown at the foot of the page. */
 enum status report_write(const struct run *runs, size_t n, const char *const *solutes,
                          size_t solute_count, const char *path, const char *command_line,

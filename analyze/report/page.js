@@ -6,12 +6,6 @@
 
   /* A unit as a file has it. */
   const written = unit => (!unit || unit === '1' ? '-' : unit.replace('^2', '²').replace('^3', '³'));
-  /* A density as steps: its last edge closes it; empty bins are gaps on a logarithmic axis. */
-  const steps = (pdf, scale, offset, log) => {
-    const points = pdf.density.map((d, i) => [pdf.bin_edges[i] * scale - offset, log && d <= 0 ? null : d / scale]);
-    return [...points, [pdf.bin_edges[pdf.density.length] * scale - offset, points[points.length - 1][1]]];
-  };
-
   /* ---- the answer ---- */
   const result = data.verdict[0], first = data.runs[0], run = first.run.attributes, seen = data.pictures;
   const PARTS = {resolution: 'resolution', scan: 'scan', sides: 'sides of the sample', sample: 'size of the sample', void_ratio: 'void ratio',
@@ -19,7 +13,7 @@
 
   function budget(parent) {
     const parts = result.error_budget || {}, total = parts.total;
-    if (!(total > 0) || !(result.k_m_per_s > 0)) return;
+    if (!(total > 1e-6) || !(result.k_m_per_s > 0)) return;
     const t = add(parent, 'table', {class: 'budget'}), body = add(t, 'tbody');
     add(t, 'caption', {}, 'What the error of k is made of');
     parts.shown.forEach(key => {
@@ -85,11 +79,11 @@
       const line = by(i === 0 && solutes.length === 0 ? 'answer' : 'second');
       if (line.childNodes.length > 0) line.append('; ');
       line.append(...(i === 0 ? [add(null, 'var', {}, 'k'), ' = ' + value] : []));
-      const text = [of, range, unknown && i === lines.length - 1 ? 'sides not counted' : ''].filter(t => t).join(': ').replace(': sides', ', sides');
+      const text = range && [of, range, unknown && i === lines.length - 1 ? 'sides not counted' : ''].filter(t => t).join(': ').replace(': sides', ', sides');
       if (text) add(line, 'span', {class: 'interval'}, (i === 0 ? ', ' : '') + text);
     });
     by('verdict').append(result.good_for.replace(/^./, c => c.toUpperCase()) + '. ' + result.advice);
-    const area = result.intrinsic_permeability_m2, share = result.k_relative_error;
+    const area = result.intrinsic_permeability_m2, share = result.k_relative_error < 1 ? result.k_relative_error : 0;
     table(by('units'), [[result.name, ''], ['Hydraulic conductivity k', quantity(result.k_m_per_s, share * result.k_m_per_s, 'm/s')],
                         ['Intrinsic permeability', quantity(area, share * area, 'm²')],
                         ['', quantity(area / 9.869233e-13, share * area / 9.869233e-13, 'darcy')]].filter(r => r[1]), result.name);
@@ -231,7 +225,7 @@
   function frames() {
     const f = seen.frames;
     if (!f) return;
-    const wet = f.value === 'saturation', high = f.values[0].high, [factor, name] = wet ? [1, '-'] : pressureUnit(high);
+    const wet = f.value === 'saturation', high = f.values[0].high, [factor, name] = wet ? [1, ''] : pressureUnit(high);
     const regions = (first.regions && first.regions.box ? first.regions.box : []).filter((_, i) => first.regions.type[i] === 'porous');
     const ground = new Uint8Array(f.size[0] * f.size[1]);
     for (let k = 0; k < f.size[1]; k++)
@@ -240,8 +234,13 @@
         if (regions.some(b => x > b[0] && x < b[3] && z > b[2] && z < b[5])) ground[k * f.size[0] + i] = 1;
       }
     const soil = regions.length > 0;
+    const same = (i, k) => f.kinds[i] === f.kinds[k] && f.values[i].bytes === f.values[k].bytes;
     f.times_s.forEach((t, i) => {
-      map(by('times'), duration(t), duration(t), {
+      if (i > 0 && same(i, i - 1)) return; /* nothing has changed */
+      let until = i;
+      while (until + 1 < f.times_s.length && same(until + 1, i)) until++;
+      const time = duration(t) + (until > i ? ` to ${duration(f.times_s[until])}, unchanged` : '');
+      map(by('times'), time, time, {
         size: f.size, spacing: f.cell_m[0], value: pictures.field(f.values[i]), kinds: pictures.bytes(f.kinds[i]), low: 0, high: high,
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
@@ -280,125 +279,59 @@
   }
 
   /* ---- analyses ---- */
-  const charts = {
-    darcy(parent, darcy) {
-      chart(parent, 'Darcy velocity', 'Hydraulic gradient (-)', 'Darcy velocity (cm/s)', darcy.groups.flatMap((g, i) => {
-        const most = Math.max(...g.runs.map(r => r.hydraulic_gradient)), k = g.k_m_per_s, f = g.forchheimer;
-        const b = f && f.called_for ? f.b_s2_per_m2 : 0;
-        const v = x => 100 * (b > 0 ? 2 * x / (1 / k + Math.sqrt(1 / (k * k) + 4 * b * x)) : k * x);
-        return [k !== null && {name: g.name + ', fit', points: span(v, 0, 1.05 * most, b > 0 ? 60 : 1), colour: i},
-                {name: g.name, dots: true, colour: i, points: g.runs.map(r => [r.hydraulic_gradient, 100 * r.darcy_velocity_m_per_s])}];
-      }), {dygraph: {includeZero: true}});
-    },
-    converge(parent, converge) {
-      chart(parent, 'k against spacing', 'Spacing (µm)', 'k (cm/s)', converge.series.flatMap((s, i) => {
-        const name = s.method + (s.wall ? ', ' + s.wall + ' walls' : ''), widest = Math.max(...s.runs.map(r => r.spacing_m));
-        const perArea = s.k_cm_per_s / s.intrinsic_permeability_m2;
-        const fit = h => perArea * (s.intrinsic_permeability_m2 + s.fit.slope_m2_per_m_to_the_order * Math.pow(h, s.fit.order));
-        return [{name: name, dots: true, colour: i, points: s.runs.map(r => [1e6 * r.spacing_m, 100 * r.k_m_per_s])},
-                s.extrapolated && s.k_m_per_s !== null && {name: name + ', fit', colour: i, points: span(h => fit(h * 1e-6), 0, 1e6 * widest, 80)}];
-      }), {dygraph: {includeZero: true}});
-    },
-    pdf(parent, pdf) {
-      const scale = r => (data.runs.length === 1 ? rescale : 1);
-      const [factor, unit] = speedUnit(Math.max(...pdf.runs.map(r => r.pdf_m_per_s.bin_edges[r.pdf_m_per_s.density.length])));
-      chart(parent, 'Velocity along the force', `Velocity (${unit})`, `Probability density (1/(${unit}))`,
-            pdf.runs.map(r => ({name: r.name, step: true, points: steps(r.pdf_m_per_s, factor * scale(r), 0, true)})), {dygraph: {logscale: true}});
-      const densities = pdf.runs.flatMap(r => r.pdf.density).filter(d => d > 0), widest = Math.max(...pdf.runs.map(r => r.normalised_velocity_max));
-      const references = pdf.references.filter(r => /exponential/.test(r.name)).map((r, i) => ({
-        name: r.name === 'power-exponential' ? `${r.name}, γ = ${pdf.runs[0].power_exponential.gamma.toFixed(2)}` : r.name,
-        colour: '--soft', dash: [[7, 3], [2, 3]][i % 2],
-        points: zip(r.normalised_velocity, r.density).filter(q => q[1] > 0.5 * Math.min(...densities) && q[0] < widest)}));
-      chart(parent, 'Velocity over the mean in the pores', 'Velocity / mean in the pores (-)', 'Probability density (-)',
-            [...pdf.runs.map(r => ({name: r.name, step: true, points: steps(r.pdf, 1, 0, true)})), ...references], {dygraph: {logscale: true}});
-      const rows = [['Mean in the pores', r => number(factor * scale(r) * r.pore_mean_m_per_s) + ' ' + unit],
-                    ['Fastest over the mean', r => number(r.normalised_velocity_max)],
-                    ['Flowing backwards', r => percent(r.backward_fraction)], ['Tortuosity (mean speed over mean velocity)', r => number(r.tortuosity)],
-                    ['Standard deviation over the mean', r => number(r.standard_deviation)]];
-      table(add(parent.parentNode, 'div', {class: 'wide'}), rows.map(([name, f]) => [name, ...pdf.runs.map(f)]), undefined,
-            pdf.runs.length > 1 ? ['', ...pdf.runs.map(r => r.name)] : undefined);
-    },
-    history(parent, history) {
-      const runs = history.runs, end = Math.max(...runs.map(r => r.end_time_s || 0));
-      const [scale, time] = end < 0.1 ? [1e3, 'Time (ms)'] : end > 7200 ? [1 / 3600, 'Time (h)'] : [1, 'Time (s)'];
-      const series = (r, values, f) => (values && r.time_s ? r.time_s.map((t, i) => [t * scale, values[i] === null ? null : f(values[i])]) : []);
-      const varies = values => values && values.some(v => v !== values[0]);
-      const rise = r => series(r, r.density_max_series_kg_per_m3, v => 100 * (v / r.density_reference_kg_per_m3 - 1));
-      const list = [
-        ['Darcy velocity', 'Darcy velocity (cm/s)', runs.map(r => ({name: r.name, points: series(r, r.darcy_velocity_series_m_per_s, v => 100 * v)})), {}],
-        ['Maximum density', 'Above reference (%)',
-         runs.map(r => ({name: r.name, points: r.stationary || !varies(r.density_max_series_kg_per_m3) ? [] : rise(r)})), {}]];
-      /* What the scene asked for comes first, all gauges or planes of a kind together; the solver's own records wait behind a fold. */
-      const kinds = /^(head|level|flux|force|pressure|velocity|water_content|infiltration|inflow|entered|fallen|ran_off)_(?!rms)(.+)$/;
-      const groups = new Map();
-      Object.entries(runs[0].columns).filter(([name]) => !name.startsWith('work_')).forEach(([name, column]) => {
-        const asked = kinds.exec(name) && name !== 'velocity_through_soil' && kinds.exec(name), key = asked ? asked[1] : name;
-        const group = groups.get(key) || {asked: !!asked, unit: column.unit, lines: []};
-        groups.set(key, group);
-        runs.forEach(r => (r.columns[name] ? r.columns[name].series : []).forEach((values, d, all) => {
-          if ((all.length > 1 && d === 1 && r.dimensions === 2) || values.every(v => v === null)) return;
-          const words = [runs.length > 1 || !asked ? r.name : '', asked ? asked[2].replace(/_/g, ' ') : '', all.length > 1 ? 'xyz'[d] : ''];
-          group.lines.push({name: words.filter(w => w).join(', '), points: series(r, values, v => v)});
-        }));
-      });
-      groups.forEach((group, key) => {
-        const all = group.lines.flatMap(l => l.points.map(p => p[1])).filter(known), words = key.replace(/_/g, ' '), low = Math.min(...all);
-        const title = words[0].toUpperCase() + words.slice(1), unit = written(group.unit);
-        if (all.length > 0)
-          list.push([title, `${title} (${unit})`, group.lines, low > 0 && Math.max(...all) > 1e3 * low ? {logscale: true} : {}, group.asked]);
-      });
-      /* Of water without soil: where it is, and how fast. */
-      const free = result ? [] : list.filter(t => /^(Front|Velocity rms)/.test(t[0]));
-      const wanted = list.filter(t => t[4]), shown = wanted.length > 0 ? wanted : free.length > 0 ? free : list.slice(0, 2);
-      const hidden = list.filter(t => !shown.includes(t) && t[2].some(s => s.points.length > 0));
-      const all = (place, some) => some.forEach(([title, label, lines, options]) => chart(place, title, time, label, lines, {dygraph: options}));
-      all(parent, shown);
-      if (hidden.length === 0) return;
-      const fold = add(parent.parentNode, 'details');
-      add(fold, 'summary', {}, `${hidden.length} more: ${hidden.map(t => t[0].toLowerCase()).join(', ')}`);
-      const box = add(fold, 'div', {class: 'charts'});
-      fold.addEventListener('toggle', () => { /* charts have no width before it opens */
-        if (box.childNodes.length === 0) all(box, hidden);
-      });
-    },
-    dispersion(parent, dispersion) {
-      const runs = dispersion.runs || [dispersion];
-      const lines = (key, name, c) => runs.map(d => {
-        const errors = d[key + '_error'] || [], of = runs.length > 1 ? `${name}, ${(d.path || '').replace(/.*\//, '')}` : name;
-        /* Along an axis of one cell nothing spreads. */
-        const rows = d.peclet.map((p, i) => [p, d[key][i], errors[i] || 0]).filter(r => r[0] > 0 && r[1] > 1e-6);
-        return {name: of, points: rows.map(r => [r[0], r[1]]), dots: true, colour: c,
-                low: rows.map(r => r[1] * (1 - Math.min(r[2], 0.99))), high: rows.map(r => r[1] * (1 + r[2]))};
-      });
-      chart(parent, 'Dispersion', 'Peclet number (-)', 'D along or across the flow / D (-)',
-            [...lines('longitudinal', 'along the flow', 0), ...lines('transverse', 'across the flow', 1)],
-            {logx: true, dygraph: {logscale: true}});
-    }
-  };
+  /* A chart as analyze/chart.h describes it. */
+  function described(parent, c) {
+    const dashes = [null, [7, 3], [2, 3], [9, 3, 2, 3], [4, 6]], label = text => text.replace('^2', '²').replace('^3', '³');
+    const series = c.series.map(s => ({name: s.name, dots: s.dots, colour: s.colour < 0 ? '--soft' : s.colour, dash: dashes[s.dash % 5],
+                                       points: s.points.map(p => [p[0], p[1]]), low: s.points.map(p => p[2]), high: s.points.map(p => p[3])}));
+    chart(parent, c.title, c.x, label(c.y), series, {logx: / x/.test(c.axes), dygraph: {logscale: /y$/.test(c.axes), includeZero: c.axes === 'zero'}});
+  }
+
+  function folded(parent, list) {
+    if (list.length === 0) return;
+    const fold = add(parent, 'details', {}, add(null, 'summary', {}, `${list.length} more: ${list.map(c => c.title.toLowerCase()).join(', ')}`));
+    const box = add(fold, 'div', {class: 'charts'});
+    fold.addEventListener('toggle', () => { /* charts have no width before it opens */
+      if (box.childNodes.length === 0) list.forEach(c => described(box, c));
+    });
+  }
+
+  function velocities(parent) {
+    const runs = data.pdf.runs, scale = data.runs.length === 1 ? rescale : 1;
+    const [factor, unit] = speedUnit(Math.max(...runs.map(r => r.pore_mean_m_per_s * r.normalised_velocity_max)));
+    const rows = [['Mean in the pores', r => number(factor * scale * r.pore_mean_m_per_s) + ' ' + unit],
+                  ['Fastest over the mean', r => number(r.normalised_velocity_max)],
+                  ['Flowing backwards', r => percent(r.backward_fraction)], ['Tortuosity (mean speed over mean velocity)', r => number(r.tortuosity)],
+                  ['Standard deviation over the mean', r => number(r.standard_deviation)]];
+    table(add(parent, 'div', {class: 'wide'}), rows.map(([name, f]) => [name, ...runs.map(f)]), undefined,
+          runs.length > 1 ? ['', ...runs.map(r => r.name)] : undefined);
+  }
 
   function sections() {
     data.sections.forEach(s => {
       const asked = ['dispersion', 'breakthrough', 'film'].includes(s.name);
       const section = add(by(asked ? 'solute' : 'analyses'), 'section', {id: s.name}, add(null, 'h2', {}, s.heading));
-      if (charts[s.name] && !s.svg) {
-        charts[s.name](add(section, 'div', {class: 'charts'}), data[s.name]);
-        note(section, s.caption);
-        return;
+      const charts = s.charts || [], of = place => charts.filter(c => c.place === place);
+      if (charts.length > 0) {
+        const box = add(section, 'div', {class: 'charts'});
+        of('open').forEach(c => described(box, c));
+        if (s.name === 'pdf') velocities(section);
+        folded(section, of('folded'));
       }
-      const figure = add(section, 'figure');
       if (s.svg) {
+        const figure = add(section, 'figure');
         add(figure, 'img', {class: 'still', src: 'data:image/svg+xml;base64,' + s.svg, width: s.width, height: s.height, alt: s.heading});
         tools(figure, ['Save SVG', () => save(s.name + '.svg', 'data:image/svg+xml;base64,' + s.svg)]);
       }
-      add(figure, 'figcaption', {}, s.caption);
-      add(add(section, 'details', {}, add(null, 'summary', {}, 'Numbers')), 'pre', {}, s.summary);
+      note(section, s.caption);
+      if (s.name !== 'history') add(add(section, 'details', {}, add(null, 'summary', {}, 'Numbers')), 'pre', {}, s.summary);
     });
     if (result && result.k_m_per_s === 0)
       add(by('analyses'), 'section', {id: 'blocked'}, add(null, 'h2', {}, 'Pore velocity'),
           add(null, 'p', {}, 'No pore leads through the model along the force: the water is at rest, and there is no velocity to show.'));
   }
 
-  /* ---- specimen, soil, methods, effects, provenance ---- */
+  /* ---- specimen, soil, methods, provenance ---- */
   function soil() {
     const m = first.micro, a = m && m.attributes;
     if (!m) return;
@@ -463,42 +396,6 @@
     data.methods.references.forEach(r => add(by('references'), 'li', {}, r));
   }
 
-  function effects() {
-    const e = first.effects, t = first.timing;
-    if (e && e.name) {
-      const rows = on => e.name.map((name, i) => [name, e.reason[i], e.model[i] + (e.citation[i] ? ` (${e.citation[i]})` : '')])
-        .filter((_, i) => (e.state[i] === 'on') === on);
-      table(by('effects-table'), rows(true), undefined, ['Effect', 'Why', 'Model']);
-      table(add(by('passes'), 'div', {class: 'wide'}), rows(false), 'Off', ['Effect', 'Why', 'Model']);
-    }
-    if (t && t.name) table(by('passes'), t.name.map((name, i) => [name, `${number(t.seconds[i])} s`]), 'Passes');
-    data.runs.forEach(r => ledger(by('ledger'), r));
-    if (by('ledger').children.length < 2) by('ledger').remove();
-  }
-
-  /* What each effect gave the water over a run, or how well a steady flow is balanced. */
-  function ledger(parent, r) {
-    const l = r.ledger, a = l && l.attributes, value = v => Number((v + 0).toPrecision(4));
-    if (!l) return;
-    if (known(a.flux_open))
-      return void add(parent, 'p', {}, `${r.name}: the flux is the same through all planes across the flow to ${percent(a.flux_open)} (rms); ` +
-        `walls and pressure balance what drives the flow to ${percent(a.force_open)}; friction takes what drives the flow gives to ` +
-        `${percent(a.power_open)}.`);
-    if (!l.words) return;
-    add(parent, 'p', {}, `${r.name}: ${a.particles_start} particles at the start, ${a.particles_entered} came in, ${a.particles_left} went out, ` +
-        `${a.particles_lost} were lost, ${a.particles_end} at the end, ${a.particles_open} unaccounted for. ` +
-        `Mass: ${value(a.mass_end)} kg at the end, open by ${number(a.mass_open, 2)} kg.`);
-    const row = (name, p, energy) => [name, ...p.map(value), value(energy)].map(String);
-    const terms = [0, 1].flatMap(numerical => l.words.map((w, i) => l.numerical[i] === numerical &&
-      row(w + (numerical ? ' (numerical)' : ''), l.impulse[i], l.work[i])));
-    table(add(parent, 'div', {class: 'wide'}),
-          [row('there at the start', a.account_momentum_start, a.energy_start), ...terms,
-           row('not accounted for', a.momentum_open, a.energy_open), row('there at the end', a.account_momentum_end, a.energy_end)],
-          'Given to the water', ['', 'momentum x, kg m/s', 'y', 'z', 'energy, J']);
-    add(parent, 'p', {}, `Not accounted for: ${percent(a.momentum_open_share)} of the largest term of the momentum, ` +
-        `${percent(a.energy_open_share)} of that of the energy.`);
-  }
-
   function provenance() {
     const value = v => (Array.isArray(v) ? v.map(short).join(', ') : typeof v === 'number' ? String(Number(v.toPrecision(8))) :
       v === null ? 'none' : v);
@@ -508,6 +405,11 @@
       const inputs = (p.input_files || []).map((name, i) => [`input, XXH3 ${p.input_hashes[i]}`, name]);
       table(box, [...Object.entries(p.attributes), ...inputs].map(([k, v]) => [k, value(v)]));
       if (file.run) table(box, Object.entries(file.run.attributes).map(([k, v]) => [k, value(v)]), 'Run');
+      if (file.effects && file.effects.name) {
+        const e = file.effects, on = e.name.map((name, i) => e.state[i] === 'on' && [name, e.reason[i], e.model[i] + (e.citation[i] ? ` (${e.citation[i]})` : '')]);
+        table(box, on, 'Effects that are on', ['', 'Why', 'Model']);
+      }
+      if (file.ledger) table(box, Object.entries(file.ledger.attributes).map(([k, v]) => [k.replace(/_/g, ' '), value(v)]), 'Balance (SI units, or fractions)');
       if (file.run && file.run.scene) add(fold, 'pre', {}, file.run.scene);
     });
   }
@@ -529,7 +431,7 @@
   function contents() {
     document.querySelectorAll('figure:empty, .charts:empty, .note:empty, .pair > div:empty, p:empty').forEach(e => e.remove());
     const names = {...Object.fromEntries(data.sections.map(s => [s.name, s.contents])),
-                   blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan', effects: 'Effects'};
+                   blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan'};
     document.querySelectorAll('main section').forEach(s => {
       if (s.id === 'headline') return;
       if (!s.querySelector('canvas, table, img, p, .plot, .note, details > :nth-child(2)')) s.remove();
@@ -543,7 +445,7 @@
   else answerOfHeadline();
   asked(by('asked'));
   others(by('others'));
-  [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, effects, provenance, contents].forEach(f => f());
+  [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, provenance, contents].forEach(f => f());
 
   start();
 })();

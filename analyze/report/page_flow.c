@@ -75,7 +75,7 @@ static size_t flow_cell(const struct run *run, const struct flow *flow, const do
   return index_of(flow, at[0], at[1], at[2]);
 }
 
-/* Mean particle velocity of each cell; an empty pore cell gets the mean of its neighbours. */
+/* Mean particle velocity of each cell. */
 static enum status fill_velocity(const struct run *run, const struct particles *particles,
                                  struct flow *flow) {
   enum status status = STATUS_OK;
@@ -91,24 +91,6 @@ static enum status fill_velocity(const struct run *run, const struct particles *
   }
   for (size_t c = 0; c < cells; c++)
     for (size_t d = 0; d < 3 && count[c] > 0; d++) flow->velocity[3 * c + d] /= count[c];
-  for (size_t z = 0; z < flow->size[2]; z++)
-    for (size_t y = 0; y < flow->size[1]; y++)
-      for (size_t x = 0; x < flow->size[0]; x++) {
-        size_t c = index_of(flow, x, y, z);
-        if (count[c] > 0 || flow->solid[c] > 0.5f) continue;
-        float sum[3] = {0}, n = 0;
-        for (int k = 0; k < 6; k++) {
-          size_t p[3] = {x, y, z};
-          int d = k / 2;
-          if (k % 2 == 0 ? p[d] == 0 : p[d] + 1 >= flow->size[d]) continue;
-          p[d] += k % 2 == 0 ? (size_t)-1 : 1;
-          size_t other = index_of(flow, p[0], p[1], p[2]);
-          if (count[other] == 0) continue;
-          for (size_t e = 0; e < 3; e++) sum[e] += flow->velocity[3 * other + e];
-          n += 1.0f;
-        }
-        for (size_t e = 0; e < 3 && n > 0; e++) flow->velocity[3 * c + e] = sum[e] / n;
-      }
 cleanup:
   memory_free(&count);
   return status;

@@ -11,6 +11,7 @@
 #include "common/page_encode.h"
 #include "common/snapshot_file.h"
 #include "common/statistics.h"
+#include "common/units.h"
 
 enum { FRAMES = 6, SIDE = 240 /* largest number of cells along an axis */ };
 /* What is in a cell. */
@@ -164,11 +165,13 @@ enum status picture_frames(const struct run *run, json_t **picture) {
     const size_t shot = n == 1 ? 0 : i * (run->snapshot_count - 1) / (n - 1);
     TRY(add_frame(&grid, shot, unsaturated, kept + i * cells, *picture));
   }
+  /* The scale of pressure shows no less than what a spacing of water weighs. */
   double high = 1.0;
   if (!unsaturated && grid.all_count > 0) TRY(quantile_find(grid.all, grid.all_count, 0.99, &high));
+  if (!unsaturated) high = fmax(high, run->density * GRAVITY_STANDARD * run->spacing[2]);
   for (size_t i = 0; i < n; i++)
     json_array_append_new(json_object_get(*picture, "values"),
-                          encode_field(kept + i * cells, cells, 0.0, fmax(high, 1e-9)));
+                          encode_field(kept + i * cells, cells, 0.0, high));
 cleanup:
   memory_free(&grid.value);
   memory_free(&grid.count);

@@ -68,7 +68,7 @@ static void write_uplift(const json_t *seepage, FILE *out) {
   }
   const double resolves = json_number_or_nan(exit, "spacing_that_resolves_m");
   if (isfinite(factor)) {
-    fprintf(out, ". Against its being lifted the soil has a factor of %.3g", factor);
+    fprintf(out, ". Factor of safety against uplift %.3g", factor);
     if (resolved && isfinite(least)) fprintf(out, ", %.3g at least", least);
     if (resolved)
       fprintf(out, ": %s", seepage_judge(isfinite(least) ? least : factor));

@@ -5,8 +5,8 @@
 #include <string.h>
 
 #include "analyze/product.h"
+#include "analyze/solute_flow.h"
 #include "analyze/tensor.h"
-#include "common/hdf5_file.h"
 #include "common/json_number.h"
 #include "common/kernel.h"
 #include "common/provenance.h"
@@ -225,13 +225,6 @@ static void write_walls(const struct run *run, const struct page_model *model,
   }
 }
 
-static void write_soil(const struct page_model *model, struct prose *prose) {
-  if (model->soil)
-    say(prose,
-        "Soil with pores below the voxel is solved together with the open pores, as a porous "
-        "medium with a drag of its own permeability. ");
-}
-
 /* Lattices of a single run that solved several. */
 static void write_lattices(const struct run *run, struct prose *prose) {
   const struct run_levels *l = &run->levels;
@@ -261,25 +254,14 @@ static void write_result(const struct run *run, const struct methods_facts *fact
 }
 
 /* Method by which the dispersion coefficients of solutes were determined. */
-static enum status write_solutes(const struct subject *subject, struct prose *prose) {
-  enum status status = STATUS_OK;
-  struct h5_file *file = NULL;
-  bool closure = false, walk = false;
-  if (subject->solute_count == 0) return STATUS_OK;
-  for (size_t i = 0; i < subject->solute_count; i++) {
-    TRY(h5_open(subject->solutes[i], &file));
-    closure |= h5_exists(file, "/solute/closure");
-    walk |= h5_exists(file, "/solute/walk");
-    h5_close(file);
-    file = NULL;
-  }
+static void write_solutes(const struct subject *subject, struct prose *prose) {
+  const bool closure = solute_any_has(subject->solutes, subject->solute_count, "/solute/closure");
+  const bool walk = solute_any_has(subject->solutes, subject->solute_count, SOLUTE_WALK);
+  if (subject->solute_count == 0) return;
   say(prose, "How a solute disperses in the flow was found ");
   if (closure) say(prose, "from the closure problem of its transport [brenner] on finite volumes");
   if (walk) say(prose, closure ? ", and by random walks [bijeljic]" : "by random walks [bijeljic]");
   say(prose, ". ");
-cleanup:
-  h5_close(file);
-  return status;
 }
 
 /* Whether the sites are cubic; lattices with their own spacings fit the body in each direction
@@ -312,7 +294,10 @@ static enum status write_all(const struct subject *subject, const struct page_mo
       run->viscosity);
   write_solver(run, prose);
   write_walls(run, model, prose);
-  write_soil(model, prose);
+  if (model->soil)
+    say(prose,
+        "Soil with pores below the voxel is solved together with the open pores, as a porous "
+        "medium with a drag of its own permeability. ");
   if (subject->n > 1)
     say(prose, "%zu runs entered this page; lattice, model and fluid are the first's. ",
         subject->n);
@@ -321,7 +306,7 @@ static enum status write_all(const struct subject *subject, const struct page_mo
   if (has_tensor)
     say(prose,
         "The tensor of permeability is from three flows, each driven along one of x, y and z. ");
-  TRY(write_solutes(subject, prose));
+  write_solutes(subject, prose);
 cleanup:
   return status;
 }

@@ -248,6 +248,24 @@ static const char *good_for(double k, double relative) {
   return "no more than an order of magnitude: do not publish it";
 }
 
+/* What k is good for; as that of this image and as that of its material, where these differ. */
+static void judge_use(json_t *result) {
+  const double k = json_number_or_nan(result, "k_m_per_s");
+  const double low = json_number_or_nan(result, "k_low_image_m_per_s");
+  const double high = json_number_or_nan(result, "k_high_image_m_per_s");
+  const json_t *budget = json_object_get(result, "error_budget");
+  /* A soil that the scene describes has no error but that of its lattice. */
+  const bool known = isfinite(json_number_or_nan(budget, "resolution"));
+  const char *material =
+      good_for(k, known || k == 0 ? json_number_or_nan(result, "k_relative_error") : NAN);
+  const char *image = known && low <= high ? good_for(k, fmax(high - k, k - low) / k) : material;
+  char text[300];
+  snprintf(text, sizeof text,
+           strcmp(image, material) == 0 ? "%s" : "of this image: %s; of the material: %s", image,
+           material);
+  json_object_set_new(result, "good_for", json_string(text));
+}
+
 /* The parts of the error, and what reduces each of them. */
 static const struct {
   const char *part, *remedy;
@@ -346,25 +364,16 @@ static void judge_advice(json_t *result, double scanned) {
   json_object_set_new(result, "advice", json_string(text));
 }
 
-/* k by three formulas from the porosity n and the grain surface S per bulk volume. The grain size
- * is that of spheres with the same surface, d = 6 (1 - n) / S. Not with soil below the voxel size,
- * whose pores are included in n but its grains not in S. */
+/* k by the formula of Kozeny (1927), Carman (1937), K = n^3 / (5 S^2), from the porosity n and the
+ * grain surface S per bulk volume. Not with soil below the voxel size, whose pores are included in
+ * n but its grains not in S. */
 static void judge_formulas(json_t *result, const struct run *run, const struct page_model *model) {
   const double n = model->porosity, s = model->specific_surface;
   const double weight = GRAVITY_STANDARD * run->density / run->viscosity;
   if (!(n > 0.0) || !(n < 1.0) || !(s > 0.0) || model->soil) return;
-  const double d = 6.0 * (1.0 - n) / s;
-  /* Kozeny (1927), Carman (1937): K = n^3 / (5 S^2). */
-  const double kozeny = weight * n * n * n / (5.0 * s * s);
-  /* Hazen (1892) in the form of Vukovic, Soro (1992): K = 6e-4 (1 + 10 (n - .26)) d^2. */
-  const double hazen = weight * 6e-4 * (1.0 + 10.0 * (n - 0.26)) * d * d;
-  /* Terzaghi (1925): K = 8.4e-3 (n - .13)^2 / (1 - n)^(2/3) d^2. */
-  const double terzaghi = weight * 8.4e-3 * pow(n - 0.13, 2.0) / pow(1.0 - n, 2.0 / 3.0) * d * d;
-  json_object_set_new(result, "formulas",
-                      json_pack("{s:o,s:o,s:o,s:o}", "kozeny_carman", json_number(kozeny), "hazen",
-                                json_number(n > 0.16 ? hazen : NAN), "terzaghi",
-                                json_number(n > 0.13 ? terzaghi : NAN), "grain_size_m",
-                                json_number(d)));
+  json_object_set_new(
+      result, "formulas",
+      json_pack("{s:o}", "kozeny_carman", json_number(weight * n * n * n / (5.0 * s * s))));
 }
 
 /* What the error does not count, or where a part of it is from. */
@@ -413,9 +422,7 @@ static void judge_notes(json_t *result) {
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
-  json_object_set_new(result, "good_for",
-                      json_string(good_for(json_number_or_nan(result, "k_m_per_s"),
-                                           json_number_or_nan(result, "k_relative_error"))));
+  judge_use(result);
   judge_class(result, "class_din", din);
   judge_class(result, "class_casagrande", casagrande);
   if (!judge_interrupted(result, run)) judge_advice(result, model->voxel_scanned);

@@ -22,7 +22,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
 bool verdict_one_body(const struct run *a, const struct run *b);
 
 /* Adds an assessment to the first result: "good_for", "class_din", "class_casagrande", "advice",
- * "formulas" {"kozeny_carman", "hazen", "terzaghi"} in m/s, "notes" [text]. */
+ * "formulas" {"kozeny_carman"} in m/s, "notes" [text]. */
 void verdict_judge(json_t *results, const struct run *run, const struct page_model *model);
 
 /* Adds to `data` what the page begins with, beside `verdict`: "tensor" (of the body of the first

@@ -2,7 +2,6 @@
 #include <limits.h>
 #include <stdio.h>
 
-#include "analyze/dispersion.h"
 #include "analyze/product.h"
 #include "analyze/report/page.h"
 #include "analyze/report/page_model.h"
@@ -38,7 +37,8 @@ static enum status find_solutes(const struct options *options, const char ***pat
   const size_t count = options_operand_count(options);
   TRY(memory_allocate(paths, count, sizeof **paths, "names of files"));
   for (size_t i = 0; i < count; i++)
-    if (dispersion_is(options_operand(options, i))) (*paths)[(*n)++] = options_operand(options, i);
+    if (solute_has(options_operand(options, i), SOLUTE))
+      (*paths)[(*n)++] = options_operand(options, i);
 cleanup:
   return status;
 }

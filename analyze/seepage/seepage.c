@@ -469,7 +469,6 @@ const struct analysis seepage_analysis = {
                  "of the soil's grains, for the critical gradient (2650 kg/m^3)"}},
     .heading = "Seepage",
     .page_runs = OF_FIRST,
-    .contents = "Seepage",
     .caption =
         "Flow net: equipotentials in the soil, streamlines where no well or drain takes from it, "
         "the water's surface, and what the water does to soil and walls.",

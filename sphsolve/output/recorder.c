@@ -16,6 +16,7 @@
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_state.h"
+#include "sphsolve/plan/method.h"
 #include "sphsolve/scene/scene_compare.h"
 
 /* The columns of every method, from the members of a row. */
@@ -82,6 +83,16 @@ cleanup:
   return ranks_agree(status);
 }
 
+/* As the scene says; without that six times of water that moves through space, begin and end among
+ * them, which is what a report shows, and of other flows the end alone. */
+static double snapshot_interval(const struct scene *scene, const struct plan *plan) {
+  const struct method *method = plan->context.method;
+  const bool moves = method != NULL && method->marches && !method->resolves_pores;
+  if (!isnan(scene->output_interval) || !moves || !isfinite(scene->end_time))
+    return scene->output_interval;
+  return scene->end_time / 5;
+}
+
 enum status recorder_open(const char *prefix, const struct scene *scene, const struct plan *plan,
                           const struct lattice *lattice, const char *command_line, bool resume,
                           struct recorder **result) {
@@ -99,7 +110,8 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   strcpy(recorder->command_line, command_line);
   for (size_t i = 0; i < BASE_COLUMNS; i++)
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
-  recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
+  recorder->snapshot_interval = snapshot_interval(scene, plan);
+  recorder->next_snapshot = isnan(recorder->snapshot_interval) ? INFINITY : 0;
   recorder->last_checkpoint = clock_seconds();
   /* Unwritable outputs are reported before the computation. */
   TRY(refuse_overwriting(recorder));
@@ -289,7 +301,7 @@ enum status recorder_snapshot(struct recorder *recorder, double time, int64_t st
   snprintf(path, sizeof path, "%s.hdf.series", recorder->prefix);
   TRY(series_write(path, recorder->snapshot_count, recorder->snapshot_names,
                    recorder->snapshot_times));
-  double interval = recorder->scene->output_interval;
+  double interval = recorder->snapshot_interval;
   if (!isnan(interval))
     while (recorder->next_snapshot <= time * (1 + 1e-12)) recorder->next_snapshot += interval;
 cleanup:
@@ -305,7 +317,7 @@ enum status recorder_image(struct recorder *recorder, const struct lattice *latt
 }
 
 enum status recorder_go_back(struct recorder *recorder, double time) {
-  double after = time * (1 + 1e-12), interval = recorder->scene->output_interval;
+  double after = time * (1 + 1e-12), interval = recorder->snapshot_interval;
   while (recorder->row_count > 0 &&
          recorder->rows[(recorder->row_count - 1) * (size_t)recorder->width] > after)
     recorder->row_count--;

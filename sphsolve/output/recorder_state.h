@@ -40,7 +40,7 @@ struct recorder {
   size_t snapshot_count, snapshot_capacity;
   char **snapshot_names;
   double *snapshot_times;
-  double next_snapshot;
+  double next_snapshot, snapshot_interval; /* s; interval NAN: only the last one */
   /* Hash of the velocities of the last snapshot, and of the image; 0: unknown. */
   uint64_t flow_hash;
 

@@ -235,7 +235,7 @@ struct scene {
 
   enum switch_state turbulence, shifting;
 
-  double output_interval;    /* s; NAN: only the last snapshot */
+  double output_interval;    /* s; NAN: auto (recorder.c) */
   double history_interval;   /* s; NAN: auto */
   bool image;                /* the last state is written as an image */
   size_t output_field_count; /* output.fields; 0: all */

@@ -57,7 +57,7 @@ C
   local files
   files=$(cd "$ROOT" && ls analyze/analyze.c analyze/analysis.c && grep -l page_internal.h analyze/report/*.c)
   for file in $files; do
-    ${CC:-gcc} -std=gnu11 -O1 -fopenmp -Inew -I"$ROOT" -DTOSUI_VERSION='"0"' -DTOSUI_COMPILER='"cc"' -c "$ROOT/$file" -o "$(basename "$file").o"
+    ${CC:-gcc} -std=gnu11 -O1 -fopenmp -Inew -I"$ROOT" -I"$build" -DTOSUI_VERSION='"0"' -DTOSUI_COMPILER='"cc"' -c "$ROOT/$file" -o "$(basename "$file").o"
   done
   ${CC:-gcc} -std=gnu11 -O1 -Inew -I"$ROOT" -c tortuosity.c -o tortuosity.o
   # Their functions come before the libraries', which are then not taken.

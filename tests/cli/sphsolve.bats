@@ -179,8 +179,8 @@ assert abs(darcy["k_m_per_s"] / heads["k"] - 1) < 0.02 and darcy["groups"][0]["r
   [ ! -e tank-darcy ]
   "$analyze" history heads.hdf -o history > /dev/null
   # Columns in words; work is in the table alone.
-  grep -q 'set ylabel "pressure a (Pa)"' history/history.gp
-  ! grep -q "work" history/history.gp || false
+  grep -A3 'set ylabel "Pressure (Pa)"' history/history.gp | grep -q 'title "a"'
+  ! grep -qi "work" history/history.gp || false
   grep -q work_force history/history.csv
 }
 
