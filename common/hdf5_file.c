@@ -294,6 +294,15 @@ enum status h5_write_attribute(struct h5_file *file, const char *name, const cha
                          data);
 }
 
+enum status h5_write_numbers(struct h5_file *file, const char *object, size_t n,
+                             const struct h5_number *numbers) {
+  enum status status = STATUS_OK;
+  for (const struct h5_number *k = numbers; k < numbers + n; k++)
+    TRY(h5_write_attribute(file, object, k->name, k->type, k->count, k->at));
+cleanup:
+  return status;
+}
+
 enum status h5_write_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                     const char *text) {
   hid_t type = H5Tcopy(H5T_C_S1);

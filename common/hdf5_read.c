@@ -380,6 +380,15 @@ double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *a
   return value;
 }
 
+enum status h5_read_numbers(struct h5_file *file, const char *object, size_t n,
+                            const struct h5_number *numbers) {
+  enum status status = STATUS_OK;
+  for (const struct h5_number *k = numbers; k < numbers + n; k++)
+    TRY(h5_read_attribute(file, object, k->name, k->type, k->count, k->at));
+cleanup:
+  return status;
+}
+
 /* Adds a text of at most `limit` bytes to others, a colon between. */
 static enum status add_text(const char *from, size_t limit, char **to) {
   const size_t used = *to != NULL ? strlen(*to) + 1 : 0;

@@ -53,7 +53,7 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), clusters = m->slots / CLUSTER;
   uint32_t *out = NULL, *in = NULL;
-  void **kept[16];
+  struct slot_array kept[SLOT_ARRAYS];
   size_t leaving = 0;
   for (size_t r = 0; r < ranks; r++) leaving += m->send[r];
   const size_t before = p->clusters;
@@ -61,8 +61,8 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
   const size_t fields = particles_kept(p, kept);
   TRY(memory_allocate(&out, leaving + 1, sizeof *out, "particles that change hands"));
   for (size_t f = 0; f < fields; f++) {
-    const uint32_t *from = *kept[f];
-    const bool is_id = kept[f] == (void **)&p->id;
+    const uint32_t *from = *kept[f].array;
+    const bool is_id = kept[f].array == (void **)&p->id;
     uint32_t *to = (uint32_t *)(void *)p->v_next[0];
     for (size_t k = 0; k < leaving; k++) out[k] = from[m->leave[k]];
     TRY(ghosts_exchange(sizeof *out, m->send, out, m->start, &in));
@@ -76,8 +76,8 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
       if (s % CLUSTER == 0) first = to[s];
     }
     for (size_t s = m->slots; s < p->capacity; s++) to[s] = is_id ? NO_PARTICLE : 0;
-    p->v_next[0] = *kept[f];
-    *kept[f] = to;
+    p->v_next[0] = *kept[f].array;
+    *kept[f].array = to;
     memory_free(&in);
   }
   p->clusters = clusters;
