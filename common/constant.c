@@ -28,10 +28,6 @@ enum status constants_write(struct h5_file *file, size_t tables,
   TRY(h5_write_texts(file, "/run/constants/origin", n, origins));
   TRY(h5_write_texts(file, "/run/constants/text", n, texts));
 cleanup:
-  memory_free(&names);
-  memory_free(&units);
-  memory_free(&origins);
-  memory_free(&texts);
-  memory_free(&values);
+  MEMORY_FREE(&names, &units, &origins, &texts, &values);
   return status;
 }

@@ -142,9 +142,7 @@ void h5_close(struct h5_file *file) {
     H5Fclose(file->id);
     if (file->writing) unlink(file->part);
   }
-  memory_free(&file->path);
-  memory_free(&file->part);
-  memory_free(&file);
+  MEMORY_FREE(&file->path, &file->part, &file);
 }
 
 static enum status sync_path(const char *path, int flags) {

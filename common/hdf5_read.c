@@ -263,8 +263,7 @@ enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count,
   copies = NULL;
 cleanup:
   if (variable != NULL && type >= 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, variable);
-  memory_free(&variable);
-  memory_free(&fixed);
+  MEMORY_FREE(&variable, &fixed);
   h5_free_texts(n, &copies);
   if (type >= 0) H5Tclose(type);
   if (space >= 0) H5Sclose(space);

@@ -117,8 +117,7 @@ void recorder_close(struct recorder *recorder) {
   h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
   memory_free(&recorder->snapshot_times);
   history_file_close(&recorder->history, false);
-  memory_free(&recorder->rows);
-  memory_free(&recorder->command_line);
+  MEMORY_FREE(&recorder->rows, &recorder->command_line);
   step_log_free(&recorder->step_log);
   memory_free(&recorder);
 }

@@ -171,14 +171,7 @@ static enum status write_regions(const struct scene *scene, struct h5_file *file
   TRY(h5_write_attribute(file, "/run/regions", "domain", H5_F64, 3, scene->domain_size));
   TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
 cleanup:
-  memory_free(&types);
-  memory_free(&names);
-  memory_free(&numbers);
-  memory_free(&boxes);
-  memory_free(&porosity);
-  memory_free(&permeability);
-  memory_free(&law);
-  memory_free(&head);
+  MEMORY_FREE(&types, &names, &numbers, &boxes, &porosity, &permeability, &law, &head);
   return status;
 }
 
@@ -203,8 +196,7 @@ static enum status write_places(const struct scene *scene, bool planes, struct h
   TRY(h5_write(file, planes ? "/run/planes/axis_position" : "/run/gauges/position", H5_F64, 2,
                shape, at, false));
 cleanup:
-  memory_free(&names);
-  memory_free(&at);
+  MEMORY_FREE(&names, &at);
   return status;
 }
 

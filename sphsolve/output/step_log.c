@@ -59,8 +59,7 @@ enum status step_log_write(const struct step_log *log, struct h5_file *file, con
     TRY(h5_write(file, path_of(group, "watchdog/dt", path), H5_F64, 1, &n, numbers + 2 * n, false));
   }
 cleanup:
-  memory_free(&causes);
-  memory_free(&numbers);
+  MEMORY_FREE(&causes, &numbers);
   return status;
 }
 

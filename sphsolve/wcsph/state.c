@@ -326,7 +326,6 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
     for (size_t i = 0; i < dims[0]; i++) TRY(monitor_add(&state->monitor, rows[i]));
   }
 cleanup:
-  memory_free(&array);
-  memory_free(&rows);
+  MEMORY_FREE(&array, &rows);
   return status;
 }

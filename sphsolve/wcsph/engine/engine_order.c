@@ -31,10 +31,7 @@ struct moves {
 };
 
 static void moves_free(struct moves *m) {
-  memory_free(&m->leave);
-  memory_free(&m->send);
-  memory_free(&m->start);
-  memory_free(&m->source);
+  MEMORY_FREE(&m->leave, &m->send, &m->start, &m->source);
 }
 
 static enum status moves_make(struct moves *m, size_t leaving) {
@@ -82,8 +79,7 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
   }
   p->clusters = clusters;
 cleanup:
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   return status;
 }
 
@@ -124,8 +120,7 @@ static enum status find_parts(const struct ghosts *g, const uint64_t *entries, s
   part[0] = 0;
   part[ranks] = n;
 cleanup:
-  memory_free(&key);
-  memory_free(&below);
+  MEMORY_FREE(&key, &below);
   return status;
 }
 
@@ -181,8 +176,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   for (size_t c = 0; c < come; c++)
     merged[c < lower ? c : c + stay] = (uint64_t)in[c] << 32 | RECEIVED | c;
   if (stay > 0) memcpy(merged + lower, entries + part[own], stay * sizeof *merged);
-  memory_free(&entries);
-  memory_free(&in);
+  MEMORY_FREE(&entries, &in);
   TRY(memory_allocate(&scratch, total + 1, sizeof *scratch, "sorting keys"));
   order_sort(merged, scratch, total);
   memory_free(&scratch);
@@ -194,12 +188,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   *n = total;
 cleanup:
   moves_free(&m);
-  memory_free(&entries);
-  memory_free(&scratch);
-  memory_free(&merged);
-  memory_free(&out);
-  memory_free(&in);
-  memory_free(&part);
+  MEMORY_FREE(&entries, &scratch, &merged, &out, &in, &part);
   return status;
 }
 
@@ -286,13 +275,11 @@ static enum status redistribute(const struct ordered *o, size_t n, const uint64_
   }
   TRY(ghosts_exchange(sizeof *out, m.send, out, m.start, &in));
   for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = RECEIVED | (uint32_t)c;
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   TRY(moves_apply(p, &m));
 cleanup:
   moves_free(&m);
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   return status;
 }
 
@@ -350,8 +337,7 @@ enum status engine_order_walls(struct engine *engine, double range) {
   g->begin = 0, g->end = w.clusters;
   TRY(particles_set_walls(l, range, &engine->fields, w.id, particles_slots(&w), p));
 cleanup:
-  memory_free(&sites);
-  memory_free(&slot);
+  MEMORY_FREE(&sites, &slot);
   particles_free(&w);
   return status;
 }

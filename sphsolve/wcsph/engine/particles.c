@@ -140,8 +140,7 @@ enum status particles_sort(struct particles *p) {
   }
   p->clusters = used / CLUSTER;
 cleanup:
-  memory_free(&scratch);
-  memory_free(&entries);
+  MEMORY_FREE(&scratch, &entries);
   return status;
 }
 

@@ -53,9 +53,7 @@ void particles_drop_walls(struct particles *p) {
   struct slot_array list[SLOT_ARRAYS];
   const size_t n = slot_arrays(p, &none, WALL, list);
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
-  memory_free(&p->site);
-  memory_free(&p->wall_depth);
-  memory_free(&p->wall_region);
+  MEMORY_FREE(&p->site, &p->wall_depth, &p->wall_region);
   p->wall_clusters = 0;
 }
 
@@ -98,8 +96,7 @@ static enum status mark_near_fluid(const struct lattice *lattice, double range, 
   *near = from;
   from = NULL;
 cleanup:
-  memory_free(&from);
-  memory_free(&to);
+  MEMORY_FREE(&from, &to);
   return status;
 }
 
@@ -170,9 +167,7 @@ enum status particles_make_walls(const struct lattice *lattice, double range,
   memory_free(&entries);
   TRY(particles_set_walls(lattice, range, fields, order, used, p));
 cleanup:
-  memory_free(&sites);
-  memory_free(&scratch);
-  memory_free(&entries);
+  MEMORY_FREE(&sites, &scratch, &entries);
   return status;
 }
 
