@@ -1,5 +1,6 @@
 /* Method stokes: steady creeping flow; the SPH-Stokes system is solved on a cascade of lattices. */
 #include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -172,8 +173,7 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
   TRY(h5_read_attribute(file, "/state", "pairs", H5_F64, 1, &job->pairs));
   job->result->conservation.steady = *solved;
 cleanup:
-  memory_free(&x);
-  memory_free(&residual);
+  MEMORY_FREE(&x, &residual);
   h5_close(file);
   job->checkpoint = NULL;
   return status;
@@ -229,7 +229,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
                       fmin(1.0, goal.residual > 0.0 ? log(s->residual_now) / log(goal.residual)
                                                     : log(error) / log(goal.mean)),
                       note);
-    state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
+    state.stalled = s->residual_now < STALLED_REDUCTION * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
     if (state.stalled == STALLED_ROUNDS_MAX) {
       char soil[STOKES_HINT];
@@ -486,6 +486,7 @@ static const char *wall_name(const struct scene *scene) {
 
 const struct method method_stokes = {.name = "stokes",
                                      .effects = stokes_effects,
+                                     .constants = stokes_constants,
                                      .resolves_pores = true,
                                      .solves_creeping = true,
                                      .takes_soil = true,

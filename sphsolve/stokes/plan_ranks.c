@@ -1,5 +1,6 @@
 /* Memory of method stokes on several ranks (docs/scaling.md). */
 #include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 
@@ -8,22 +9,9 @@
 #include "sphsolve/stokes/solver/rows.h"
 
 #define SLAB_PLANES_MIN 4.0 /* fewest planes of a slab */
-/* Bytes per site: kind and wall distance; unpacked fields; coarse multigrid levels. The second
- * level and all coarser ones are stored in full on every rank. */
-#define LATTICE_BYTES 6.0
-#define FIELD_BYTES 16.0
-#define COARSE_BYTES 8.0
-#define COARSER_BYTES 1.15
-#define SOIL_BYTES 8.0 /* of every lattice of a model with soil */
-/* Bytes per row: two row starts and the flux; and one mask per sixteen sites. On every rank. */
-#define ROW_BYTES 40.0
-#define MASK_BYTES 2.0
-#define SOLUTION_BYTES 32.0 /* per fluid site of the first lattice: velocity and pressure */
-#define FLOOD_SITE 7.0      /* per site, during the percolation search, */
-#define FLOOD_FLUID 4.0     /* and in addition per fluid site */
-/* Independent of the size: stencil and sums of a solver; records of the run. */
-#define SOLVER_BYTES 80e3
-#define RUN_BYTES 200e3
+#define MASK_BYTES 2.0      /* per row: a mask for each sixteen sites */
+#define FLOOD_FLUID 4.0     /* per fluid site, during the percolation search */
+#define RUN_BYTES 200e3     /* records of the run, whatever the size */
 
 /* Size of the scene's lattice resampled to a given spacing (m), mirrored if requested. */
 struct sites {
