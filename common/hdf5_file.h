@@ -100,7 +100,7 @@ struct h5_number {
   const char *name;
   enum h5_type type; /* of an int H5_I32, of a size_t H5_U64, ... */
   size_t count;
-  void *at;
+  const void *at; /* written to where a file is read */
 };
 enum status h5_write_numbers(struct h5_file *file, const char *object, size_t n,
                              const struct h5_number *numbers);

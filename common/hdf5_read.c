@@ -383,7 +383,7 @@ enum status h5_read_numbers(struct h5_file *file, const char *object, size_t n,
                             const struct h5_number *numbers) {
   enum status status = STATUS_OK;
   for (const struct h5_number *k = numbers; k < numbers + n; k++)
-    TRY(h5_read_attribute(file, object, k->name, k->type, k->count, k->at));
+    TRY(h5_read_attribute(file, object, k->name, k->type, k->count, (void *)k->at));
 cleanup:
   return status;
 }

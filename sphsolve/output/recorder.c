@@ -95,8 +95,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   recorder->plan = plan;
   recorder->lattice = lattice;
   recorder->resume = resume;
-  TRY(memory_allocate(&recorder->command_line, strlen(command_line) + 1, 1, "the command line"));
-  strcpy(recorder->command_line, command_line);
+  TRY(memory_copy_text(command_line, strlen(command_line), &recorder->command_line));
   for (size_t i = 0; i < BASE_COLUMNS; i++)
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
   recorder->next_snapshot = isnan(scene->output_interval) ? INFINITY : 0;
@@ -253,8 +252,7 @@ static enum status note_snapshot(struct recorder *recorder, const char *name, do
     recorder->snapshot_capacity = capacity;
   }
   char *copy;
-  TRY(memory_allocate(&copy, strlen(name) + 1, 1, "the list of snapshots"));
-  strcpy(copy, name);
+  TRY(memory_copy_text(name, strlen(name), &copy));
   recorder->snapshot_names[recorder->snapshot_count] = copy;
   recorder->snapshot_times[recorder->snapshot_count++] = time;
 cleanup:
