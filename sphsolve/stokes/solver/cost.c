@@ -9,8 +9,7 @@
 
 #include "sphsolve/stokes/solver/rows.h"
 
-#define STRAIGHT_WALL_FACTOR 0.5 /* iterations in pores with straight walls over those in others   \
-                                  */
+#define STRAIGHT_WALL_FACTOR 0.5 /* iterations in pores with straight walls over others */
 #define SECONDS_BUILD 1e-6       /* processor seconds of the assembly per fluid site */
 
 double stokes_soil_seconds(const struct lattice *l) {
