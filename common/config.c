@@ -228,10 +228,7 @@ cleanup:
 void config_close(struct config *config) {
   if (config == NULL) return;
   config_destroy(&config->tree);
-  memory_free(&config->path);
-  memory_free(&config->folder);
-  memory_free(&config->text);
-  memory_free(&config);
+  MEMORY_FREE(&config->path, &config->folder, &config->text, &config);
 }
 
 config_node *config_root(struct config *config) {

@@ -142,9 +142,7 @@ void h5_close(struct h5_file *file) {
     H5Fclose(file->id);
     if (file->writing) unlink(file->part);
   }
-  memory_free(&file->path);
-  memory_free(&file->part);
-  memory_free(&file);
+  MEMORY_FREE(&file->path, &file->part, &file);
 }
 
 static enum status sync_path(const char *path, int flags) {
@@ -292,6 +290,15 @@ enum status h5_write_attribute(struct h5_file *file, const char *name, const cha
   hid_t space = count == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, NULL);
   return write_attribute(file, name, attribute, h5_disk_type(type), h5_memory_type(type), space,
                          data);
+}
+
+enum status h5_write_numbers(struct h5_file *file, const char *object, size_t n,
+                             const struct h5_number *numbers) {
+  enum status status = STATUS_OK;
+  for (const struct h5_number *k = numbers; k < numbers + n; k++)
+    TRY(h5_write_attribute(file, object, k->name, k->type, k->count, k->at));
+cleanup:
+  return status;
 }
 
 enum status h5_write_attribute_text(struct h5_file *file, const char *name, const char *attribute,

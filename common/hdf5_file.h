@@ -95,6 +95,17 @@ void h5_free_texts(size_t count, char ***texts);
 /* Reads exactly `count` values. */
 enum status h5_read_attribute(struct h5_file *file, const char *name, const char *attribute,
                               enum h5_type type, size_t count, void *data);
+/* Numbers in memory that an object of a file has as attributes, each by its name. */
+struct h5_number {
+  const char *name;
+  enum h5_type type; /* of an int H5_I32, of a size_t H5_U64, ... */
+  size_t count;
+  const void *at; /* written to where a file is read */
+};
+enum status h5_write_numbers(struct h5_file *file, const char *object, size_t n,
+                             const struct h5_number *numbers);
+enum status h5_read_numbers(struct h5_file *file, const char *object, size_t n,
+                            const struct h5_number *numbers);
 /* A single number; NAN, without an error, if it is missing or not a number. */
 double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *attribute);
 /* A text in new memory (memory_free), NULL where it fails; several, up to 16, with colons between.

@@ -263,8 +263,7 @@ enum status h5_read_texts(struct h5_file *file, const char *name, size_t *count,
   copies = NULL;
 cleanup:
   if (variable != NULL && type >= 0) H5Dvlen_reclaim(type, space, H5P_DEFAULT, variable);
-  memory_free(&variable);
-  memory_free(&fixed);
+  MEMORY_FREE(&variable, &fixed);
   h5_free_texts(n, &copies);
   if (type >= 0) H5Tclose(type);
   if (space >= 0) H5Sclose(space);
@@ -378,6 +377,15 @@ double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *a
       h5_read_attribute(file, name, attribute, H5_F64, 1, &value) != STATUS_OK)
     error_clear();
   return value;
+}
+
+enum status h5_read_numbers(struct h5_file *file, const char *object, size_t n,
+                            const struct h5_number *numbers) {
+  enum status status = STATUS_OK;
+  for (const struct h5_number *k = numbers; k < numbers + n; k++)
+    TRY(h5_read_attribute(file, object, k->name, k->type, k->count, (void *)k->at));
+cleanup:
+  return status;
 }
 
 /* Adds a text of at most `limit` bytes to others, a colon between. */

@@ -64,9 +64,7 @@ enum status h5_read_together(struct h5_file *file, const char *name, enum h5_typ
   memcpy(data, &values, sizeof values);
   values = NULL;
 cleanup:
-  memory_free(&values);
-  memory_free(&share);
-  memory_free(&start);
+  MEMORY_FREE(&values, &share, &start);
   return status;
 }
 

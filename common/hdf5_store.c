@@ -5,43 +5,19 @@
 #include "common/output_file.h"
 
 hid_t h5_memory_type(enum h5_type type) {
-  switch (type) {
-  case H5_U8:
-    return H5T_NATIVE_UINT8;
-  case H5_I32:
-    return H5T_NATIVE_INT32;
-  case H5_U32:
-    return H5T_NATIVE_UINT32;
-  case H5_I64:
-    return H5T_NATIVE_INT64;
-  case H5_U64:
-    return H5T_NATIVE_UINT64;
-  case H5_F32:
-    return H5T_NATIVE_FLOAT;
-  case H5_F64:
-    return H5T_NATIVE_DOUBLE;
-  }
-  return -1;
+  const hid_t types[] = {
+      [H5_U8] = H5T_NATIVE_UINT8,  [H5_I32] = H5T_NATIVE_INT32,  [H5_U32] = H5T_NATIVE_UINT32,
+      [H5_I64] = H5T_NATIVE_INT64, [H5_U64] = H5T_NATIVE_UINT64, [H5_F32] = H5T_NATIVE_FLOAT,
+      [H5_F64] = H5T_NATIVE_DOUBLE};
+  return types[type];
 }
 
 hid_t h5_disk_type(enum h5_type type) {
-  switch (type) {
-  case H5_U8:
-    return H5T_STD_U8LE;
-  case H5_I32:
-    return H5T_STD_I32LE;
-  case H5_U32:
-    return H5T_STD_U32LE;
-  case H5_I64:
-    return H5T_STD_I64LE;
-  case H5_U64:
-    return H5T_STD_U64LE;
-  case H5_F32:
-    return H5T_IEEE_F32LE;
-  case H5_F64:
-    return H5T_IEEE_F64LE;
-  }
-  return -1;
+  const hid_t types[] = {
+      [H5_U8] = H5T_STD_U8LE,   [H5_I32] = H5T_STD_I32LE, [H5_U32] = H5T_STD_U32LE,
+      [H5_I64] = H5T_STD_I64LE, [H5_U64] = H5T_STD_U64LE, [H5_F32] = H5T_IEEE_F32LE,
+      [H5_F64] = H5T_IEEE_F64LE};
+  return types[type];
 }
 
 size_t h5_type_size(enum h5_type type) {

@@ -204,7 +204,6 @@ enum status h5_check_chunks(const char *path, const char *name, hid_t set, size_
     }
   }
 cleanup:
-  memory_free(&packed);
-  memory_free(&scratch);
+  MEMORY_FREE(&packed, &scratch);
   return status;
 }

@@ -201,6 +201,10 @@ void memory_free(void *pointer) {
   memcpy(pointer, &null, sizeof null);
 }
 
+void memory_free_each(void **pointers) {
+  for (; *pointers != NULL; pointers++) memory_free(*pointers);
+}
+
 size_t memory_in_use(void) {
   return in_use;
 }

@@ -34,6 +34,9 @@ enum status memory_copy_text(const char *text, size_t length, char **copy);
 
 /* Frees what `pointer` (a T **) points to and sets it to NULL. */
 void memory_free(void *pointer);
+/* The same for several: MEMORY_FREE(&a, &b). */
+#define MEMORY_FREE(...) memory_free_each((void *[]){__VA_ARGS__, NULL})
+void memory_free_each(void **pointers);
 
 /* Bytes in use, and their maximum so far. */
 size_t memory_in_use(void);

@@ -37,11 +37,8 @@ struct micro_summary micro_summary(const struct voxel_model *model) {
 }
 
 void model_free(struct voxel_model *model) {
-  memory_free(&model->micro_porosity);
-  memory_free(&model->micro_permeability);
-  memory_free(&model->solid);
-  memory_free(&model->wall_distance);
-  memory_free(&model->grain_fraction);
+  MEMORY_FREE(&model->micro_porosity, &model->micro_permeability, &model->solid,
+              &model->wall_distance, &model->grain_fraction);
 }
 
 static enum status read_optional_field(struct h5_file *file, const char *name,

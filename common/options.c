@@ -395,8 +395,7 @@ cleanup:
 
 void options_free(struct options *options) {
   if (options == NULL) return;
-  memory_free(&options->command_line);
-  memory_free(&options);
+  MEMORY_FREE(&options->command_line, &options);
 }
 
 const char *options_command(const struct options *options) {

@@ -68,8 +68,7 @@ enum status provenance_write(struct h5_file *file, const char *program, const ch
   TRY(h5_write_texts(file, "/provenance/input_files", input_count, input_paths));
   TRY(h5_write_texts(file, "/provenance/input_hashes", input_count, hash_texts));
 cleanup:
-  memory_free(&hash_texts);
-  memory_free(&hashes);
+  MEMORY_FREE(&hash_texts, &hashes);
   return status;
 }
 

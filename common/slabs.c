@@ -37,8 +37,7 @@ enum status slabs_make(size_t planes, const double *work, size_t unit, struct sl
   s->begin = s->start[own];
   s->end = s->start[own + 1];
 cleanup:
-  memory_free(&heavy);
-  memory_free(&partition);
+  MEMORY_FREE(&heavy, &partition);
   return status;
 }
 

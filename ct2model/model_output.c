@@ -240,8 +240,7 @@ static enum status write_provenance(struct h5_file *file, const struct pipeline 
   TRY(provenance_write(file, "ct2model", options_command_line(options), n, paths, hashes));
   if (n > 0) TRY(write_origin(file, paths[0]));
 cleanup:
-  memory_free(&hashes);
-  memory_free(&paths);
+  MEMORY_FREE(&hashes, &paths);
   return status;
 }
 

@@ -103,10 +103,8 @@ cleanup:
 static void scan_end(struct scan *scan) {
   size_t threads = scan->workers != NULL ? (size_t)omp_get_max_threads() : 0;
   for (size_t i = 0; i < threads; i++) {
-    memory_free(&scan->workers[i].buffer);
-    memory_free(&scan->workers[i].row);
-    memory_free(&scan->workers[i].sums);
-    memory_free(&scan->workers[i].levels);
+    MEMORY_FREE(&scan->workers[i].buffer, &scan->workers[i].row, &scan->workers[i].sums,
+                &scan->workers[i].levels);
     grey_histogram_end(&scan->workers[i].greys);
   }
   memory_free(&scan->workers);

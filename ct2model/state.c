@@ -69,9 +69,7 @@ void pipeline_end(struct pipeline *pipeline) {
   grey_histogram_end(&pipeline->histogram);
   grey_histogram_end(&pipeline->calibration);
   sweep_table_end(&pipeline->table);
-  memory_free(&pipeline->volume);
-  memory_free(&pipeline->middle);
-  memory_free(&pipeline->turned);
+  MEMORY_FREE(&pipeline->volume, &pipeline->middle, &pipeline->turned);
   surface_sample_end(&pipeline->sample);
   coarse_end(&pipeline->coarse);
   restored_end(&pipeline->restored);

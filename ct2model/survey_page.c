@@ -75,8 +75,7 @@ static enum status add_slices(const struct pipeline *pipeline, json_t *pictures)
                   (json_int_t)every, "grey",
                   encode_part(pipeline, pipeline->middle, corner, whole, every, part)));
 cleanup:
-  memory_free(&slice);
-  memory_free(&part);
+  MEMORY_FREE(&slice, &part);
   return status;
 }
 

@@ -45,7 +45,7 @@ static const struct option_entry entries[] = {
     {"tensor", 0, NULL, RUN,
      "k along x, y and z: the tensor, with its principal axes (OUT-x.hdf, ... beside OUT.hdf)"},
     {"markdown", 0, NULL, KEYS, "as the page docs/reference/scene.md"},
-    {"ranks", 0, "N", EXPLAIN, "predicts memory and time on N ranks of --threads each"},
+    {"ranks", 0, "N", EXPLAIN, "predicts the memory of each of N ranks of --threads threads"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
@@ -416,8 +416,7 @@ cleanup:
 static enum status explain(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct recommendation recommended = {0};
-  struct ranks_forecast forecast, *ranks = NULL;
-  long long count = 0;
+  long long ranks = 0;
   bool wanted = options_given(options, "error"), on_flow;
   TRY(find_flow(options, job, &on_flow));
   if (on_flow)
@@ -428,18 +427,15 @@ static enum status explain(const struct options *options, struct job *job) {
   wanted = wanted && !job->plan.blocked;
   job->plan.goal.error = recommended.wanted;
   if (options_given(options, "ranks")) {
-    TRY(options_integers(options, "ranks", ',', 1, &count));
-    if (count < 1 || count > RANKS_MOST)
-      TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", count, RANKS_MOST);
-    ranks = &forecast;
-    ranks_forecast(&job->plan, (int)count, thread_count(), ranks);
+    TRY(options_integers(options, "ranks", ',', 1, &ranks));
+    if (ranks < 1 || ranks > RANKS_MOST)
+      TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", ranks, RANKS_MOST);
   }
-  if (wanted)
-    TRY(recommend_find(&job->scene, &job->lattice, &job->plan, thread_count(), &recommended));
+  if (wanted) TRY(recommend_find(&job->plan, &recommended));
   if (options_json(options)) {
-    TRY(explain_print_json(&job->plan, ranks, wanted ? &recommended : NULL));
+    TRY(explain_print_json(&job->plan, (int)ranks, wanted ? &recommended : NULL));
   } else {
-    explain_print(&job->plan, ranks);
+    explain_print(&job->plan, (int)ranks);
     if (wanted) recommend_print(&job->plan, &recommended);
   }
 cleanup:

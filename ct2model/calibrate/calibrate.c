@@ -297,7 +297,6 @@ enum status volume_threshold(const float *volume, const struct mirroring *mirror
                            : (double)grey + (2.0 * share - 1.0) * (high - (double)grey);
   if (share < 0.5 && *threshold >= (double)grey) *threshold = nextafter((double)grey, -INFINITY);
 cleanup:
-  memory_free(&counts);
-  memory_free(&work);
+  MEMORY_FREE(&counts, &work);
   return status;
 }

@@ -108,11 +108,8 @@ cleanup:
 }
 
 void sweep_table_end(struct sweep_table *table) {
-  memory_free(&table->threshold);
-  memory_free(&table->void_ratio);
-  memory_free(&table->histogram);
-  memory_free(&table->void_ratio_resampled);
-  memory_free(&table->histogram_resampled);
+  MEMORY_FREE(&table->threshold, &table->void_ratio, &table->histogram,
+              &table->void_ratio_resampled, &table->histogram_resampled);
 }
 
 enum status sweep_table_write(const struct sweep_table *table, const char *path) {

@@ -192,17 +192,13 @@ enum status parts_find(const uint8_t *image, const size_t size[3], const bool pe
   measure_parts(parts, periodic);
   TRY(mark_end_to_end(parts, periodic));
 cleanup:
-  memory_free(&forest.parent);
-  memory_free(&forest.shift);
-  memory_free(&forest.wraps);
+  MEMORY_FREE(&forest.parent, &forest.shift, &forest.wraps);
   if (status != STATUS_OK) parts_end(parts);
   return status;
 }
 
 void parts_end(struct parts *parts) {
-  memory_free(&parts->runs);
-  memory_free(&parts->row_first);
-  memory_free(&parts->parts);
+  MEMORY_FREE(&parts->runs, &parts->row_first, &parts->parts);
   parts->count = parts->run_count = 0;
 }
 

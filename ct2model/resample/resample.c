@@ -42,8 +42,7 @@ cleanup:
 
 void resampler_end(struct resampler *resampler) {
   for (int axis = 0; axis < 3; axis++) resample_axis_end(&resampler->axes[axis]);
-  memory_free(&resampler->planes);
-  memory_free(&resampler->scratch);
+  MEMORY_FREE(&resampler->planes, &resampler->scratch);
 }
 
 bool resampler_wants(const struct resampler *resampler, size_t z) {

@@ -52,7 +52,5 @@ cleanup:
 }
 
 void resample_axis_end(struct resample_axis *axis) {
-  memory_free(&axis->first);
-  memory_free(&axis->count);
-  memory_free(&axis->weight);
+  MEMORY_FREE(&axis->first, &axis->count, &axis->weight);
 }

@@ -183,7 +183,6 @@ enum status autocrop(struct region *region) {
   log_info("--crop auto: --crop %zu,%zu,0,%zu,%zu,%zu", region->origin[0], region->origin[1],
            region->size[0], region->size[1], region->size[2]);
 cleanup:
-  memory_free(&slice);
-  memory_free(&blocks);
+  MEMORY_FREE(&slice, &blocks);
   return status;
 }

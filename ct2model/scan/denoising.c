@@ -106,7 +106,6 @@ enum status denoise_effect_measure(const struct survey *survey, const size_t siz
   effect->void_ratio = share / (1.0 - share);
   effect->surface = wall_length(clean, count, part, after) / wall_length(noisy, count, part, raw);
 cleanup:
-  memory_free(&noisy);
-  memory_free(&clean);
+  MEMORY_FREE(&noisy, &clean);
   return status;
 }

@@ -180,8 +180,7 @@ enum status enclosed_measure(const struct region *region, const struct enclosed_
   }
 cleanup:
   for (size_t t = 0; t < threads && counts != NULL; t++) memory_free(&counts[t].extremes);
-  memory_free(&counts);
-  memory_free(&slices);
+  MEMORY_FREE(&counts, &slices);
   if (status != STATUS_OK) grey_histogram_end(histogram);
   return status;
 }

@@ -258,7 +258,6 @@ enum status label_walls(const uint8_t *grain, const size_t size[3], const bool r
   TRY(each_slice(&d, correct_volume));
   memcpy(walls, d.wide, count);
 cleanup:
-  memory_free(&d.wide);
-  memory_free(&d.narrow_share);
+  MEMORY_FREE(&d.wide, &d.narrow_share);
   return status;
 }

@@ -154,7 +154,6 @@ enum status roi_count(const struct roi *roi, const struct region *region,
         100.0 * (double)histogram->total / ((double)pixels * (double)stack->size[2]));
 cleanup:
   stack_close(&mask);
-  memory_free(&slices);
-  memory_free(&inside);
+  MEMORY_FREE(&slices, &inside);
   return status;
 }

@@ -21,8 +21,7 @@ cleanup:
 }
 
 void slice_check_end(struct slice_check *check) {
-  memory_free(&check->hash);
-  memory_free(&check->constant);
+  MEMORY_FREE(&check->hash, &check->constant);
 }
 
 void slice_check_add(struct slice_check *check, size_t z, const struct pixel_rows *rows,

@@ -311,8 +311,7 @@ static enum status survey_trend(const struct frame *frame, struct survey *survey
   survey->beam = survey->grain_trend[1] * squares / contrast;
   survey->beam_error *= squares;
 cleanup:
-  memory_free(&sum);
-  memory_free(&greys);
+  MEMORY_FREE(&sum, &greys);
   return status;
 }
 
@@ -342,9 +341,7 @@ static enum status survey_rings(const struct frame *frame, struct survey *survey
   survey->rings_stay = together > 0.5 * each;
   ring_estimate(ring, radii, fmax(together, 0.0) + 1e-30, survey->ring_profile);
 cleanup:
-  memory_free(&sum);
-  memory_free(&ring);
-  memory_free(&greys);
+  MEMORY_FREE(&sum, &ring, &greys);
   return status;
 }
 
@@ -373,8 +370,7 @@ cleanup:
 }
 
 void survey_end(struct survey *survey) {
-  memory_free(&survey->sample);
-  memory_free(&survey->ring_profile);
+  MEMORY_FREE(&survey->sample, &survey->ring_profile);
 }
 
 static enum status level(const struct region *region, float *slice) {
@@ -411,9 +407,7 @@ static enum status level(const struct region *region, float *slice) {
     }
   }
 cleanup:
-  memory_free(&sum);
-  memory_free(&slice_rings);
-  memory_free(&greys);
+  MEMORY_FREE(&sum, &slice_rings, &greys);
   return status;
 }
 

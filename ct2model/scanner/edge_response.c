@@ -161,8 +161,7 @@ enum status edge_distances(const float *smooth, const size_t size[3], const doub
   }
 cleanup:
   surfels_end(&surfels);
-  memory_free(&field);
-  memory_free(&bits);
+  MEMORY_FREE(&field, &bits);
   return status;
 }
 

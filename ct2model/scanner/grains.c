@@ -239,8 +239,7 @@ static enum status join_parts(struct flood *flood) {
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < nx * rows; i++) flood->part[i] = flood->parent[flood->part[i]];
 cleanup:
-  memory_free(&first);
-  memory_free(&meetings);
+  MEMORY_FREE(&first, &meetings);
   return status;
 }
 
@@ -279,9 +278,6 @@ enum status grains_find(const float *share, const size_t size[3], const double s
   TRY(join_parts(&flood));
   mark_contacts(&flood, contacts);
 cleanup:
-  memory_free(&depth);
-  memory_free(&flood.part);
-  memory_free(&flood.parent);
-  memory_free(&flood.peak);
+  MEMORY_FREE(&depth, &flood.part, &flood.parent, &flood.peak);
   return status;
 }

@@ -69,8 +69,7 @@ enum status least_risk_find(struct windows *scan, double noise, double length,
   }
   *cost = COST[0] * exp2(index_of_minimum(risk));
 cleanup:
-  memory_free(&explained);
-  memory_free(&perturbed);
+  MEMORY_FREE(&explained, &perturbed);
   windows_end(&simulated);
   return status;
 }

@@ -80,11 +80,7 @@ static enum status drop_specks(const struct region *region, const struct scanner
   memset(scan->histogram.counts, 0, scan->histogram.bins * sizeof *scan->histogram.counts);
   for (size_t i = 0; i < plane * nz; i++) scan->histogram.counts[scan->levels[i]]++;
 cleanup:
-  memory_free(&field);
-  memory_free(&bits);
-  memory_free(&scratch);
-  memory_free(&previous);
-  memory_free(&first);
+  MEMORY_FREE(&field, &bits, &scratch, &previous, &first);
   return status;
 }
 

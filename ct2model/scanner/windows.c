@@ -17,10 +17,8 @@ size_t window_voxels(const struct window *window) {
 
 void windows_end(struct windows *all) {
   for (size_t i = 0; i < all->count; i++) {
-    memory_free(&all->window[i].grey);
-    memory_free(&all->window[i].smooth);
-    memory_free(&all->window[i].distance);
-    memory_free(&all->window[i].work);
+    MEMORY_FREE(&all->window[i].grey, &all->window[i].smooth, &all->window[i].distance,
+                &all->window[i].work);
   }
   all->count = 0;
 }

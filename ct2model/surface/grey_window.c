@@ -44,11 +44,7 @@ cleanup:
 }
 
 void grey_window_end(struct grey_window *window) {
-  memory_free(&window->field);
-  memory_free(&window->bits);
-  memory_free(&window->scratch);
-  memory_free(&window->buffer);
-  memory_free(&window->row);
+  MEMORY_FREE(&window->field, &window->bits, &window->scratch, &window->buffer, &window->row);
 }
 
 static size_t slice_of(const struct grey_window *window, long z) {
@@ -313,8 +309,7 @@ enum status grey_window_fractions(const struct grey_window *window, size_t z0, s
     resampler_add(area, z, n, volume);
   }
 cleanup:
-  memory_free(&shares);
-  memory_free(&padded);
+  MEMORY_FREE(&shares, &padded);
   return status;
 }
 

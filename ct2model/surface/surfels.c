@@ -287,9 +287,6 @@ cleanup:
 }
 
 void surfels_end(struct surfels *surfels) {
-  memory_free(&surfels->boxes);
-  memory_free(&surfels->first);
-  memory_free(&surfels->items);
-  memory_free(&surfels->occupied);
+  MEMORY_FREE(&surfels->boxes, &surfels->first, &surfels->items, &surfels->occupied);
   surfels->count = 0;
 }

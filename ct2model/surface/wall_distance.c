@@ -285,6 +285,5 @@ cleanup:
 }
 
 void wall_result_end(struct wall_result *result) {
-  memory_free(&result->distance);
-  memory_free(&result->grain_fraction);
+  MEMORY_FREE(&result->distance, &result->grain_fraction);
 }

@@ -234,7 +234,6 @@ enum status distance_from_fraction(const size_t size[3], const double spacing[3]
     distance[at] = (float)(grain_fraction[at] < 0.5f ? d : -d);
   }
 cleanup:
-  memory_free(&s.piece_of);
-  memory_free(&s.pieces);
+  MEMORY_FREE(&s.piece_of, &s.pieces);
   return status;
 }

@@ -159,8 +159,7 @@ static enum status from_model(const struct scene *scene, int layers, struct latt
     node_share(lattice->micro_permeability, start, sizeof *lattice->micro_permeability);
   }
 cleanup:
-  memory_free(&start);
-  memory_free(&inner);
+  MEMORY_FREE(&start, &inner);
   model_free(&model);
   return status;
 }
@@ -355,12 +354,8 @@ cleanup:
 }
 
 void lattice_free(struct lattice *lattice) {
-  memory_free(&lattice->kind);
-  memory_free(&lattice->wall_distance);
-  memory_free(&lattice->region);
-  memory_free(&lattice->micro_porosity);
-  memory_free(&lattice->micro_permeability);
-  memory_free(&lattice->cut);
+  MEMORY_FREE(&lattice->kind, &lattice->wall_distance, &lattice->region, &lattice->micro_porosity,
+              &lattice->micro_permeability, &lattice->cut);
   if (lattice->own_surface) lattice_free(lattice->own_surface);
   memory_free(&lattice->own_surface);
 }

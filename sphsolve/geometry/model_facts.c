@@ -169,7 +169,6 @@ enum status model_facts_read(const char *path, struct model_facts *facts) {
   facts->sides_stated = h5_attribute_or_nan(file, "/model", "sides_stated") > 0.0;
 cleanup:
   h5_close(file);
-  memory_free(&sides);
-  memory_free(&mirror);
+  MEMORY_FREE(&sides, &mirror);
   return status;
 }

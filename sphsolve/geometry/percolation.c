@@ -188,11 +188,7 @@ enum status percolation_find(const struct lattice *lattice, const double driving
                runs.sites[n][1] - runs.sites[n][0] + 1);
     }
 cleanup:
-  memory_free(&runs.start);
-  memory_free(&runs.sites);
-  memory_free(&runs.parent);
-  memory_free(&runs.turns);
-  memory_free(&runs.flows);
+  MEMORY_FREE(&runs.start, &runs.sites, &runs.parent, &runs.turns, &runs.flows);
   return status;
 }
 
@@ -229,7 +225,6 @@ enum status percolation_close(struct lattice *lattice, const double driving[3], 
   lattice->fluid_count -= *closed;
   lattice->wall_count += *closed;
 cleanup:
-  memory_free(&flowing);
-  memory_free(&start);
+  MEMORY_FREE(&flowing, &start);
   return status;
 }

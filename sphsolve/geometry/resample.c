@@ -149,9 +149,7 @@ static enum status resample_distances(const struct lattice *fine, bool mirrored,
   resample_axis(rows, n[0], 1, taps, m[0], m[1] * layers, out->wall_distance);
   if (mirrored) lattice_mirror_distances(out);
 cleanup:
-  memory_free(&taps);
-  memory_free(&planes);
-  memory_free(&rows);
+  MEMORY_FREE(&taps, &planes, &rows);
   return status;
 }
 
@@ -304,9 +302,7 @@ enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lat
   *lattice = wanted;
   lattice->surface = lattice->own_surface = surface;
   memory_free(&surface->kind); /* only its distances are read */
-  memory_free(&surface->region);
-  memory_free(&surface->micro_porosity);
-  memory_free(&surface->micro_permeability);
+  MEMORY_FREE(&surface->region, &surface->micro_porosity, &surface->micro_permeability);
   if (compared == STATUS_OK && throats.closed + throats.opened > 0)
     log_warning("%s: points %.4g um apart close %zu throats of the model's and open %zu",
                 scene->path, 1e6 * scene->lattice_spacing, throats.closed, throats.opened);

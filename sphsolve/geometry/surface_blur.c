@@ -177,8 +177,7 @@ static enum status blur_walls(struct lattice *out, double deviation) {
   TRY(interrupt_look());
   lattice_set_kinds(out, 0.0f, (float)(1e-3 * h));
 cleanup:
-  memory_free(&image);
-  memory_free(&work);
+  MEMORY_FREE(&image, &work);
   return status;
 }
 

@@ -94,9 +94,6 @@ enum status throats_compare(const struct lattice *fine, const struct lattice *co
     piece[i] = (struct piece){.whole = piece[i].part, .part = piece[i].whole};
   throats->opened = count_cuts(piece, n);
 cleanup:
-  memory_free(&before);
-  memory_free(&after);
-  memory_free(&sites);
-  memory_free(&piece);
+  MEMORY_FREE(&before, &after, &sites, &piece);
   return status;
 }

@@ -198,6 +198,6 @@ const struct method method_isph = {.name = "isph",
                                    .takes = takes,
                                    .scales = isph_scales,
                                    .cost = isph_cost,
-                                   .ranks_cost = isph_ranks_cost,
+                                   .ranks_memory = isph_ranks_memory,
                                    .wall_name = wall_name,
                                    .run = run};

@@ -5,7 +5,6 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
-#include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const isph_effects[]; /* effects/registry.def */
 /* Sets kernel, support and smoothing length (m) of the plan. */
@@ -19,7 +18,8 @@ enum status isph_refuse(const struct effect_context *context);
 /* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
  * refused. */
 enum status isph_cost(struct plan *plan, int threads);
-/* isph/plan_ranks.c: the additional cost on several ranks. */
-void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
+/* isph/plan_ranks.c: memory on several ranks. */
+void isph_ranks_memory(const struct plan *plan, int ranks, int threads,
+                       struct ranks_memory *memory);
 
 #endif

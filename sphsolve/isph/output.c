@@ -250,12 +250,40 @@ static const char *state_name(char name[64], const struct isph_field *field) {
   return name;
 }
 
+/* The numbers of a checkpoint. */
+#define NUMBERS 18
+static void numbers_of(const struct isph *state, struct h5_number numbers[NUMBERS]) {
+  struct isph *s = (struct isph *)state; /* written only where a checkpoint is read */
+  const struct h5_number all[NUMBERS] = {
+      {"time", H5_F64, 1, &s->time},
+      {"step", H5_I64, 1, &s->step},
+      {"viscosity_most", H5_F64, 1, &s->viscosity_most},
+      {"ending_last", H5_F64, 1, &s->ending.last},
+      {"ending_steps", H5_I32, 1, &s->ending.steps},
+      {"next_id", H5_U64, 1, &s->next_id},
+      {"lost", H5_U64, 1, &s->lost_count},
+      {"left", H5_U64, 1, &s->left_count},
+      {"entered", H5_U64, 1, &s->entered_count},
+      {"passed", H5_F64, 4, &s->passed.entered},
+      {"watchdog_halvings", H5_I32, 1, &s->dog.halvings},
+      {"watchdog_trip", H5_F64, 1, &s->dog.trip_time},
+      {"stable_from", H5_I64, 1, &s->stable_from},
+      {"iterations", H5_I32, 1, &s->solve.iterations},
+      {"iterations_total", H5_I32, 1, &s->solve.iterations_total},
+      {"solves", H5_I32, 1, &s->solve.solves},
+      {"residual", H5_F64, 1, &s->solve.residual},
+      {"settling", H5_F64, 4, &s->settling},
+  };
+  memcpy(numbers, all, sizeof all);
+}
+
 enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorder) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   const size_t first = s->local.begin, own = s->local.end - first;
   size_t regions[2] = {s->scene->region_count, 3};
   struct isph_kept state;
+  struct h5_number numbers[NUMBERS];
   char name[64];
   size_t walls[2] = {s->boundary_count, 3};
   TRY(recorder_checkpoint_begin(recorder, &file));
@@ -288,23 +316,13 @@ enum status isph_write_checkpoint(const struct isph *s, struct recorder *recorde
     snprintf(name, sizeof name, "/state/box_%zu", b);
     TRY(h5_write(file, name, H5_F64, 1, &six, boxes, false));
   }
-  double numbers[] = {s->time, s->viscosity_most, s->ending.last, s->ending.steps};
-  int64_t counts[] = {s->step, (int64_t)s->next_id, (int64_t)s->lost_count, (int64_t)s->left_count,
-                      (int64_t)s->entered_count};
   const double pairs = ranks_sum(s->pair_interactions);
-  TRY(h5_write_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
+  numbers_of(s, numbers);
+  TRY(h5_write_numbers(file, "/state", NUMBERS, numbers));
   TRY(h5_write_attribute(file, "/state", "pairs", H5_F64, 1, &pairs));
-  TRY(h5_write_attribute(file, "/state", "passed", H5_F64, 4, &s->passed.entered));
-  TRY(h5_write_attribute(file, "/state", "counts", H5_I64, 5, counts));
   size_t losses[2] = {CONSERVATION_LOSSES, 6};
   TRY(h5_write(file, "/state/losses", H5_F64, 2, losses, s->losses, true));
   TRY(budget_write(&s->budget, sizeof s->budget, file, "/state/account"));
-  double dog[] = {s->dog.halvings, s->dog.trip_time, (double)s->stable_from};
-  double solve[] = {s->solve.iterations, s->solve.iterations_total, s->solve.solves,
-                    s->solve.residual};
-  TRY(h5_write_attribute(file, "/state", "solve", H5_F64, 4, solve));
-  TRY(h5_write_attribute(file, "/state", "settling", H5_F64, 4, &s->settling));
-  TRY(h5_write_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
   status = recorder_checkpoint_commit(recorder, file); /* takes the file over */
   file = NULL;
 cleanup:
@@ -349,10 +367,10 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
   enum status status = STATUS_OK;
   size_t dims[2];
   int rank;
-  double numbers[4], dog[3], solve[4], kept[3];
+  double kept[3];
+  struct h5_number numbers[NUMBERS];
   struct isph_kept state;
   char name[64];
-  int64_t counts[5];
   TRY(h5_shape(file, "/state/position", 2, &rank, dims));
   if (rank != 2 || dims[1] != 3) TRY_FAIL(STATUS_INPUT, "%s: is damaged", h5_path(file));
   const size_t all = dims[0], ranks = (size_t)ranks_count();
@@ -392,19 +410,8 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file) {
     memcpy(s->wall_boxes[b].low, box, 3 * sizeof *box);
     memcpy(s->wall_boxes[b].high, box + 3, 3 * sizeof *box);
   }
-  TRY(h5_read_attribute(file, "/state", "numbers", H5_F64, 4, numbers));
-  TRY(h5_read_attribute(file, "/state", "passed", H5_F64, 4, &s->passed.entered));
-  TRY(h5_read_attribute(file, "/state", "counts", H5_I64, 5, counts));
-  TRY(h5_read_attribute(file, "/state", "watchdog", H5_F64, 3, dog));
-  TRY(h5_read_attribute(file, "/state", "solve", H5_F64, 4, solve));
-  TRY(h5_read_attribute(file, "/state", "settling", H5_F64, 4, &s->settling));
-  s->dog.halvings = (int)dog[0], s->dog.trip_time = dog[1], s->stable_from = (int64_t)dog[2];
-  s->solve.iterations = (int)solve[0], s->solve.iterations_total = (int)solve[1];
-  s->solve.solves = (int)solve[2], s->solve.residual = solve[3];
-  s->time = numbers[0], s->viscosity_most = numbers[1];
-  s->ending = (struct isph_ending){.last = numbers[2], .steps = (int)numbers[3]};
-  s->step = counts[0], s->next_id = (uint64_t)counts[1], s->lost_count = (size_t)counts[2];
-  s->left_count = (size_t)counts[3], s->entered_count = (size_t)counts[4];
+  numbers_of(s, numbers);
+  TRY(h5_read_numbers(file, "/state", NUMBERS, numbers));
   TRY(read_into(file, "/state/losses", H5_F64, CONSERVATION_LOSSES, 6, s->losses));
   isph_apply_tables(s, 0);
   isph_open_update_dry(s, false);

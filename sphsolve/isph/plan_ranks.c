@@ -1,10 +1,9 @@
-/* Cost of method isph on several ranks (docs/scaling.md). */
+/* Memory of method isph on several ranks (docs/scaling.md). */
 #include "sphsolve/isph/method.h"
 #include "sphsolve/isph/constants.h"
 
 #include <math.h>
 
-#define ITERATIONS 10.0 /* of the pressure solve in a step */
 #define GRID_BYTES 40.0 /* bytes on every rank: of the grid, per particle, */
 
 /* Number of particles in the walls around the domain. */
@@ -20,19 +19,15 @@ static double walls_around(const struct plan *plan) {
   return outer - inner;
 }
 
-void isph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
+void isph_ranks_memory(const struct plan *plan, int ranks, int threads,
+                       struct ranks_memory *memory) {
   (void)threads;
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
   const double layers = RANKS_GHOST_LAYERS * plan->context.scene->isph.support_ratio;
   const double surface = pow(fluid, l->dimensions == 2 ? 1.0 / 2 : 2.0 / 3);
   const double beside = fmin(layers * surface * fmin(2, r - 1), fluid - fluid / r); /* slabs */
-  cost->in_full = RANKS_SERIAL_SHARE * (1 - 1 / r) * plan->seconds;
-  cost->gathered = (1 - 1 / r) * RANKS_GATHERED_BYTES * ITERATIONS * fluid;
-  cost->ghosts = RANKS_GHOST_SENT * beside;
-  cost->messages = (6 + ITERATIONS) * fmin(r - 1, 6);
-  cost->sums = 4 * ITERATIONS;
-  cost->whole =
+  memory->whole =
       GRID_BYTES * fluid + RANKS_SITE_BYTES * sites + RANKS_WALL_BYTES * walls_around(plan);
-  cost->held = RANKS_GHOST_BYTES * beside;
+  memory->held = RANKS_GHOST_BYTES * beside;
 }

@@ -136,24 +136,19 @@ static enum status write_budget(const struct budget *budget, struct h5_file *fil
   }
   double momentum_share = budget_momentum_open(budget, open);
   double energy_share = budget_energy_open(budget, &energy_open);
-  const struct {
-    const char *name;
-    size_t count;
-    const double *values;
-  } numbers[] = {{"account_momentum_start", 3, budget->momentum[0]},
-                 {"account_momentum_end", 3, budget->momentum[1]},
-                 {"momentum_open", 3, open},
-                 {"momentum_open_share", 1, &momentum_share},
-                 {"momentum_sampling_error", 1, &budget->momentum_error},
-                 {"energy_start", 1, &budget->energy[0]},
-                 {"energy_end", 1, &budget->energy[1]},
-                 {"energy_open", 1, &energy_open},
-                 {"energy_open_share", 1, &energy_share},
-                 {"energy_sampling_error", 1, &budget->energy_error}};
+  const struct h5_number numbers[] = {
+      {"account_momentum_start", H5_F64, 3, budget->momentum[0]},
+      {"account_momentum_end", H5_F64, 3, budget->momentum[1]},
+      {"momentum_open", H5_F64, 3, open},
+      {"momentum_open_share", H5_F64, 1, &momentum_share},
+      {"momentum_sampling_error", H5_F64, 1, &budget->momentum_error},
+      {"energy_start", H5_F64, 1, &budget->energy[0]},
+      {"energy_end", H5_F64, 1, &budget->energy[1]},
+      {"energy_open", H5_F64, 1, &energy_open},
+      {"energy_open_share", H5_F64, 1, &energy_share},
+      {"energy_sampling_error", H5_F64, 1, &budget->energy_error}};
   size_t shape[2] = {n, 3};
-  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-    TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
-                           numbers[i].values));
+  TRY(h5_write_numbers(file, group, sizeof numbers / sizeof *numbers, numbers));
   TRY(h5_write_texts(file, "/run/ledger/term", n, names));
   TRY(h5_write_texts(file, "/run/ledger/words", n, words));
   TRY(h5_write(file, "/run/ledger/impulse", H5_F64, 2, shape, impulse, false));
@@ -175,43 +170,33 @@ enum status conservation_write(const struct conservation *c, struct h5_file *fil
     TRY(h5_write_attribute(file, group, "power_open", H5_F64, 1, &c->power_open));
   }
   if (!c->known) return STATUS_OK;
-  const struct {
-    const char *name;
-    uint64_t value;
-  } counts[] = {{"particles_start", c->start},
-                {"particles_entered", c->entered},
-                {"particles_left", c->left},
-                {"particles_lost", c->lost},
-                {"particles_end", c->end}};
+  const struct h5_number counts[] = {{"particles_start", H5_U64, 1, &c->start},
+                                     {"particles_entered", H5_U64, 1, &c->entered},
+                                     {"particles_left", H5_U64, 1, &c->left},
+                                     {"particles_lost", H5_U64, 1, &c->lost},
+                                     {"particles_end", H5_U64, 1, &c->end}};
   int64_t open = conservation_particles_open(c);
   double mass_open = conservation_mass_open(c), taken[3];
   for (int a = 0; a < 3; a++) taken[a] = c->impulse[a] + c->momentum[0][a] - c->momentum[1][a];
   double dissipated = c->work + c->kinetic_energy[0] - c->kinetic_energy[1];
-  const struct {
-    const char *name;
-    size_t count;
-    const double *values;
-  } numbers[] = {{"mass_start", 1, &c->mass[0]},
-                 {"mass_entered", 1, &c->passed.entered},
-                 {"mass_left", 1, &c->passed.left},
-                 {"mass_lost", 1, &c->passed.lost},
-                 {"mass_end", 1, &c->mass[1]},
-                 {"mass_open", 1, &mass_open},
-                 {"momentum_start", 3, c->momentum[0]},
-                 {"momentum_end", 3, c->momentum[1]},
-                 {"impulse_of_force", 3, c->impulse},
-                 {"momentum_taken", 3, taken},
-                 {"kinetic_energy_start", 1, &c->kinetic_energy[0]},
-                 {"kinetic_energy_end", 1, &c->kinetic_energy[1]},
-                 {"work_of_force", 1, &c->work},
-                 {"energy_taken", 1, &dissipated}};
+  const struct h5_number numbers[] = {{"mass_start", H5_F64, 1, &c->mass[0]},
+                                      {"mass_entered", H5_F64, 1, &c->passed.entered},
+                                      {"mass_left", H5_F64, 1, &c->passed.left},
+                                      {"mass_lost", H5_F64, 1, &c->passed.lost},
+                                      {"mass_end", H5_F64, 1, &c->mass[1]},
+                                      {"mass_open", H5_F64, 1, &mass_open},
+                                      {"momentum_start", H5_F64, 3, c->momentum[0]},
+                                      {"momentum_end", H5_F64, 3, c->momentum[1]},
+                                      {"impulse_of_force", H5_F64, 3, c->impulse},
+                                      {"momentum_taken", H5_F64, 3, taken},
+                                      {"kinetic_energy_start", H5_F64, 1, &c->kinetic_energy[0]},
+                                      {"kinetic_energy_end", H5_F64, 1, &c->kinetic_energy[1]},
+                                      {"work_of_force", H5_F64, 1, &c->work},
+                                      {"energy_taken", H5_F64, 1, &dissipated}};
   TRY(h5_make_group(file, group));
-  for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-    TRY(h5_write_attribute(file, group, counts[i].name, H5_U64, 1, &counts[i].value));
+  TRY(h5_write_numbers(file, group, sizeof counts / sizeof *counts, counts));
   TRY(h5_write_attribute(file, group, "particles_open", H5_I64, 1, &open));
-  for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-    TRY(h5_write_attribute(file, group, numbers[i].name, H5_F64, numbers[i].count,
-                           numbers[i].values));
+  TRY(h5_write_numbers(file, group, sizeof numbers / sizeof *numbers, numbers));
   if (c->budget.on != 0) TRY(write_budget(&c->budget, file));
   size_t dims[2] = {c->lost < CONSERVATION_LOSSES ? c->lost : CONSERVATION_LOSSES, 6};
   if (dims[0] > 0) {

@@ -109,8 +109,6 @@ enum status history_file_truncate(struct history_file *history, size_t count) {
 void history_file_close(struct history_file *history, bool remove) {
   if (history->file != 0) close(history->file - 1);
   if (remove && history->path != NULL) unlink(history->path);
-  memory_free(&history->path);
-  memory_free(&history->header);
-  memory_free(&history->line);
+  MEMORY_FREE(&history->path, &history->header, &history->line);
   history->file = 0;
 }

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdio.h>
 
+#include "common/hdf5_table.h"
 #include "common/json_number.h"
 #include "common/units.h"
 
@@ -46,27 +47,18 @@ json_t *micropores_json(const struct micropores *m) {
 enum status micropores_write(const struct micropores *m, struct h5_file *file) {
   enum status status = STATUS_OK;
   static const char group[] = "/run/micro";
-  const struct {
-    const char *name;
-    double value;
-  } facts[] = {{"sites", m->sites},         {"connected", m->own.connected},
-               {"porosity", m->porosity},   {"permeability", m->permeability},
-               {"flux_share", m->own.flux}, {"dlnk_dlnk_micro", m->own.slope}};
-  static const char *const names[] = {"factor", "k", "flux_share", "dlnk_dlnk_micro"};
-  const size_t count = (size_t)m->count;
+  const struct micropores_point *p = m->curve;
+  const struct h5_number facts[] = {
+      {"sites", H5_F64, 1, &m->sites},         {"connected", H5_F64, 1, &m->own.connected},
+      {"porosity", H5_F64, 1, &m->porosity},   {"permeability", H5_F64, 1, &m->permeability},
+      {"flux_share", H5_F64, 1, &m->own.flux}, {"dlnk_dlnk_micro", H5_F64, 1, &m->own.slope}};
+  const struct h5_column columns[] = {{"factor", H5_F64, 1, &p->factor},
+                                      {"k", H5_F64, 1, &p->k},
+                                      {"flux_share", H5_F64, 1, &p->flux},
+                                      {"dlnk_dlnk_micro", H5_F64, 1, &p->slope}};
   TRY(h5_make_group(file, group));
-  for (size_t i = 0; i < sizeof facts / sizeof *facts; i++)
-    TRY(h5_write_attribute(file, group, facts[i].name, H5_F64, 1, &facts[i].value));
-  for (size_t n = 0; n < sizeof names / sizeof *names && count > 0; n++) {
-    char path[64];
-    double column[MICRO_FACTORS_MOST + 1];
-    for (size_t i = 0; i < count; i++) {
-      const struct micropores_point *p = &m->curve[i];
-      column[i] = (const double[]){p->factor, p->k, p->flux, p->slope}[n];
-    }
-    snprintf(path, sizeof path, "%s/%s", group, names[n]);
-    TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
-  }
+  TRY(h5_write_numbers(file, group, sizeof facts / sizeof *facts, facts));
+  if (m->count > 0) TRY(h5_write_columns(file, group, (size_t)m->count, sizeof *p, 4, columns));
 cleanup:
   return status;
 }

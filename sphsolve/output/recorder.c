@@ -106,8 +106,7 @@ enum status recorder_open(const char *prefix, const struct scene *scene, const s
   recorder->plan = plan;
   recorder->lattice = lattice;
   recorder->resume = resume;
-  TRY(memory_allocate(&recorder->command_line, strlen(command_line) + 1, 1, "the command line"));
-  strcpy(recorder->command_line, command_line);
+  TRY(memory_copy_text(command_line, strlen(command_line), &recorder->command_line));
   for (size_t i = 0; i < BASE_COLUMNS; i++)
     TRY(add_column(recorder, base[i].name, base[i].unit, base[i].components));
   recorder->snapshot_interval = snapshot_interval(scene, plan);
@@ -129,8 +128,7 @@ void recorder_close(struct recorder *recorder) {
   h5_free_texts(recorder->snapshot_count, &recorder->snapshot_names);
   memory_free(&recorder->snapshot_times);
   history_file_close(&recorder->history, false);
-  memory_free(&recorder->rows);
-  memory_free(&recorder->command_line);
+  MEMORY_FREE(&recorder->rows, &recorder->command_line);
   step_log_free(&recorder->step_log);
   memory_free(&recorder);
 }
@@ -266,8 +264,7 @@ static enum status note_snapshot(struct recorder *recorder, const char *name, do
     recorder->snapshot_capacity = capacity;
   }
   char *copy;
-  TRY(memory_allocate(&copy, strlen(name) + 1, 1, "the list of snapshots"));
-  strcpy(copy, name);
+  TRY(memory_copy_text(name, strlen(name), &copy));
   recorder->snapshot_names[recorder->snapshot_count] = copy;
   recorder->snapshot_times[recorder->snapshot_count++] = time;
 cleanup:

@@ -10,6 +10,7 @@
 #endif
 
 #include "common/constants.h"
+#include "common/hdf5_table.h"
 #include "common/memory.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
@@ -47,39 +48,36 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
                                  struct h5_file *file) {
   enum status status = STATUS_OK;
   const struct plan *plan = recorder->plan;
-  const char *names[EFFECT_MAX], *states[EFFECT_MAX], *reasons[EFFECT_MAX], *models[EFFECT_MAX],
-      *citations[EFFECT_MAX];
-  double shares[EFFECT_MAX], total = 0;
-  for (size_t i = 0; i < recorder->timing_count; i++) total += recorder->timings[i].value;
-  for (size_t i = 0; i < plan->effect_count; i++) {
+  const size_t count = plan->effect_count, timings = recorder->timing_count;
+  const struct named_value *timing = recorder->timings;
+  struct effect_row {
+    const char *name, *state, *reason, *model, *citation;
+    double share;
+  } rows[EFFECT_MAX];
+  double total = 0;
+  for (size_t t = 0; t < timings; t++) total += timing[t].value;
+  for (size_t i = 0; i < count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
-    names[i] = planned->effect->name;
-    states[i] = planned->on ? "on" : "off";
-    reasons[i] = planned->why;
-    models[i] = planned->effect->model;
-    citations[i] = planned->effect->citation;
-    shares[i] = 0;
-    for (size_t t = 0; t < recorder->timing_count; t++)
-      if (!strcmp(recorder->timings[t].name, names[i]) && total > 0)
-        shares[i] = recorder->timings[t].value / total;
+    const struct effect *effect = planned->effect;
+    rows[i] = (struct effect_row){effect->name,  planned->on ? "on" : "off", planned->why,
+                                  effect->model, effect->citation,           0};
+    for (size_t t = 0; t < timings; t++)
+      if (!strcmp(timing[t].name, effect->name) && total > 0)
+        rows[i].share = timing[t].value / total;
   }
-  TRY(h5_write_texts(file, "/run/effects/name", plan->effect_count, names));
-  TRY(h5_write_texts(file, "/run/effects/state", plan->effect_count, states));
-  TRY(h5_write_texts(file, "/run/effects/reason", plan->effect_count, reasons));
-  TRY(h5_write_texts(file, "/run/effects/model", plan->effect_count, models));
-  TRY(h5_write_texts(file, "/run/effects/citation", plan->effect_count, citations));
-  TRY(h5_write(file, "/run/timing/share", H5_F64, 1, &plan->effect_count, shares, false));
+  const struct h5_column columns[] = {{"effects/name", 0, H5_TEXT_AT, &rows->name},
+                                      {"effects/state", 0, H5_TEXT_AT, &rows->state},
+                                      {"effects/reason", 0, H5_TEXT_AT, &rows->reason},
+                                      {"effects/model", 0, H5_TEXT_AT, &rows->model},
+                                      {"effects/citation", 0, H5_TEXT_AT, &rows->citation},
+                                      {"timing/share", H5_F64, 1, &rows->share}};
+  const struct h5_column passes[] = {{"name", 0, H5_TEXT, &timing->name},
+                                     {"seconds", H5_F64, 1, &timing->value}};
+  TRY(h5_write_columns(file, "/run", count, sizeof *rows, 6, columns));
   TRY(h5_write_attribute_text(file, "/run/timing/share", "measured",
                               "passes by the clock, the terms of one loop by counted operations"));
   TRY(h5_soft_link(file, "/run/timing/share", "/run/effects/share"));
-  const char *passes[NAMED_MAX];
-  double seconds[NAMED_MAX];
-  for (size_t i = 0; i < recorder->timing_count; i++) {
-    passes[i] = recorder->timings[i].name;
-    seconds[i] = recorder->timings[i].value;
-  }
-  TRY(h5_write_texts(file, "/run/timing/name", recorder->timing_count, passes));
-  TRY(h5_write(file, "/run/timing/seconds", H5_F64, 1, &recorder->timing_count, seconds, false));
+  TRY(h5_write_columns(file, "/run/timing", timings, sizeof *timing, 2, passes));
   TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
   TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,
                          &result->pair_interactions_per_second));
@@ -127,84 +125,74 @@ static void find_flow_law(const struct scene *scene, const struct region *region
 /* Writes the regions of the scene, for the analysis of flow in soil and at walls. */
 static enum status write_regions(const struct scene *scene, struct h5_file *file) {
   enum status status = STATUS_OK;
-  const size_t n = scene->region_count, shape[2] = {n, 6};
+  const size_t n = scene->region_count;
   const double nu = scene->fluid.viscosity / scene->fluid.density;
-  const char **types = NULL, **names = NULL;
-  const size_t laws[2] = {n, 3};
-  double *boxes = NULL, *porosity = NULL, *permeability = NULL, *law = NULL, *head = NULL;
-  uint64_t *numbers = NULL;
+  struct {
+    const char *type, *name;
+    uint64_t number;
+    double box[6], porosity, permeability, law[3], head;
+  } *rows = NULL;
   if (n == 0) return STATUS_OK;
-  TRY(memory_allocate(&types, n, sizeof *types, "the regions"));
-  TRY(memory_allocate(&names, n, sizeof *names, "the regions"));
-  TRY(memory_allocate(&numbers, n, sizeof *numbers, "the regions"));
-  TRY(memory_allocate(&boxes, n, 6 * sizeof *boxes, "the regions"));
-  TRY(memory_allocate(&porosity, n, sizeof *porosity, "the regions"));
-  TRY(memory_allocate(&permeability, n, sizeof *permeability, "the regions"));
-  TRY(memory_allocate(&law, n, 3 * sizeof *law, "the regions"));
-  TRY(memory_allocate(&head, n, sizeof *head, "the regions"));
+  TRY(memory_allocate(&rows, n, sizeof *rows, "the regions"));
   for (size_t k = 0; k < n; k++) {
     const struct region *region = &scene->regions[k];
     const double e = region->porosity, d = region->grain_size;
     const bool soil = region->type == REGION_POROUS;
-    types[k] = region_type_names[region->type];
-    names[k] = region->name;
-    numbers[k] = region->number;
-    memcpy(boxes + 6 * k, region->box, sizeof region->box);
-    porosity[k] = soil ? e : NAN;
-    permeability[k] =
+    rows[k].type = region_type_names[region->type];
+    rows[k].name = region->name;
+    rows[k].number = region->number;
+    memcpy(rows[k].box, region->box, sizeof region->box);
+    rows[k].porosity = soil ? e : NAN;
+    rows[k].permeability =
         soil ? GRAVITY_STANDARD * e * e * e * d * d / (region->alpha * nu * (1 - e) * (1 - e))
              : NAN;
-    law[3 * k] = law[3 * k + 1] = law[3 * k + 2] = NAN;
-    if (soil) find_flow_law(scene, region, permeability[k], law + 3 * k);
+    for (int a = 0; a < 3; a++) rows[k].law[a] = NAN;
+    if (soil) find_flow_law(scene, region, rows[k].permeability, rows[k].law);
     const bool held = (region->type == REGION_INFLOW && region->boundary == BOUNDARY_HEAD) ||
                       region->type == REGION_DRAIN;
-    head[k] = held && region->table.count == 0 ? region->head : NAN;
+    rows[k].head = held && region->table.count == 0 ? region->head : NAN;
   }
-  TRY(h5_write_texts(file, "/run/regions/type", n, types));
-  TRY(h5_write_texts(file, "/run/regions/name", n, names));
-  TRY(h5_write(file, "/run/regions/number", H5_U64, 1, &n, numbers, false));
-  TRY(h5_write(file, "/run/regions/box", H5_F64, 2, shape, boxes, false));
-  TRY(h5_write(file, "/run/regions/porosity", H5_F64, 1, &n, porosity, false));
-  TRY(h5_write(file, "/run/regions/permeability", H5_F64, 1, &n, permeability, false));
-  TRY(h5_write(file, "/run/regions/darcy_x_z_forchheimer", H5_F64, 2, laws, law, false));
-  TRY(h5_write(file, "/run/regions/head", H5_F64, 1, &n, head, false));
+  const struct h5_column columns[] = {{"type", 0, H5_TEXT_AT, &rows->type},
+                                      {"name", 0, H5_TEXT_AT, &rows->name},
+                                      {"number", H5_U64, 1, &rows->number},
+                                      {"box", H5_F64, 6, rows->box},
+                                      {"porosity", H5_F64, 1, &rows->porosity},
+                                      {"permeability", H5_F64, 1, &rows->permeability},
+                                      {"darcy_x_z_forchheimer", H5_F64, 3, rows->law},
+                                      {"head", H5_F64, 1, &rows->head}};
+  TRY(h5_write_columns(file, "/run/regions", n, sizeof *rows, 8, columns));
   TRY(h5_write_attribute(file, "/run/regions", "domain", H5_F64, 3, scene->domain_size));
   TRY(h5_write_attribute(file, "/run/regions", "gravity", H5_F64, 3, scene->gravity));
 cleanup:
-  memory_free(&types);
-  memory_free(&names);
-  memory_free(&numbers);
-  memory_free(&boxes);
-  memory_free(&porosity);
-  memory_free(&permeability);
-  memory_free(&law);
-  memory_free(&head);
+  memory_free(&rows);
   return status;
 }
 
-/* Writes the positions of the gauges, or of the planes whose fluxes are in the history. */
-static enum status write_places(const struct scene *scene, bool planes, struct h5_file *file) {
+/* Writes the positions of the gauges, and of the planes whose fluxes are in the history. */
+static enum status write_places(const struct scene *scene, struct h5_file *file) {
   enum status status = STATUS_OK;
-  const size_t n = planes ? scene->plane_count : scene->gauge_count;
-  const size_t shape[2] = {n, planes ? 2 : 3};
-  const char **names = NULL;
-  double *at = NULL;
-  if (n == 0) return STATUS_OK;
-  TRY(memory_allocate(&names, n, sizeof *names, "the places"));
-  TRY(memory_allocate(&at, n, shape[1] * sizeof *at, "the places"));
-  for (size_t k = 0; k < n; k++) {
-    names[k] = planes ? scene->planes[k].name : scene->gauges[k].name;
-    if (planes)
-      at[2 * k] = scene->planes[k].axis, at[2 * k + 1] = scene->planes[k].position;
-    else
-      memcpy(at + 3 * k, scene->gauges[k].at, sizeof scene->gauges[k].at);
+  struct {
+    const char *name;
+    double at[2]; /* axis, position */
+  } *planes = NULL;
+  const struct gauge *gauges = scene->gauges;
+  TRY(memory_allocate(&planes, scene->plane_count, sizeof *planes, "the places"));
+  for (size_t k = 0; k < scene->plane_count; k++) {
+    planes[k].name = scene->planes[k].name;
+    planes[k].at[0] = scene->planes[k].axis, planes[k].at[1] = scene->planes[k].position;
   }
-  TRY(h5_write_texts(file, planes ? "/run/planes/name" : "/run/gauges/name", n, names));
-  TRY(h5_write(file, planes ? "/run/planes/axis_position" : "/run/gauges/position", H5_F64, 2,
-               shape, at, false));
+  if (scene->gauge_count > 0) {
+    const struct h5_column columns[] = {{"name", 0, H5_TEXT, gauges->name},
+                                        {"position", H5_F64, 3, gauges->at}};
+    TRY(h5_write_columns(file, "/run/gauges", scene->gauge_count, sizeof *gauges, 2, columns));
+  }
+  if (scene->plane_count > 0) {
+    const struct h5_column columns[] = {{"name", 0, H5_TEXT_AT, &planes->name},
+                                        {"axis_position", H5_F64, 2, planes->at}};
+    TRY(h5_write_columns(file, "/run/planes", scene->plane_count, sizeof *planes, 2, columns));
+  }
 cleanup:
-  memory_free(&names);
-  memory_free(&at);
+  memory_free(&planes);
   return status;
 }
 
@@ -279,8 +267,7 @@ static enum status write_run(struct recorder *recorder, const struct run_result 
                                      recorder->plan->context.method->constants};
   TRY(constants_write(file, sizeof tables / sizeof *tables, tables));
   TRY(write_regions(scene, file));
-  TRY(write_places(scene, false, file));
-  TRY(write_places(scene, true, file));
+  TRY(write_places(scene, file));
   TRY(h5_write_texts(file, "/run/snapshots/name", recorder->snapshot_count,
                      (const char *const *)recorder->snapshot_names));
   TRY(h5_write(file, "/run/snapshots/time", H5_F64, 1, &recorder->snapshot_count,

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/hdf5_table.h"
 #include "common/memory.h"
 
 void step_log_limit(struct step_log *log, const char *effect) {
@@ -33,34 +34,22 @@ static const char *path_of(const char *group, const char *name, char path[96]) {
 
 enum status step_log_write(const struct step_log *log, struct h5_file *file, const char *group) {
   enum status status = STATUS_OK;
-  size_t n = log->back_count;
+  const struct h5_column name = {"limits/name", 0, H5_TEXT, log->limit_names};
   char path[96];
-  const char *names[STEP_LIMITS_MAX], **causes = NULL;
-  double *numbers = NULL;
   if (log->limit_count > 0) {
-    for (size_t i = 0; i < log->limit_count; i++) names[i] = log->limit_names[i];
-    TRY(h5_write_texts(file, path_of(group, "limits/name", path), log->limit_count, names));
+    TRY(h5_write_columns(file, group, log->limit_count, sizeof *log->limit_names, 1, &name));
     TRY(h5_write(file, path_of(group, "limits/steps", path), H5_F64, 1, &log->limit_count,
                  log->limit_steps, false));
   }
-  if (n > 0) {
-    TRY(memory_allocate(&causes, n, sizeof *causes, "the record of steps back"));
-    TRY(memory_allocate(&numbers, 3 * n, sizeof *numbers, "the record of steps back"));
-    for (size_t i = 0; i < n; i++) {
-      causes[i] = log->backs[i].cause;
-      numbers[i] = log->backs[i].time;
-      numbers[n + i] = log->backs[i].back_to;
-      numbers[2 * n + i] = log->backs[i].dt;
-    }
-    TRY(h5_write_texts(file, path_of(group, "watchdog/cause", path), n, causes));
-    TRY(h5_write(file, path_of(group, "watchdog/time", path), H5_F64, 1, &n, numbers, false));
-    TRY(h5_write(file, path_of(group, "watchdog/back_to", path), H5_F64, 1, &n, numbers + n,
-                 false));
-    TRY(h5_write(file, path_of(group, "watchdog/dt", path), H5_F64, 1, &n, numbers + 2 * n, false));
+  if (log->back_count > 0) {
+    const struct step_back *backs = log->backs;
+    const struct h5_column back[] = {{"watchdog/cause", 0, H5_TEXT, backs->cause},
+                                     {"watchdog/time", H5_F64, 1, &backs->time},
+                                     {"watchdog/back_to", H5_F64, 1, &backs->back_to},
+                                     {"watchdog/dt", H5_F64, 1, &backs->dt}};
+    TRY(h5_write_columns(file, group, log->back_count, sizeof *backs, 4, back));
   }
 cleanup:
-  memory_free(&causes);
-  memory_free(&numbers);
   return status;
 }
 

@@ -167,9 +167,7 @@ static bool is_finished(struct h5_file *file, const struct scene *scene,
               (!strcmp(state, "converged") || !strcmp(state, "steady") ||
                !strcmp(state, "blocked") || (wanted > 0 && !strcmp(state, "budget")));
   const bool blocked = same && !strcmp(state, "blocked");
-  memory_free(&text);
-  memory_free(&state);
-  memory_free(&hash);
+  MEMORY_FREE(&text, &state, &hash);
   if (!same) return false;
   int32_t mirrored[3] = {0};
   if (h5_attribute_exists(file, "/run", "mirrored") &&

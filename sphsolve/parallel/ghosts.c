@@ -48,20 +48,12 @@ cleanup:
 }
 
 void ghosts_free(struct ghosts *g) {
-  memory_free(&g->partition);
-  memory_free(&g->wanted);
-  memory_free(&g->number);
-  memory_free(&g->send);
-  memory_free(&g->receive);
-  memory_free(&g->send_start);
-  memory_free(&g->receive_start);
-  memory_free(&g->out);
-  memory_free(&g->in);
+  MEMORY_FREE(&g->partition, &g->wanted, &g->number, &g->send, &g->receive, &g->send_start,
+              &g->receive_start, &g->out, &g->in);
 }
 
 void ghosts_free_buffers(struct ghosts *g) {
-  memory_free(&g->out);
-  memory_free(&g->in);
+  MEMORY_FREE(&g->out, &g->in);
 }
 
 enum status ghosts_plan_exchange(struct ghosts *g, size_t items) {
@@ -69,8 +61,7 @@ enum status ghosts_plan_exchange(struct ghosts *g, size_t items) {
   const size_t ranks = (size_t)ranks_count();
   size_t n = 0, owner = 0, *counts = NULL;
   uint32_t *asked = NULL; /* indices in the arrays of the owner */
-  memory_free(&g->send);
-  memory_free(&g->receive);
+  MEMORY_FREE(&g->send, &g->receive);
   ghosts_free_buffers(g);
   if (g->send_start == NULL) {
     TRY(memory_allocate(&g->send_start, ranks + 1, sizeof *counts, "ghosts"));
@@ -106,8 +97,7 @@ enum status ghosts_plan_exchange(struct ghosts *g, size_t items) {
   ranks_wait();
   for (size_t k = 0; k < m; k++) g->send[k] += (uint32_t)g->begin;
 cleanup:
-  memory_free(&counts);
-  memory_free(&asked);
+  MEMORY_FREE(&counts, &asked);
   return status;
 }
 

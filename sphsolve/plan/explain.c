@@ -10,34 +10,6 @@
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
-static enum ranks_term worst_of(const struct ranks_forecast *f) {
-  enum ranks_term worst = RANKS_IN_FULL;
-  for (enum ranks_term t = RANKS_IN_FULL; t < RANKS_TERMS; t++)
-    if (f->seconds[t] > f->seconds[worst]) worst = t;
-  return worst;
-}
-
-static void print_ranks(const struct ranks_forecast *f) {
-  char text[64];
-  duration_format(f->total, text, sizeof text);
-  printf("ranks      on %d (%d with work): %.1f MB each at most, %s%s, efficiency %.0f %%",
-         f->ranks, f->used, f->memory_bytes / 1e6, strncmp(text, "under", 5) ? "about " : "", text,
-         100 * f->efficiency);
-  if (f->used > 1)
-    printf("; beside compute most is %s, %.0f %% of the time", ranks_term_name(worst_of(f)),
-           100 * f->seconds[worst_of(f)] / f->total);
-  printf("\n");
-}
-
-static json_t *ranks_json(const struct ranks_forecast *f) {
-  return json_pack("{s:i, s:i, s:f, s:f, s:f, s:f, s:f, s:f, s:f, s:f}", "ranks", f->ranks, "used",
-                   f->used, "memory_bytes", f->memory_bytes, "seconds", f->total, "efficiency",
-                   f->efficiency, "seconds_compute", f->seconds[RANKS_COMPUTE], "seconds_in_full",
-                   f->seconds[RANKS_IN_FULL], "seconds_gathered", f->seconds[RANKS_GATHERED],
-                   "seconds_ghosts", f->seconds[RANKS_GHOSTS], "seconds_sums",
-                   f->seconds[RANKS_SUMS]);
-}
-
 /* Total error including that of the scan, which no lattice reduces. */
 static double with_scan(const struct plan *plan, double resolution) {
   return isfinite(plan->expected_scan) ? hypot(resolution, plan->expected_scan) : resolution;
@@ -91,7 +63,7 @@ static void print_regions(const struct scene *scene) {
 }
 
 /* Predicted iterations or steps, time and error. */
-static void print_outcome(const struct plan *plan, const struct ranks_forecast *ranks) {
+static void print_outcome(const struct plan *plan, int ranks) {
   char text[512];
   if (plan->blocked) {
     printf("blocked    %s\n", plan->expected.why);
@@ -104,7 +76,11 @@ static void print_outcome(const struct plan *plan, const struct ranks_forecast *
     duration_format(plan->seconds_sides, text, sizeof text);
     printf("           and up to about %s more" SIDES_LARGE "\n", text);
   }
-  if (ranks != NULL) print_ranks(ranks);
+  if (ranks > 0) {
+    int used;
+    const double bytes = plan_rank_bytes(plan, ranks, plan->threads, &used);
+    printf("ranks      on %d (%d with work): %.1f MB each at most\n", ranks, used, bytes / 1e6);
+  }
   const struct error_forecast *e = &plan->expected;
   if (isfinite(e->error))
     printf("error      %s %s %%: %s\n", e->least > 0 ? "about" : "at most",
@@ -117,7 +93,7 @@ static void print_outcome(const struct plan *plan, const struct ranks_forecast *
   print_levels(plan);
 }
 
-void explain_print(const struct plan *plan, const struct ranks_forecast *ranks) {
+void explain_print(const struct plan *plan, int ranks) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char text[512], more[64];
@@ -202,7 +178,7 @@ static json_t *plan_pores_json(const struct plan *plan) {
                    "frozen_shift", shape->outer, "adami_shift", shape->middle);
 }
 
-enum status explain_print_json(const struct plan *plan, const struct ranks_forecast *ranks,
+enum status explain_print_json(const struct plan *plan, int ranks,
                                const struct recommendation *recommended) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
@@ -237,8 +213,15 @@ enum status explain_print_json(const struct plan *plan, const struct ranks_forec
       json_number(plan->expected_scan), "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
-  if (ranks != NULL && !plan->blocked) json_object_set_new(object, "ranks", ranks_json(ranks));
-  if (recommended != NULL) json_object_set_new(object, "cheapest", recommend_json(recommended));
+  if (ranks > 0 && !plan->blocked) {
+    int used;
+    const double bytes = plan_rank_bytes(plan, ranks, plan->threads, &used);
+    json_object_set_new(
+        object, "ranks",
+        json_pack("{s:i, s:i, s:f}", "ranks", ranks, "used", used, "memory_bytes", bytes));
+  }
+  if (recommended != NULL)
+    json_object_set_new(object, "cheapest", recommend_json(plan, recommended));
   json_dumpf(object, stdout, JSON_INDENT(2));
   putchar('\n');
   json_decref(object);

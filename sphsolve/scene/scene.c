@@ -65,15 +65,10 @@ void scene_free(struct scene *scene) {
     if (scene->regions[k].polygon != NULL) memory_free(&scene->regions[k].polygon->corner);
     memory_free(&scene->regions[k].polygon);
     if (scene->regions[k].stl != NULL) stl_free(scene->regions[k].stl);
-    memory_free(&scene->regions[k].stl);
-    memory_free(&scene->regions[k].table.time);
-    memory_free(&scene->regions[k].table.value);
+    MEMORY_FREE(&scene->regions[k].stl, &scene->regions[k].table.time,
+                &scene->regions[k].table.value);
   }
-  memory_free(&scene->regions);
-  memory_free(&scene->gauges);
-  memory_free(&scene->planes);
-  memory_free(&scene->output_fields);
-  memory_free(&scene->text);
+  MEMORY_FREE(&scene->regions, &scene->gauges, &scene->planes, &scene->output_fields, &scene->text);
 }
 
 int scene_axis_along(const double vector[3]) {

@@ -279,8 +279,7 @@ enum status scene_read(const char *path, const char *const *overrides, size_t ov
   TRY(keys_check_names(config, false));
   if (!*scene->flow_path) TRY(check_whole(config, scene));
   note_places(config, scene);
-  TRY(memory_allocate(&scene->text, strlen(config_text(config)) + 1, 1, "the scene's text"));
-  strcpy(scene->text, config_text(config));
+  TRY(memory_copy_text(config_text(config), strlen(config_text(config)), &scene->text));
 cleanup:
   config_close(config);
   if (status != STATUS_OK) scene_free(scene);

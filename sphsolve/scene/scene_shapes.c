@@ -301,7 +301,6 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
     scene->regions = all.region, scene->region_count = all.count, all.region = before;
   }
 cleanup:
-  memory_free(&parts.region);
-  memory_free(&all.region);
+  MEMORY_FREE(&parts.region, &all.region);
   return status;
 }

@@ -200,9 +200,7 @@ static enum status check_closed(const char *path, const struct stl *stl) {
              place[k].x[2]);
   }
 cleanup:
-  memory_free(&place);
-  memory_free(&number);
-  memory_free(&edge);
+  MEMORY_FREE(&place, &number, &edge);
   return status;
 }
 

@@ -22,9 +22,7 @@ cleanup:
 
 void solute_cells_free(struct solute_cells *c) {
   for (int a = 0; a < 3; a++) {
-    memory_free(&c->width[a]);
-    memory_free(&c->conductance[a]);
-    memory_free(&c->flux[a]);
+    MEMORY_FREE(&c->width[a], &c->conductance[a], &c->flux[a]);
   }
   memory_free(&c->volume);
 }

@@ -28,11 +28,9 @@ cleanup:
 }
 
 void solute_flow_free(struct solute_flow *f) {
-  memory_free(&f->distance);
-  memory_free(&f->volume);
+  MEMORY_FREE(&f->distance, &f->volume);
   for (int a = 0; a < 3; a++) {
-    memory_free(&f->aperture[a]);
-    memory_free(&f->velocity[a]);
+    MEMORY_FREE(&f->aperture[a], &f->velocity[a]);
   }
 }
 
@@ -127,9 +125,7 @@ static enum status close_isolated(struct solute_flow *f) {
                "solute spreads without end; take a larger sample",
                sum[at] / volume[at]);
 cleanup:
-  memory_free(&parent);
-  memory_free(&volume);
-  memory_free(&sum);
+  MEMORY_FREE(&parent, &volume, &sum);
   return status;
 }
 
@@ -176,8 +172,7 @@ static enum status project(struct solute_flow *f) {
   f->correction = before > 0 ? sqrt(after / before) : 0;
 cleanup:
   solute_solver_free(&solver);
-  memory_free(&source);
-  memory_free(&potential);
+  MEMORY_FREE(&source, &potential);
   return status;
 }
 

@@ -124,8 +124,7 @@ static enum status read_flow(const char *run_file, bool whole, struct solute_flo
     status = FAIL(STATUS_INPUT, "%s: the water rests; nothing carries a solute", path);
 cleanup:
   h5_close(file);
-  memory_free(&distance);
-  memory_free(&velocity);
+  MEMORY_FREE(&distance, &velocity);
   if (status != STATUS_OK) solute_flow_free(f);
   return status;
 }

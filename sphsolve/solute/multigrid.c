@@ -200,11 +200,7 @@ cleanup:
 void solute_solver_free(struct solute_solver *s) {
   for (int l = 0; l < SOLUTE_LEVELS; l++) {
     solute_cells_free(&s->cells[l]);
-    memory_free(&s->inverse[l]);
-    memory_free(&s->share[l]);
-    memory_free(&s->x[l]);
-    memory_free(&s->rest[l]);
-    memory_free(&s->work[l]);
+    MEMORY_FREE(&s->inverse[l], &s->share[l], &s->x[l], &s->rest[l], &s->work[l]);
   }
   stokes_krylov_free(&s->krylov);
 }

@@ -46,8 +46,7 @@ struct columns {
 
 static void columns_free(struct columns *c) {
   for (int w = 0; w < DIRECTIONS; w++) {
-    memory_free(&c->flux[w]);
-    memory_free(&c->mean[w]);
+    MEMORY_FREE(&c->flux[w], &c->mean[w]);
   }
 }
 

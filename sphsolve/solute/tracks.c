@@ -66,8 +66,6 @@ enum status tracks_write(const char *path, const struct solute_flow *flow,
   file = NULL;
 cleanup:
   h5_close(file);
-  memory_free(&place);
-  memory_free(&time);
-  memory_free(&id);
+  MEMORY_FREE(&place, &time, &id);
   return status;
 }

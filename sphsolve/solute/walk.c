@@ -140,11 +140,7 @@ cleanup:
 }
 
 void walk_end(struct walk *walk) {
-  memory_free(&walk->walkers);
-  memory_free(&walk->spare);
-  memory_free(&walk->now);
-  memory_free(&walk->track);
-  memory_free(&walk->frame);
+  MEMORY_FREE(&walk->walkers, &walk->spare, &walk->now, &walk->track, &walk->frame);
   for (int p = 0; p < WALK_PLANES; p++) memory_free(&walk->passage[p]);
   walk_moments_free(&walk->moments);
 }

@@ -184,8 +184,6 @@ cleanup:
 }
 
 void walk_cells_free(struct walk_cells *cells) {
-  memory_free(&cells->cell);
-  memory_free(&cells->brick);
-  memory_free(&cells->place);
+  MEMORY_FREE(&cells->cell, &cells->brick, &cells->place);
   *cells = (struct walk_cells){0};
 }

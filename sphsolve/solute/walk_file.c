@@ -194,9 +194,7 @@ static enum status load_shared(struct h5_file *file, const char *group, struct w
     for (int t = 0; t < WALK_TRACK && i - w->moments.first < w->moments.count; t++)
       memcpy(w->track[t][i], track + 3 * (WALK_TRACKED * (size_t)t + i), sizeof w->track[t][i]);
 cleanup:
-  memory_free(&sums);
-  memory_free(&track);
-  memory_free(&frames);
+  MEMORY_FREE(&sums, &track, &frames);
   return status;
 }
 

@@ -51,8 +51,7 @@ cleanup:
 }
 
 void walk_record_free(struct walk_record *r) {
-  memory_free(&r->track);
-  memory_free(&r->frame);
+  MEMORY_FREE(&r->track, &r->frame);
 }
 
 static enum status write_lags(struct h5_file *file, const char *group, const char *name,

@@ -125,8 +125,6 @@ enum status walk_surface_find(const struct solute_flow *f, float *corners) {
         }
   }
 cleanup:
-  memory_free(&deficit);
-  memory_free(&area);
-  memory_free(&first);
+  MEMORY_FREE(&deficit, &area, &first);
   return status;
 }

@@ -1,5 +1,6 @@
 /* Method stokes: steady creeping flow; the SPH-Stokes system is solved on a cascade of lattices. */
 #include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -78,38 +79,42 @@ struct progress_state {
   int stalled; /* rounds since `best` last fell by 10 % */
 };
 
-#define CHECKPOINT_NUMBERS 17
-
 /* Pair interactions of a solve so far. */
 static double pairs_of(const struct stokes_solver *s) {
   return (double)s->iterations * (double)s->grid.active_all * (double)s->stencil.offset_count;
 }
 
+/* The numbers of a checkpoint. */
+#define NUMBERS 13
+static void numbers_of(struct stokes_job *job, struct stokes_solver *s,
+                       struct progress_state *state, struct h5_number numbers[NUMBERS]) {
+  struct conservation *balance = &job->result->conservation;
+  const struct h5_number all[NUMBERS] = {{"mean", H5_F64, 3, s->mean},
+                                         {"change", H5_F64, 1, &s->change},
+                                         {"residual_before", H5_F64, 1, &s->residual_before},
+                                         {"residual_start", H5_F64, 1, &s->residual_start},
+                                         {"residual_now", H5_F64, 1, &s->residual_now},
+                                         {"divergence", H5_F64, 1, &s->divergence},
+                                         {"best", H5_F64, 1, &state->best},
+                                         {"stalled", H5_I32, 1, &state->stalled},
+                                         {"iterations", H5_I64, 1, &s->iterations},
+                                         {"flux_open", H5_F64, 1, &balance->flux_open},
+                                         {"force_open", H5_F64, 1, &balance->force_open},
+                                         {"power_open", H5_F64, 1, &balance->power_open},
+                                         {"k_error", H5_F64, 1, &job->result->k_error}};
+  memcpy(numbers, all, sizeof all);
+}
+
 /* Writes a checkpoint of a solve in progress or, with `solved`, of the last completed solve. */
-static enum status write_checkpoint(struct stokes_job *job, const struct stokes_solver *s,
-                                    const struct progress_state *state, bool solved) {
+static enum status write_checkpoint(struct stokes_job *job, struct stokes_solver *s,
+                                    struct progress_state *state, bool solved) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  size_t count = CHECKPOINT_NUMBERS, n = s->grid.active;
+  size_t n = s->grid.active;
   char name[32];
-  const struct conservation *balance = &job->result->conservation;
-  const double numbers[CHECKPOINT_NUMBERS] = {s->mean[0],
-                                              s->mean[1],
-                                              s->mean[2],
-                                              s->change,
-                                              s->residual_before,
-                                              s->residual_start,
-                                              s->residual_now,
-                                              s->divergence,
-                                              state->best,
-                                              state->stalled,
-                                              (double)s->iterations,
-                                              (double)(job->iterations - solved * s->iterations),
-                                              balance->flux_open,
-                                              balance->force_open,
-                                              balance->power_open,
-                                              job->result->k_error,
-                                              job->pairs - (solved ? pairs_of(s) : 0.0)};
+  struct h5_number numbers[NUMBERS];
+  const int64_t before = job->iterations - (solved ? s->iterations : 0);
+  const double pairs = job->pairs - (solved ? pairs_of(s) : 0.0);
   TRY(recorder_checkpoint_begin(job->recorder, &file));
   for (size_t c = 0; c <= (size_t)s->stencil.axis_count; c++) {
     snprintf(name, sizeof name, "/state/x%zu", c);
@@ -118,7 +123,10 @@ static enum status write_checkpoint(struct stokes_job *job, const struct stokes_
     snprintf(name, sizeof name, "/state/residual%zu", c);
     TRY(h5_write_rows(file, name, H5_F32, 1, &n, s->residual + c * n, false));
   }
-  TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
+  numbers_of(job, s, state, numbers);
+  TRY(h5_write_numbers(file, "/state", NUMBERS, numbers));
+  TRY(h5_write_attribute(file, "/state", "before", H5_I64, 1, &before));
+  TRY(h5_write_attribute(file, "/state", "pairs", H5_F64, 1, &pairs));
   TRY(cascade_write(&job->cascade, solved, file));
   status = recorder_checkpoint_commit(job->recorder, file); /* takes the file over */
   file = NULL;
@@ -133,13 +141,11 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
                                    struct progress_state *state, bool *solved) {
   enum status status = STATUS_OK;
   struct h5_file *file = job->checkpoint;
-  double *x = NULL, *numbers = NULL;
+  double *x = NULL;
   float *residual = NULL;
-  size_t length = s->grid.active, count;
+  size_t length = s->grid.active;
   char name[32];
-  TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
-  if (count != CHECKPOINT_NUMBERS)
-    TRY_FAIL(STATUS_INPUT, "%s: is of another scene; remove it to start anew", h5_path(file));
+  struct h5_number numbers[NUMBERS];
   int rank;
   size_t rows[1];
   TRY(h5_shape(file, "/state/x0", 1, &rank, rows));
@@ -161,22 +167,13 @@ static enum status read_checkpoint(struct stokes_job *job, struct stokes_solver 
     if (length > 0) memcpy(s->residual + c * length, residual, length * sizeof *residual);
     memory_free(&residual);
   }
-  memcpy(s->mean, numbers, sizeof s->mean);
-  s->change = numbers[3], s->residual_before = numbers[4];
-  s->residual_start = numbers[5], s->residual_now = numbers[6], s->divergence = numbers[7];
-  *state = (struct progress_state){numbers[8], (int)numbers[9]};
-  s->iterations = (long)numbers[10];
-  job->iterations = (long)numbers[11];
-  struct conservation *balance = &job->result->conservation;
-  balance->steady = *solved;
-  balance->flux_open = numbers[12], balance->force_open = numbers[13];
-  balance->power_open = numbers[14];
-  job->result->k_error = numbers[15];
-  job->pairs = numbers[16];
+  numbers_of(job, s, state, numbers);
+  TRY(h5_read_numbers(file, "/state", NUMBERS, numbers));
+  TRY(h5_read_attribute(file, "/state", "before", H5_I64, 1, &job->iterations));
+  TRY(h5_read_attribute(file, "/state", "pairs", H5_F64, 1, &job->pairs));
+  job->result->conservation.steady = *solved;
 cleanup:
-  memory_free(&x);
-  memory_free(&residual);
-  memory_free(&numbers);
+  MEMORY_FREE(&x, &residual);
   h5_close(file);
   job->checkpoint = NULL;
   return status;
@@ -232,7 +229,7 @@ static enum status solve(struct stokes_job *job, struct stokes_solver *s, bool *
                       fmin(1.0, goal.residual > 0.0 ? log(s->residual_now) / log(goal.residual)
                                                     : log(error) / log(goal.mean)),
                       note);
-    state.stalled = s->residual_now < 0.9 * state.best ? 0 : state.stalled + 1;
+    state.stalled = s->residual_now < STALLED_REDUCTION * state.best ? 0 : state.stalled + 1;
     state.best = fmin(state.best, s->residual_now);
     if (state.stalled == STALLED_ROUNDS_MAX) {
       char soil[STOKES_HINT];
@@ -365,8 +362,8 @@ static void set_result(struct stokes_job *job) {
 /* After an interrupt outside a solve: writes a checkpoint with the last completed solve, from which
  * --resume continues. */
 static enum status keep_solved(struct stokes_job *job) {
-  const struct stokes_solver *s = &job->cascade.coarse;
-  const struct progress_state none = {.best = INFINITY};
+  struct stokes_solver *s = &job->cascade.coarse;
+  struct progress_state none = {.best = INFINITY};
   error_clear();
   /* If it has not been read yet, the checkpoint with which the run began stays valid. */
   if (job->checkpoint != NULL) return FAIL(STATUS_INTERRUPTED, "interrupted; go on with --resume");
@@ -489,6 +486,7 @@ static const char *wall_name(const struct scene *scene) {
 
 const struct method method_stokes = {.name = "stokes",
                                      .effects = stokes_effects,
+                                     .constants = stokes_constants,
                                      .resolves_pores = true,
                                      .solves_creeping = true,
                                      .takes_soil = true,
@@ -496,7 +494,7 @@ const struct method method_stokes = {.name = "stokes",
                                      .takes = takes,
                                      .scales = stokes_scales,
                                      .cost = stokes_cost,
-                                     .ranks_cost = stokes_ranks_cost,
+                                     .ranks_memory = stokes_ranks_memory,
                                      .wall_name = wall_name,
                                      .wall = wall,
                                      .error_flat = 5e-6, /* error left by the solver */

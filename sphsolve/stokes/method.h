@@ -4,7 +4,6 @@
 
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/plan.h"
-#include "sphsolve/plan/ranks_forecast.h"
 
 extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
@@ -16,6 +15,7 @@ enum status stokes_bytes_least(const struct plan *plan, double *bytes);
 double stokes_sides_bytes(const struct plan *plan, double ranks);
 /* The same for one rank, on the finest lattice that a large effect of the sides may require. */
 double stokes_sides_finer_bytes(const struct plan *plan);
-void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost);
+void stokes_ranks_memory(const struct plan *plan, int ranks, int threads,
+                         struct ranks_memory *memory);
 
 #endif

@@ -13,12 +13,7 @@ struct fields {
 };
 
 static void fields_free(struct fields *f) {
-  memory_free(&f->points);
-  memory_free(&f->velocity);
-  memory_free(&f->pressure);
-  memory_free(&f->density);
-  memory_free(&f->micro_porosity);
-  memory_free(&f->id);
+  MEMORY_FREE(&f->points, &f->velocity, &f->pressure, &f->density, &f->micro_porosity, &f->id);
 }
 
 enum status stokes_write_snapshot(const struct scene *scene, const struct lattice *lattice,

@@ -5,6 +5,7 @@
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/constants.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/stokes/solver/cost.h"
@@ -41,10 +42,6 @@ enum status stokes_scales(struct plan *plan) {
   return STATUS_OK;
 }
 
-/* Lower bound of the memory of a run over stokes_solver_bytes of its solved sites. Measured runs
- * take 1.01 to 1.04 times that value. */
-#define BYTES_LOWER_BOUND 0.9
-
 enum status stokes_bytes_least(const struct plan *plan, double *bytes) {
   enum status status = STATUS_OK;
   const struct lattice *l = plan->context.lattice;
@@ -75,7 +72,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
   if (l->wall_count == 0 && l->micro_porosity == NULL)
     return STATUS_OK; /* the run itself reports the error */
   const bool soil = l->micro_porosity != NULL;
-  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : 5.0 * sites;
+  plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : KIND_BYTES * sites;
   plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0));
   plan->bytes_method += surface_bytes(l);
   plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);

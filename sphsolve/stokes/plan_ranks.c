@@ -1,5 +1,6 @@
-/* Predicted cost of method stokes on several ranks (docs/scaling.md). */
+/* Memory of method stokes on several ranks (docs/scaling.md). */
 #include "sphsolve/stokes/method.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 
@@ -8,27 +9,9 @@
 #include "sphsolve/stokes/solver/rows.h"
 
 #define SLAB_PLANES_MIN 4.0 /* fewest planes of a slab */
-/* Per iteration: */
-#define COARSE_SECONDS 1.4e-9 /* CPU seconds per site, for the levels that every rank solves */
-#define GATHERINGS 4.0        /* all-to-all gatherings of a coarse level */
-#define MESSAGES 69.0         /* exchanges of ghost planes */
-#define SUMS 3.8              /* global sums */
-/* Bytes per site: kind and wall distance; unpacked fields; coarse multigrid levels. The second
- * level and all coarser ones are stored in full on every rank. */
-#define LATTICE_BYTES 6.0
-#define FIELD_BYTES 16.0
-#define COARSE_BYTES 8.0
-#define COARSER_BYTES 1.15
-#define SOIL_BYTES 8.0 /* of every lattice of a model with soil */
-/* Bytes per row: two row starts and the flux; and one mask per sixteen sites. On every rank. */
-#define ROW_BYTES 40.0
-#define MASK_BYTES 2.0
-#define SOLUTION_BYTES 32.0 /* per fluid site of the first lattice: velocity and pressure */
-#define FLOOD_SITE 7.0      /* per site, during the percolation search, */
-#define FLOOD_FLUID 4.0     /* and in addition per fluid site */
-/* Independent of the size: stencil and sums of a solver; records of the run. */
-#define SOLVER_BYTES 80e3
-#define RUN_BYTES 200e3
+#define MASK_BYTES 2.0      /* per row: a mask for each sixteen sites */
+#define FLOOD_FLUID 4.0     /* per fluid site, during the percolation search */
+#define RUN_BYTES 200e3     /* records of the run, whatever the size */
 
 /* Size of the scene's lattice resampled to a given spacing (m), mirrored if requested. */
 struct sites {
@@ -106,20 +89,16 @@ double stokes_sides_finer_bytes(const struct plan *plan) {
   return spacing < usual ? sides_bytes(plan, spacing, 1.0) : 0.0;
 }
 
-void stokes_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
-  const struct lattice *l = plan->context.lattice;
-  const double sites = (double)l->count, planes = (double)l->size[2];
-  const double nx = (double)l->size[0], ny = (double)l->size[1];
-  const double r = fmin(ranks, fmax(1, floor(planes / SLAB_PLANES_MIN)));
-  cost->used = r;
-  cost->uneven =
-      ceil(fmax(1, planes / SLAB_PLANES_MIN) / r) * r / fmax(1, planes / SLAB_PLANES_MIN);
-  cost->in_full = plan->steps * COARSE_SECONDS * sites * (1 - 1 / r) / threads;
-  cost->gathered = (1 - 1 / r) * sites * GATHERINGS / 64 * sizeof(float);
-  cost->ghosts = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
-  cost->held = r > 1 ? cost->ghosts : 0; /* each ghost value is stored once */
-  cost->messages = MESSAGES;
-  cost->sums = SUMS;
-  if (r > 1) cost->start = stokes_sides_bytes(plan, r);
-  cost->shares_sites = true;
+void stokes_ranks_memory(const struct plan *plan, int ranks, int threads,
+                         struct ranks_memory *memory) {
+  (void)threads;
+  const size_t *n = plan->context.lattice->size;
+  const double r = fmin(ranks, fmax(1, floor((double)n[2] / SLAB_PLANES_MIN)));
+  const double nx = (double)n[0], ny = (double)n[1];
+  memory->used = r;
+  if (r > 1) { /* each ghost value is stored once */
+    memory->held = 176 * 16 * ceil(nx / 16) * ny + 32 * nx * ny;
+    memory->start = stokes_sides_bytes(plan, r);
+  }
+  memory->shares_sites = true;
 }

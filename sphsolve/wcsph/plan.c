@@ -6,7 +6,6 @@
 
 #include "common/kernel.h"
 #include "common/units.h"
-#include "sphsolve/wcsph/effects/advection.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/method.h"
@@ -256,7 +255,7 @@ enum status wcsph_cost(struct plan *plan, int threads) {
   plan->bytes_wall = engine_bytes_wall(&settings) + site;
   struct particle_fields fields = engine_fields(&settings);
   plan->bytes_disk =
-      (double)wcsph_copy_bytes(&fields) * SLOTS_FLUID * (double)lattice->fluid_count +
+      (double)particles_bytes_kept(&fields) * SLOTS_FLUID * (double)lattice->fluid_count +
       (double)lattice->count *
           ((lattice->region != NULL ? 2 : 0) + (lattice->wall_distance && !subvoxel ? 4 : 0));
   plan->bytes_method = plan->bytes_fluid * (double)lattice->fluid_count +

@@ -1,4 +1,4 @@
-/* Cost of method wcsph on several ranks (docs/scaling.md). */
+/* Memory of method wcsph on several ranks (docs/scaling.md). */
 #include <math.h>
 
 #include "sphsolve/wcsph/constants.h"
@@ -23,20 +23,18 @@ static double count_ghost_sites(const struct lattice *l, double ranks, double re
   return fmin(grown - own, (double)l->count - own);
 }
 
-void wcsph_ranks_cost(const struct plan *plan, int ranks, int threads, struct ranks_cost *cost) {
+void wcsph_ranks_memory(const struct plan *plan, int ranks, int threads,
+                        struct ranks_memory *memory) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count, r = ranks;
   const double share = fluid / fmax(sites, 1);
   const double reach = plan->context.support / plan->context.spacing + GHOST_REACH;
   const double beside = r > 1 ? count_ghost_sites(l, r, reach) : 0;
-  cost->uneven = 1 + 0.5 * PARTITION_SLOTS * (r - 1) / fmax(fluid, 1);
-  cost->ghosts = GHOST_BYTES_SENT * share * beside;
-  cost->messages = 2 * fmin(r - 1, 12);
-  cost->sums = 2;
-  cost->held =
-      beside * (share * (plan->bytes_fluid + GHOST_BYTES_EXTRA) + (1 - share) * plan->bytes_wall);
-  cost->whole = threads * engine_bytes_thread(l, plan->context.support);
-  cost->held += (cost->uneven - 1) * plan->bytes_method / r;
-  cost->start = plan->context.driving > 0 ? PATH_BYTES * (sites + fluid) : 0;
-  cost->shares_sites = true;
+  const double uneven = 0.5 * PARTITION_SLOTS * (r - 1) / fmax(fluid, 1);
+  memory->held =
+      beside * (share * (plan->bytes_fluid + GHOST_BYTES_EXTRA) + (1 - share) * plan->bytes_wall) +
+      uneven * plan->bytes_method / r;
+  memory->whole = threads * engine_bytes_thread(l, plan->context.support);
+  memory->start = plan->context.driving > 0 ? PATH_BYTES * (sites + fluid) : 0;
+  memory->shares_sites = true;
 }

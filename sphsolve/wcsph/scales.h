@@ -10,7 +10,8 @@
 #include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/modes.h"
 
-/* Whether particles stay on their lattice points (effects/advection.h); `why` may be NULL. */
+/* Whether particles stay on their lattice points (advection in effects/registry.def); `why` may be
+ * NULL. */
 bool wcsph_eulerian(const struct effect_context *context, char why[EFFECT_WHY]);
 /* Speed of sound that limits the time step, m/s: in narrow pores, whose gradients are corrected for
  * missing neighbours, sound is faster than in open fluid. In random packings of spheres a run is

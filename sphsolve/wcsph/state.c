@@ -140,27 +140,6 @@ cleanup:
   return status;
 }
 
-struct stored {
-  const char *name;
-  enum h5_type type;
-  void **array;
-};
-
-static size_t stored_arrays(struct particles *p, struct stored list[16]) {
-  static const char *const axis[3][3] = {{"/state/x", "/state/y", "/state/z"},
-                                         {"/state/vx", "/state/vy", "/state/vz"},
-                                         {"/state/ux", "/state/uy", "/state/uz"}};
-  size_t n = 0;
-  for (int a = 0; a < 3; a++) list[n++] = (struct stored){axis[0][a], H5_U32, (void **)&p->x[a]};
-  for (int a = 0; a < 3; a++) list[n++] = (struct stored){axis[1][a], H5_F32, (void **)&p->v[a]};
-  if (p->shift[0] != NULL)
-    for (int a = 0; a < 3; a++)
-      list[n++] = (struct stored){axis[2][a], H5_F32, (void **)&p->shift[a]};
-  list[n++] = (struct stored){"/state/state", H5_F32, (void **)&p->state};
-  list[n++] = (struct stored){"/state/id", H5_U32, (void **)&p->id};
-  return n;
-}
-
 double wcsph_time(const struct wcsph_state *state) {
   return state->time_from + (double)(state->step - state->step_from) * state->engine.settings.dt;
 }
@@ -190,16 +169,18 @@ bool wcsph_double(struct wcsph_state *state) {
   return true;
 }
 
-size_t wcsph_copy_bytes(const struct particle_fields *fields) {
-  return (size_t)(fields->shift ? 11 : 8) * sizeof(float);
+/* The dataset of an array in a checkpoint. */
+static const char *path_of(const struct slot_array *a, char path[32]) {
+  snprintf(path, 32, a->component < 0 ? "/state/%s" : "/state/%s%d", a->name, a->component);
+  return path;
 }
 
 enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy) {
   enum status status = STATUS_OK;
   struct particles p = state->engine.particles; /* pointers only */
   const struct engine *engine = &state->engine;
-  struct stored list[16];
-  const size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = particles_kept(&p, list), first = engine_first_slot(engine);
   const size_t size = (engine_end_slot(engine) - first) * sizeof(float); /* bytes of each array */
   if (copy->file.file == NULL) TRY(scratch_open(copy->beside, &copy->file));
   for (size_t i = 0; i < n; i++)
@@ -224,8 +205,8 @@ enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *sta
   struct particles *p = &engine->particles;
   engine_await_ghosts(engine);
   TRY(particles_resize(p, copy->clusters));
-  struct stored list[16];
-  const size_t n = stored_arrays(p, list), size = particles_slots(p) * sizeof(float);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = particles_kept(p, list), size = particles_slots(p) * sizeof(float);
   for (size_t i = 0; i < n; i++) TRY(scratch_read(&copy->file, i * size, *list[i].array, size));
   TRY(engine_adopt_partition(engine));
   engine->moved = copy->moved;
@@ -253,37 +234,46 @@ void wcsph_copy_free(struct wcsph_copy *copy) {
   scratch_close(&copy->file);
 }
 
-enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file) {
+/* The numbers of a checkpoint. */
+#define NUMBERS 15
+static void numbers_of(struct wcsph_state *s, struct h5_number numbers[NUMBERS]) {
+  struct engine *e = &s->engine;
+  const struct h5_number all[NUMBERS] = {{"step", H5_I64, 1, &s->step},
+                                         {"halvings", H5_I32, 1, &s->halvings},
+                                         {"time_from", H5_F64, 1, &s->time_from},
+                                         {"step_from", H5_I64, 1, &s->step_from},
+                                         {"sample_from", H5_I64, 1, &s->sample_from},
+                                         {"next_row", H5_F64, 1, &s->next_row},
+                                         {"watchdog_halvings", H5_I32, 1, &s->dog.halvings},
+                                         {"watchdog_trip", H5_F64, 1, &s->dog.trip_time},
+                                         {"moved", H5_F64, 1, &e->moved},
+                                         {"speed_max", H5_F64, 1, &e->speed_max},
+                                         {"steps", H5_U64, 1, &e->steps},
+                                         {"interactions", H5_F64, 1, &e->pair_interactions},
+                                         {"pairs_fluid", H5_U64, 1, &e->pairs_fluid},
+                                         {"pairs_wall", H5_U64, 1, &e->pairs_wall},
+                                         {"pairs_alone", H5_U64, 1, &e->pairs_alone}};
+  memcpy(numbers, all, sizeof all);
+}
+
+enum status wcsph_write_state(struct wcsph_state *state, struct h5_file *file) {
   enum status status = STATUS_OK;
   struct particles p = state->engine.particles; /* pointers only */
   const struct engine *engine = &state->engine;
-  struct stored list[16];
-  size_t n = stored_arrays(&p, list), first = engine_first_slot(engine);
+  struct h5_number numbers[NUMBERS];
+  char path[32];
+  const double dt = ldexp(engine->settings.dt, state->halvings), wall = engine->settings.wall;
+  struct slot_array list[SLOT_ARRAYS];
+  size_t n = particles_kept(&p, list), first = engine_first_slot(engine);
   size_t slots = engine_end_slot(engine) - first;
   for (size_t i = 0; i < n; i++) /* all elements have 4 bytes */
-    TRY(h5_write_rows(file, list[i].name, list[i].type, 1, &slots, *(float **)list[i].array + first,
-                      false));
-  double numbers[] = {engine->moved,
-                      engine->speed_max,
-                      engine->pair_interactions,
-                      (double)engine->pairs_fluid,
-                      (double)engine->pairs_wall,
-                      state->next_row,
-                      ldexp(engine->settings.dt, state->halvings),
-                      (double)engine->steps,
-                      state->halvings,
-                      state->time_from,
-                      (double)state->step_from,
-                      (double)state->sample_from,
-                      state->dog.halvings,
-                      state->dog.trip_time,
-                      (double)engine->pairs_alone,
-                      engine->settings.wall};
-  size_t count = sizeof numbers / sizeof *numbers;
-  TRY(h5_write(file, "/state/numbers", H5_F64, 1, &count, numbers, false));
+    TRY(h5_write_rows(file, path_of(&list[i], path), list[i].whole ? H5_U32 : H5_F32, 1, &slots,
+                      *(float **)list[i].array + first, false));
+  numbers_of(state, numbers);
+  TRY(h5_write_numbers(file, "/state", NUMBERS, numbers));
+  TRY(h5_write_attribute(file, "/state", "dt", H5_F64, 1, &dt));
+  TRY(h5_write_attribute(file, "/state", "wall", H5_F64, 1, &wall));
   TRY(budget_write(&state->budget.total, sizeof state->budget, file, "/state/account"));
-  count = 1;
-  TRY(h5_write(file, "/state/step", H5_I64, 1, &count, &state->step, false));
   size_t dims[2] = {state->monitor.count, MONITOR_COMPONENTS};
   if (dims[0] > 0)
     TRY(h5_write(file, "/state/monitor", H5_F64, 2, dims, state->monitor.rows, false));
@@ -295,10 +285,11 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   enum status status = STATUS_OK;
   struct engine *engine = &state->engine;
   struct particles *p = &engine->particles;
-  size_t slots[2], dims[2], count, own;
+  size_t slots[2], dims[2], own;
   int rank;
-  double *numbers = NULL, (*rows)[MONITOR_COMPONENTS] = NULL;
-  int64_t *step = NULL;
+  double dt, wall, (*rows)[MONITOR_COMPONENTS] = NULL;
+  struct h5_number numbers[NUMBERS];
+  char path[32];
   void *array = NULL;
   TRY(h5_shape(file, "/state/id", 1, &rank, slots));
   if (slots[0] % CLUSTER != 0 || slots[0] < p->count)
@@ -307,38 +298,26 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
   TRY(engine_partition(engine, slots[0] / CLUSTER));
   own = RANKS && ranks_count() > 1 ? engine_end_slot(engine) : slots[0];
   TRY(particles_resize(p, own / CLUSTER));
-  struct stored list[16];
-  size_t n = stored_arrays(p, list);
+  struct slot_array list[SLOT_ARRAYS];
+  size_t n = particles_kept(p, list);
   for (size_t i = 0; i < n; i++) {
     dims[0] = own;
-    TRY(h5_read_rows(file, list[i].name, list[i].type, 1, slots[0], engine_number(engine, 0), dims,
-                     &array));
+    TRY(h5_read_rows(file, path_of(&list[i], path), list[i].whole ? H5_U32 : H5_F32, 1, slots[0],
+                     engine_number(engine, 0), dims, &array));
     if (own > 0) memcpy(*list[i].array, array, own * sizeof(float));
     memory_free(&array);
   }
   TRY(budget_read(&state->budget.total, sizeof state->budget, file, "/state/account"));
-  TRY(h5_read(file, "/state/numbers", H5_F64, 1, &count, &numbers));
-  TRY(h5_read(file, "/state/step", H5_I64, 1, &dims[0], &step));
-  if (count != 16 || dims[0] != 1 || numbers[15] != (double)engine->settings.wall)
-    TRY_FAIL(STATUS_INPUT, "%s: /state/numbers is not of this version", h5_path(file));
-  if (numbers[6] != engine->settings.dt)
+  TRY(h5_read_attribute(file, "/state", "dt", H5_F64, 1, &dt));
+  TRY(h5_read_attribute(file, "/state", "wall", H5_F64, 1, &wall));
+  if (wall != (double)engine->settings.wall)
+    TRY_FAIL(STATUS_INPUT, "%s: is of another treatment of walls; remove it to start anew",
+             h5_path(file));
+  if (dt != engine->settings.dt)
     TRY_FAIL(STATUS_INPUT, "%s: the checkpoint was made with dt = %.17g s, the scene gives %.17g s",
-             h5_path(file), numbers[6], engine->settings.dt);
-  engine->moved = numbers[0];
-  engine->speed_max = numbers[1];
-  engine->pair_interactions = numbers[2];
-  engine->pairs_fluid = (uint64_t)numbers[3];
-  engine->pairs_wall = (uint64_t)numbers[4];
-  engine->steps = (uint64_t)numbers[7];
-  state->next_row = numbers[5];
-  state->step = *step;
-  state->halvings = (int)numbers[8];
-  state->time_from = numbers[9];
-  state->step_from = (int64_t)numbers[10];
-  state->sample_from = (int64_t)numbers[11];
-  state->dog.halvings = (int)numbers[12];
-  state->dog.trip_time = numbers[13];
-  engine->pairs_alone = (uint64_t)numbers[14];
+             h5_path(file), dt, engine->settings.dt);
+  numbers_of(state, numbers);
+  TRY(h5_read_numbers(file, "/state", NUMBERS, numbers));
   engine_set_dt(engine, ldexp(engine->settings.dt, -state->halvings));
   if (h5_exists(file, "/state/monitor")) {
     TRY(h5_read(file, "/state/monitor", H5_F64, 2, dims, &rows));
@@ -347,9 +326,6 @@ enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state) {
     for (size_t i = 0; i < dims[0]; i++) TRY(monitor_add(&state->monitor, rows[i]));
   }
 cleanup:
-  memory_free(&array);
-  memory_free(&rows);
-  memory_free(&numbers);
-  memory_free(&step);
+  MEMORY_FREE(&array, &rows);
   return status;
 }

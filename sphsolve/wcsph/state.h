@@ -50,7 +50,6 @@ enum status wcsph_keep(struct wcsph_state *state, struct wcsph_copy *copy);
 /* Restores the copy; the present step is kept unless the copy's was shorter. */
 enum status wcsph_go_back(const struct wcsph_copy *copy, struct wcsph_state *state);
 void wcsph_copy_free(struct wcsph_copy *copy);
-size_t wcsph_copy_bytes(const struct particle_fields *fields); /* per fluid particle */
 
 /* Sums over the fluid, in an order independent of the number of threads. */
 struct wcsph_totals {
@@ -69,7 +68,7 @@ enum status wcsph_sum(struct engine *engine, bool flux, struct wcsph_totals *tot
 
 /* Write and read /state: everything that later steps depend on, so that a resumed run is bitwise
  * identical. */
-enum status wcsph_write_state(const struct wcsph_state *state, struct h5_file *file);
+enum status wcsph_write_state(struct wcsph_state *state, struct h5_file *file);
 enum status wcsph_read_state(struct h5_file *file, struct wcsph_state *state);
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "common/log.h"
 #include "sphsolve/wcsph/constants.h"
-#include "sphsolve/wcsph/effects/advection.h"
 
 static enum watch_bound check_bounds(struct wcsph_run *run, const struct wcsph_totals *totals,
                                      double *used) {

@@ -14,15 +14,10 @@
 #include <stdio.h>
 
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/stokes/constants.h"
 
-/* Mobility of a pore site, spacing^2. The drag of layers in series is exact for any value. With a
- * small value the stabilisation lets flux through the surface of the soil; with a large one too
- * little of the stabilisation acts in the soil. Error of layers 8 sites thick, and iterations
- * (verify_micro):
- *   0.05: 8 %, 35;  0.2: 2 %, 35;  0.4: 1 %, 50;  1: 1.6 %, 92;  4: 2 %, 250. */
-#define STOKES_SOIL_PORE 0.4
-
-/* Mobility of soil over that of a pore: M = 1 / (1 / STOKES_SOIL_PORE + 1 / k), k in spacing^2. */
+/* Mobility of soil over that of a pore: M = 1 / (1 / STOKES_SOIL_PORE + 1 / k), k in spacing^2. The
+ * drag of layers in series is exact for any STOKES_SOIL_PORE. */
 static inline double stokes_soil_mobility(double permeability) {
   return permeability / (permeability + STOKES_SOIL_PORE);
 }

@@ -9,12 +9,7 @@
 #include <stdio.h>
 
 #include "sphsolve/plan/plan.h"
-
-/* gamma, in spacing^2 / nu. The term also reduces the apparent divergence of a flow along a wall
- * oblique to the lattice: the error of a slit 8 sites wide turned by 30 degrees is 1.6 % at .02,
- * 1.0 % at .05, .6 % at .1. A large value, however, lets pressure through walls one site thick
- * (sand: +2 % at .05). */
-#define STOKES_STABILISATION 0.05
+#include "sphsolve/stokes/constants.h"
 
 static inline bool stokes_stabilisation_wanted(const struct effect_context *context,
                                                char why[EFFECT_WHY]) {

@@ -10,13 +10,8 @@
 #include <stdio.h>
 
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/stokes/constants.h"
 
-/* Smallest wall distance of a fluid site, spacings; the quotient would be infinite at the
- * surface. */
-#define WALL_DISTANCE_FLOOR 0.02
-/* Distances of two sites cannot differ by more than the sites are apart; beyond this ratio they are
- * noise. */
-#define WALL_SMOOTH_TOLERANCE 1.1
 /* Upper bound of the sum of c_ab d_b (d_a + d_b) / 2: its value for a pore one site wide. It keeps
  * the force on a site positive for any distances. */
 #define WALL_PARABOLA_MAX 0.75

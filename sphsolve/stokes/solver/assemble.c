@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/operator.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <omp.h>
@@ -106,10 +107,6 @@ static void add_soil(const struct stokes_operator *op, const struct stokes_offse
     }
   }
 }
-
-/* Bound above which the sum of the jumps (M_b - M_a) / (M_b + M_a) on both sides of a site cannot
- * come from one side alone. */
-#define JUMP_ONE_SIDE_MAX 1.1
 
 /* Sets the moment m that the correction B inverts, at a site beside the surface of soil with normal
  * n. Along the surface the pressure gradient is continuous, and differences are weighted by the
@@ -388,21 +385,11 @@ cleanup:
 }
 
 void stokes_operator_free(struct stokes_operator *op) {
-  memory_free(&op->diagonal);
-  memory_free(&op->parabola);
-  memory_free(&op->pore_sum);
-  memory_free(&op->pore_gradient);
-  memory_free(&op->correction);
-  memory_free(&op->drag);
+  MEMORY_FREE(&op->diagonal, &op->parabola, &op->pore_sum, &op->pore_gradient, &op->correction,
+              &op->drag);
   stokes_soil_free(&op->soil);
-  memory_free(&op->edges);
-  memory_free(&op->edge_start);
-  memory_free(&op->edge_moving);
-  memory_free(&op->cuts);
-  memory_free(&op->cut_start);
-  memory_free(&op->row_flux);
-  memory_free(&op->field);
-  memory_free(&op->scratch);
+  MEMORY_FREE(&op->edges, &op->edge_start, &op->edge_moving, &op->cuts, &op->cut_start,
+              &op->row_flux, &op->field, &op->scratch);
 }
 
 void stokes_operator_flux(struct stokes_operator *op, const double force[3], const double *x,

@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/darcy.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <omp.h>
 #include <string.h>
@@ -6,7 +7,6 @@
 #include "common/variants.h"
 #include "sphsolve/stokes/solver/cuts.h"
 
-#define DAMPING 0.8f
 #define KAPPA 0 /* slots of the fields */
 #define PRESSURE 1
 
@@ -140,7 +140,7 @@ static void sweep(struct stokes_operator *op, enum task task, const float *r, co
         find_row(op, row, &sum, &diagonal);
         for (size_t i = 0; i < count; i++) {
           const float left = task == START ? r[start + i] : r[start + i] - sum[i];
-          const float step = diagonal[i] > 0.0f ? DAMPING * left / diagonal[i] : 0.0f;
+          const float step = diagonal[i] > 0.0f ? (float)DAMPING * left / diagonal[i] : 0.0f;
           out[start + i] = task == RESIDUAL ? left : task == START ? step : p[start + i] + step;
         }
       }

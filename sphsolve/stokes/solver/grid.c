@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/grid.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <stdbool.h>
 #include <string.h>
@@ -92,9 +93,6 @@ void stokes_grid_mirror(struct stokes_grid *grid, const struct lattice *lattice,
   grid->active = grid->active_all = grid->row_start[grid->row_end];
 }
 
-/* Work of a site that is not solved, relative to a solved one; docs/scaling.md. */
-#define WORK_SITE 0.2
-
 enum status stokes_grid_distribute(struct stokes_grid *grid, int reach) {
   enum status status = STATUS_OK;
   const size_t planes = grid->size[2], ny = grid->size[1];
@@ -125,7 +123,6 @@ cleanup:
 }
 
 void stokes_grid_free(struct stokes_grid *grid) {
-  memory_free(&grid->mask);
-  memory_free(&grid->row_start);
+  MEMORY_FREE(&grid->mask, &grid->row_start);
   slabs_free(&grid->slabs);
 }

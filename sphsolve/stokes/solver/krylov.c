@@ -29,10 +29,7 @@ cleanup:
 }
 
 void stokes_krylov_free(struct stokes_krylov *k) {
-  memory_free(&k->basis);
-  memory_free(&k->work);
-  memory_free(&k->partial);
-  memory_free(&k->columns);
+  MEMORY_FREE(&k->basis, &k->work, &k->partial, &k->columns);
 }
 
 static double dot(struct stokes_krylov *k, const float *x, const float *y) {

@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/multigrid.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <stdbool.h>
 #include <string.h>
@@ -8,7 +9,6 @@
 
 #define SWEEPS 2
 #define SWEEPS_COARSEST 16
-#define DAMPING 0.8f
 /* Constant values on blocks make the coarse operator too stiff by a factor of two (Braess 1995). */
 #define OVERCORRECTION 0.5f
 #define PARALLEL_FROM 20000
@@ -57,12 +57,7 @@ void stokes_multigrid_free(struct stokes_multigrid *m) {
   for (int i = 0; i < m->level_count; i++) {
     struct stokes_multigrid_level *l = &m->levels[i];
     for (int a = 0; a < 3; a++) memory_free(&l->face[a]);
-    memory_free(&l->start);
-    memory_free(&l->mass);
-    memory_free(&l->inverse);
-    memory_free(&l->u);
-    memory_free(&l->b);
-    memory_free(&l->r);
+    MEMORY_FREE(&l->start, &l->mass, &l->inverse, &l->u, &l->b, &l->r);
   }
   m->level_count = 0;
 }
@@ -209,7 +204,7 @@ static void smooth(struct stokes_multigrid_level *l, int sweeps, bool from_zero)
     const size_t begin = first_of(l), end = end_of(l);
 #pragma omp parallel for simd schedule(static) if (l->count > PARALLEL_FROM)
     for (size_t i = begin; i < end; i++)
-      l->u[i] = (first ? 0.0f : l->u[i]) + DAMPING * l->inverse[i] * r[i];
+      l->u[i] = (first ? 0.0f : l->u[i]) + (float)DAMPING * l->inverse[i] * r[i];
   }
 }
 

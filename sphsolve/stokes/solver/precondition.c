@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/precondition.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <string.h>
@@ -10,13 +11,11 @@
 #include "sphsolve/stokes/solver/darcy.h"
 #include "sphsolve/stokes/solver/sums.h"
 
-#define KAPPA_TOLERANCE 0.03
 #define KAPPA_ITERATIONS 400
 #define SOIL_SWEEPS 3
 /* Jacobi sweeps after the coarse correction of the velocities. With one sweep, open fibres need
  * twice the iterations; a third one gains nothing. */
 #define VELOCITY_SWEEPS 2
-#define DAMPING 0.8f
 
 /* kappa += alpha d, r -= alpha Ad; returns r D^-1 r. */
 static double step_kappa(struct stokes_preconditioner *pc, float alpha, const float *d,
@@ -84,10 +83,7 @@ static enum status solve_kappa(struct stokes_preconditioner *pc) {
     pc->darcy[i] = m < 1.0 ? fminf(pc->kappa[i], (float)stokes_soil_permeability(m)) : pc->kappa[i];
   }
 cleanup:
-  memory_free(&r);
-  memory_free(&d);
-  memory_free(&Ad);
-  memory_free(&partial);
+  MEMORY_FREE(&r, &d, &Ad, &partial);
   return status;
 }
 
@@ -234,8 +230,7 @@ cleanup:
 }
 
 void stokes_preconditioner_free(struct stokes_preconditioner *pc) {
-  memory_free(&pc->kappa);
-  memory_free(&pc->darcy);
+  MEMORY_FREE(&pc->kappa, &pc->darcy);
   stokes_multigrid_free(&pc->velocity);
   stokes_multigrid_free(&pc->pressure);
 }
@@ -298,7 +293,8 @@ static void solve_velocity(struct stokes_preconditioner *pc, int axis, const flo
   for (int sweep = 0; sweep < VELOCITY_SWEEPS; sweep++) {
     stokes_operator_apply_viscous(op, axis, y, product);
 #pragma omp parallel for simd schedule(static)
-    for (size_t i = 0; i < op->n; i++) y[i] += DAMPING * (x[i] - product[i]) / op->diagonal[i];
+    for (size_t i = 0; i < op->n; i++)
+      y[i] += (float)DAMPING * (x[i] - product[i]) / op->diagonal[i];
   }
 }
 

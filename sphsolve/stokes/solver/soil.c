@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/soil.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 
@@ -11,9 +12,7 @@
 /* Enclosed pores are treated as soil of porosity ENCLOSED_POROSITY and of ENCLOSED_FACTOR times the
  * largest permeability of soil. If the model has soil of more than ENCLOSED_PERMEABILITY_MAX
  * (spacing^2) they stay pores. */
-#define ENCLOSED_FACTOR 500.0
 #define ENCLOSED_PERMEABILITY_MAX 2e-3
-#define ENCLOSED_POROSITY 0.999
 /* Enclosed pores that touch other pores only over an edge or a corner have links to them that the
  * preconditioner, which couples over faces, does not contain. They get the largest permeability of
  * soil itself; with ENCLOSED_FACTOR times that value the solve would take four times the
@@ -81,8 +80,7 @@ static enum status find_enclosed(const struct lattice *l, const double driving[3
       if (s->enclosed[i] == ENCLOSED_TOUCHING) pores.kind[i] = SITE_WALL;
   }
 cleanup:
-  memory_free(&pores.kind);
-  memory_free(&flowing);
+  MEMORY_FREE(&pores.kind, &flowing);
   return status;
 }
 
@@ -125,9 +123,6 @@ struct stokes_soil_site stokes_soil_at(const struct stokes_soil *s, const struct
                    sqrt(fmax(mobility_remainder(m, m) - second * second, 0.0)), second}};
 }
 
-/* Soils whose mobilities differ by less than this factor count as one in the sums. */
-#define SOIL_MOBILITY_RATIO 1.05
-
 /* The mobility of soil nearest to the geometric mean of the least and the largest; 0 if all are
  * alike. */
 static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
@@ -143,12 +138,6 @@ static double find_pivot(const struct stokes_soil *s, const struct lattice *l) {
     }
   return most > SOIL_MOBILITY_RATIO * least ? pivot : 0.0;
 }
-
-/* If the velocity decays within a tenth of a spacing beneath the surface of soil, viscous forces
- * between soil sites are negligible beside the drag, and the second product is omitted. */
-#define THIN_LAYER 0.1
-/* In the preconditioner it is omitted below three tenths. */
-#define THICK_LAYER 0.3
 
 /* The largest thickness sqrt(k / n) of the boundary layer beneath a surface of soil, in
  * spacings. */
@@ -211,13 +200,8 @@ void stokes_soil_free(struct stokes_soil **soil) {
   struct stokes_soil *s = *soil;
   if (s == NULL) return;
   for (int v = 0; v < STOKES_SOIL_SUMS; v++) {
-    memory_free(&s->viscosity.value[v]);
-    memory_free(&s->mobility.value[v]);
+    MEMORY_FREE(&s->viscosity.value[v], &s->mobility.value[v]);
   }
-  memory_free(&s->enclosed);
-  memory_free(&s->force_defect);
-  memory_free(&s->relative);
-  memory_free(&s->row_scale);
-  memory_free(&s->rows);
+  MEMORY_FREE(&s->enclosed, &s->force_defect, &s->relative, &s->row_scale, &s->rows);
   memory_free(soil);
 }

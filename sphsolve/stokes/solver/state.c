@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/state.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <omp.h>
@@ -10,33 +11,21 @@
 #include "sphsolve/geometry/wall_curvature.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
-/* The Krylov basis takes the memory that MEMORY_GOAL (bytes per site) leaves; a short basis costs
- * few additional iterations. SITE_BYTES, per site: lattice 6, unpacked fields 16, coarse levels 10.
- * ACTIVE_BYTES, per active site: operator 52, kappa 4, solution 32, Krylov work vector 16, edges 4,
- * cut links 12; and 16 for every vector of the basis, the first of which is the residual. */
-#define MEMORY_GOAL 125.0
-#define SITE_BYTES 32.0
-#define ACTIVE_BYTES 120.0
 #define BASIS_MIN 6
 #define BASIS_MAX 24
 /* Minimum size where there is soil or a porosity above 0.5: a short basis costs more iterations
  * there, and in open felts a basis of 3 vectors does not converge. */
 #define BASIS_OPEN 8
-/* Additional bytes with soil. Per site: two fields of the lattice, and the unpacked fields of two
- * more sums. Per active site: five weights, the mobility and its square root, the force defect, the
- * permeability. */
-#define SOIL_SITE_BYTES 40.0
-#define SOIL_ACTIVE_BYTES 44.0
 int stokes_solver_basis(double sites, double active, bool soil) {
-  const double left = (MEMORY_GOAL - SITE_BYTES) * sites / active - ACTIVE_BYTES;
+  const double left = (MEMORY_GOAL - SOLVER_SITE_BYTES) * sites / active - ACTIVE_BYTES;
   const bool open = soil || active > 0.5 * sites;
-  return (int)fmax(open ? BASIS_OPEN : BASIS_MIN, fmin(left / 16.0 - 1.0, BASIS_MAX));
+  return (int)fmax(open ? BASIS_OPEN : BASIS_MIN, fmin(left / VECTOR_BYTES - 1.0, BASIS_MAX));
 }
 
 double stokes_solver_bytes(double sites, double active, bool soil) {
   const double more = soil ? SOIL_SITE_BYTES * sites + SOIL_ACTIVE_BYTES * active : 0.0;
-  return SITE_BYTES * sites + more +
-         (ACTIVE_BYTES + 16.0 * (1.0 + stokes_solver_basis(sites, active, soil))) * active;
+  return SOLVER_SITE_BYTES * sites + more +
+         (ACTIVE_BYTES + VECTOR_BYTES * (1.0 + stokes_solver_basis(sites, active, soil))) * active;
 }
 
 /* Fewest active sites per thread. */

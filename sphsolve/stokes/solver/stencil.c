@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/stencil.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <string.h>
@@ -140,8 +141,7 @@ double stokes_stencil_moment(const struct stokes_stencil *s) {
   return sum / s->axis_count;
 }
 
-/* Compact supports have the smallest error for grains of few sites (docs/physics/stokes.md). */
 double stokes_support(const struct scene *scene, double spacing) {
   if (!isnan(scene->stokes.support)) return scene->stokes.support / spacing;
-  return scene->stokes.kernel == KERNEL_QUINTIC ? 2.9 : 1.8;
+  return scene->stokes.kernel == KERNEL_QUINTIC ? SUPPORT_QUINTIC : SUPPORT_CUBIC;
 }

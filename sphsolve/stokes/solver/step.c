@@ -1,4 +1,5 @@
 #include "sphsolve/stokes/solver/step.h"
+#include "sphsolve/stokes/constants.h"
 
 #include <math.h>
 #include <omp.h>
@@ -82,7 +83,7 @@ void stokes_solver_soil_hint(const struct stokes_solver *s, char text[STOKES_HIN
   for (size_t i = 0; i < l->count; i++)
     if (lattice_is_soil(l, i)) least = fmin(least, (double)l->micro_permeability[i]);
   const double relative = least / (s->stencil.unit * s->stencil.unit);
-  if (relative >= 0.01) return;
+  if (relative >= SOIL_HARD) return;
   snprintf(text, STOKES_HINT,
            ": soil of k_micro = %.2g m^2, %.1e spacing^2, is hard to solve; a model with it as "
            "grain bounds k from below, one with k_micro = 0.01 spacing^2 from above",
@@ -95,7 +96,7 @@ enum status stokes_solver_run(struct stokes_solver *s, const struct stokes_goal 
   for (int stalled = 0; stalled < 10;) {
     if (!stokes_solver_round(s)) return FAIL(STATUS_INTERRUPTED, "interrupted");
     if (stokes_solver_converged(s, goal)) return STATUS_OK;
-    stalled = s->residual_now < 0.9 * best ? 0 : stalled + 1;
+    stalled = s->residual_now < STALLED_REDUCTION * best ? 0 : stalled + 1;
     best = fmin(best, s->residual_now);
   }
   if (stokes_solver_mean_error(s) <= goal->slack) return STATUS_OK;

@@ -129,10 +129,8 @@ cleanup:
 }
 
 void cluster_bins_free(struct cluster_bins *bins) {
-  memory_free(&bins->start);
-  memory_free(&bins->member);
+  MEMORY_FREE(&bins->start, &bins->member);
   for (int a = 0; a < 3; a++) {
-    memory_free(&bins->centre[a]);
-    memory_free(&bins->half[a]);
+    MEMORY_FREE(&bins->centre[a], &bins->half[a]);
   }
 }

@@ -171,16 +171,14 @@ void engine_drop_lists(struct engine *engine) {
 void engine_free(struct engine *engine) {
   memory_free(&engine->acceleration);
   for (int t = 0; t < engine->threads && engine->locals != NULL; t++) {
-    memory_free(&engine->locals[t].field[0]);
-    memory_free(&engine->locals[t].collected);
+    MEMORY_FREE(&engine->locals[t].field[0], &engine->locals[t].collected);
   }
   memory_free(&engine->locals);
   engine_drop_lists(engine);
   cluster_bins_free(&engine->wall_bins);
   ghosts_free(&engine->ranks.fluid);
   ghosts_free(&engine->ranks.walls);
-  memory_free(&engine->ranks.blocks);
-  memory_free(&engine->ranks.work);
+  MEMORY_FREE(&engine->ranks.blocks, &engine->ranks.work);
   particles_free(&engine->particles);
 }
 

@@ -25,8 +25,7 @@ struct gathered {
 
 static void gathered_free(struct gathered *known) {
   cluster_set_free(&known->set);
-  memory_free(&known->number);
-  memory_free(&known->wanted);
+  MEMORY_FREE(&known->number, &known->wanted);
 }
 
 /* Box around `count` boxes; differences from the first are those of periodic fixed-point
@@ -171,10 +170,7 @@ static enum status gather(const struct frame *frame, const struct ghosts *g,
     known->number[lower + c] = (uint32_t)(g->partition[self] + c);
   }
 cleanup:
-  memory_free(&send);
-  memory_free(&start);
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&send, &start, &out, &in);
   return status;
 }
 
@@ -230,8 +226,7 @@ static enum status choose_held(struct ghosts *g, struct gathered *known, size_t 
   const size_t begin = known->set.begin, end = known->set.end;
   size_t n = 0;
   for (size_t c = 0; c < known->set.clusters; c++) n += known->wanted[c] || (c >= begin && c < end);
-  memory_free(&g->number);
-  memory_free(&g->wanted);
+  MEMORY_FREE(&g->number, &g->wanted);
   TRY(memory_allocate(&g->number, n + 1, sizeof *g->number, "ghosts"));
   TRY(memory_allocate(&g->wanted, n + 1, 1, "ghosts"));
   *held = 0;
@@ -277,8 +272,7 @@ static enum status place_clusters(struct engine *engine, struct gathered *fluid,
   TRY(ghosts_plan_exchange(g, held));
   TRY(ghosts_plan_exchange(w, held_walls));
 cleanup:
-  memory_free(&g->wanted);
-  memory_free(&w->wanted);
+  MEMORY_FREE(&g->wanted, &w->wanted);
   return status;
 }
 
@@ -336,8 +330,7 @@ enum status engine_list_distributed(struct engine *engine, double range, double 
   engine_await_ghosts(engine);
   if (!engine->fields.wall_state) ghosts_free_buffers(w); /* this was the last transfer of walls */
 cleanup:
-  memory_free(&start);
-  memory_free(&rows);
+  MEMORY_FREE(&start, &rows);
   cluster_set_free(&wall_boxes);
   cluster_bins_free(&bins);
   cluster_bins_free(&wall_bins);

@@ -31,10 +31,7 @@ struct moves {
 };
 
 static void moves_free(struct moves *m) {
-  memory_free(&m->leave);
-  memory_free(&m->send);
-  memory_free(&m->start);
-  memory_free(&m->source);
+  MEMORY_FREE(&m->leave, &m->send, &m->start, &m->source);
 }
 
 static enum status moves_make(struct moves *m, size_t leaving) {
@@ -53,7 +50,7 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
   enum status status = STATUS_OK;
   const size_t ranks = (size_t)ranks_count(), clusters = m->slots / CLUSTER;
   uint32_t *out = NULL, *in = NULL;
-  void **kept[16];
+  struct slot_array kept[SLOT_ARRAYS];
   size_t leaving = 0;
   for (size_t r = 0; r < ranks; r++) leaving += m->send[r];
   const size_t before = p->clusters;
@@ -61,8 +58,8 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
   const size_t fields = particles_kept(p, kept);
   TRY(memory_allocate(&out, leaving + 1, sizeof *out, "particles that change hands"));
   for (size_t f = 0; f < fields; f++) {
-    const uint32_t *from = *kept[f];
-    const bool is_id = kept[f] == (void **)&p->id;
+    const uint32_t *from = *kept[f].array;
+    const bool is_id = kept[f].array == (void **)&p->id;
     uint32_t *to = (uint32_t *)(void *)p->v_next[0];
     for (size_t k = 0; k < leaving; k++) out[k] = from[m->leave[k]];
     TRY(ghosts_exchange(sizeof *out, m->send, out, m->start, &in));
@@ -76,14 +73,13 @@ static enum status moves_apply(struct particles *p, struct moves *m) {
       if (s % CLUSTER == 0) first = to[s];
     }
     for (size_t s = m->slots; s < p->capacity; s++) to[s] = is_id ? NO_PARTICLE : 0;
-    p->v_next[0] = *kept[f];
-    *kept[f] = to;
+    p->v_next[0] = *kept[f].array;
+    *kept[f].array = to;
     memory_free(&in);
   }
   p->clusters = clusters;
 cleanup:
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   return status;
 }
 
@@ -124,8 +120,7 @@ static enum status find_parts(const struct ghosts *g, const uint64_t *entries, s
   part[0] = 0;
   part[ranks] = n;
 cleanup:
-  memory_free(&key);
-  memory_free(&below);
+  MEMORY_FREE(&key, &below);
   return status;
 }
 
@@ -181,8 +176,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   for (size_t c = 0; c < come; c++)
     merged[c < lower ? c : c + stay] = (uint64_t)in[c] << 32 | RECEIVED | c;
   if (stay > 0) memcpy(merged + lower, entries + part[own], stay * sizeof *merged);
-  memory_free(&entries);
-  memory_free(&in);
+  MEMORY_FREE(&entries, &in);
   TRY(memory_allocate(&scratch, total + 1, sizeof *scratch, "sorting keys"));
   order_sort(merged, scratch, total);
   memory_free(&scratch);
@@ -194,12 +188,7 @@ static enum status sort(const struct ordered *o, size_t *n) {
   *n = total;
 cleanup:
   moves_free(&m);
-  memory_free(&entries);
-  memory_free(&scratch);
-  memory_free(&merged);
-  memory_free(&out);
-  memory_free(&in);
-  memory_free(&part);
+  MEMORY_FREE(&entries, &scratch, &merged, &out, &in, &part);
   return status;
 }
 
@@ -286,13 +275,11 @@ static enum status redistribute(const struct ordered *o, size_t n, const uint64_
   }
   TRY(ghosts_exchange(sizeof *out, m.send, out, m.start, &in));
   for (size_t c = 0; c < m.start[ranks]; c++) m.source[in[c] - first] = RECEIVED | (uint32_t)c;
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   TRY(moves_apply(p, &m));
 cleanup:
   moves_free(&m);
-  memory_free(&out);
-  memory_free(&in);
+  MEMORY_FREE(&out, &in);
   return status;
 }
 
@@ -350,8 +337,7 @@ enum status engine_order_walls(struct engine *engine, double range) {
   g->begin = 0, g->end = w.clusters;
   TRY(particles_set_walls(l, range, &engine->fields, w.id, particles_slots(&w), p));
 cleanup:
-  memory_free(&sites);
-  memory_free(&slot);
+  MEMORY_FREE(&sites, &slot);
   particles_free(&w);
   return status;
 }

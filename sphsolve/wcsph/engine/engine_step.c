@@ -386,8 +386,7 @@ enum status engine_budget(struct engine *engine, struct pass_budget *total) {
   if (RANKS && kept != NULL) engine_await_ghosts(engine);
   if (RANKS && kept != NULL) engine_send(engine, SENT_MOTION);
 cleanup:
-  memory_free(&kept);
-  memory_free(&sums);
+  MEMORY_FREE(&kept, &sums);
   pass->budget = NULL;
   return status;
 }

@@ -38,14 +38,9 @@ cleanup:
 }
 
 static void found_free(struct found *found) {
-  memory_free(&found->key);
-  memory_free(&found->sorted);
-  memory_free(&found->member);
-  memory_free(&found->sorted_member);
-  memory_free(&found->square);
+  MEMORY_FREE(&found->key, &found->sorted, &found->member, &found->sorted_member, &found->square);
   for (int a = 0; a < 3; a++) {
-    memory_free(&found->at[a]);
-    memory_free(&found->half[a]);
+    MEMORY_FREE(&found->at[a], &found->half[a]);
   }
 }
 

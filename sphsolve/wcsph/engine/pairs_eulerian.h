@@ -1,7 +1,7 @@
-/* Rows of Eulerian particles next to sub-voxel walls (effects/advection.h). The effect of the
- * surrounding sites is the same in every step: the first two passes here sum it once, and it is
- * stored packed (site_terms.h); steps only visit pairs of fluid. The equations are those of method
- * stokes plus time derivative and advection:
+/* Rows of Eulerian particles next to sub-voxel walls (advection in effects/registry.def). The
+ * effect of the surrounding sites is the same in every step: the first two passes here sum it once,
+ * and it is stored packed (site_terms.h); steps only visit pairs of fluid. The equations are those
+ * of method stokes plus time derivative and advection:
  *
  * dv/dt = -(v . grad) v + F - B G p + nu (pairs of fluid - weight v)/(1 - beta)
  *

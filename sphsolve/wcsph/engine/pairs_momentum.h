@@ -2,7 +2,7 @@
  *
  * v' = (v + dt (F + a_pressure + a_other)) / (1 + dt K)
  *
- * F is gravity, acceleration and mean pressure gradient (effects/body_force.h); K v' is the
+ * F is gravity, acceleration and mean pressure gradient (body_force); K v' is the
  * friction at sub-voxel walls, taken with the new velocity so that particles close to a wall do not
  * limit the step. Forces of effects with their own file act before (engine_kick.c). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_MOMENTUM_H

@@ -5,17 +5,27 @@
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/wcsph/engine/particles.h"
 
-/* An array with 4 bytes per slot, and whether a run needs it. */
-struct slot_array {
-  void **array;
-  bool wanted;
-};
+/* The lines of fields.def of some uses, KEPT | ...; returns the number of arrays. */
+enum { KEPT = 1, RESULT = 2, STEP = 4, WALL = 8, FLUID = KEPT | RESULT | STEP };
+static inline size_t slot_arrays(struct particles *p, const struct particle_fields *fields,
+                                 unsigned uses, struct slot_array list[SLOT_ARRAYS]) {
+  size_t n = 0;
+#define FIELD(use, type, shape, name, when)                                                        \
+  for (int k = 0, all = sizeof p->name / sizeof(void *); (uses & use) && k < all; k++)             \
+    list[n++] = (struct slot_array){#name, all > 1 ? k : -1, (type)0.5f == 0,                      \
+                                    (void **)&p->name + k, when};
+#include "sphsolve/wcsph/engine/fields.def"
+#undef FIELD
+  return n;
+}
 
-static inline size_t count_wanted(const struct slot_array *list, size_t n) {
-  size_t wanted = 0;
-  /* cppcheck-suppress uninitvar ; the callers fill the first n entries in the argument n itself */
-  for (size_t i = 0; i < n; i++) wanted += list[i].wanted;
-  return wanted;
+static inline size_t slot_bytes(const struct particle_fields *fields, unsigned uses) {
+  struct particles none;
+  struct slot_array list[SLOT_ARRAYS];
+  size_t bytes = 0;
+  for (size_t n = slot_arrays(&none, fields, uses, list); n > 0; n--)
+    bytes += list[n - 1].wanted ? sizeof(float) : 0;
+  return bytes;
 }
 
 /* Indices of a site, x, y, z. */

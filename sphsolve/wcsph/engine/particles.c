@@ -10,31 +10,12 @@
 #include "sphsolve/wcsph/engine/order.h"
 #include "sphsolve/wcsph/engine/particle_arrays.h"
 
-/* All arrays of the fluid, 4 bytes per slot; the first `kept` ones are reordered with the
- * particles. */
-static size_t fluid_arrays(struct particles *p, const struct particle_fields *fields,
-                           struct slot_array list[24], size_t *kept) {
-  size_t n = 0;
-  for (int a = 0; a < 3; a++) list[n++] = (struct slot_array){(void **)&p->x[a], true};
-  for (int a = 0; a < 3; a++) list[n++] = (struct slot_array){(void **)&p->v[a], true};
-  list[n++] = (struct slot_array){(void **)&p->state, true};
-  list[n++] = (struct slot_array){(void **)&p->id, true};
-  for (int a = 0; a < 3; a++) list[n++] = (struct slot_array){(void **)&p->shift[a], fields->shift};
-  *kept = n;
-  for (int a = 0; a < 3; a++) list[n++] = (struct slot_array){(void **)&p->v_next[a], true};
-  list[n++] = (struct slot_array){(void **)&p->rate, fields->rate};
-  for (int k = 0; k < 2; k++)
-    list[n++] = (struct slot_array){(void **)&p->flux[k], fields->eulerian};
-  for (int k = 0; k < 5; k++)
-    list[n++] = (struct slot_array){(void **)&p->site_terms[k], fields->eulerian};
-  return n;
+size_t particles_bytes_kept(const struct particle_fields *fields) {
+  return slot_bytes(fields, KEPT);
 }
 
 size_t particles_bytes_fluid(const struct particle_fields *fields) {
-  struct particles none;
-  struct slot_array list[24];
-  size_t kept;
-  return 4 * count_wanted(list, fluid_arrays(&none, fields, list, &kept));
+  return slot_bytes(fields, FLUID);
 }
 
 /* The optional arrays that are allocated. */
@@ -46,8 +27,8 @@ static struct particle_fields fields_of(const struct particles *p) {
 static enum status grow_fluid(struct particles *p, const struct particle_fields *fields,
                               size_t slots) {
   enum status status = STATUS_OK;
-  struct slot_array list[24];
-  size_t kept, n = fluid_arrays(p, fields, list, &kept), capacity = slots + SLOT_PADDING;
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = slot_arrays(p, fields, FLUID, list), capacity = slots + SLOT_PADDING;
   if (capacity <= p->capacity) return STATUS_OK;
   for (size_t i = 0; i < n; i++)
     if (list[i].wanted) TRY(memory_resize(list[i].array, capacity, sizeof(float), "particles"));
@@ -77,14 +58,13 @@ enum status particles_resize(struct particles *p, size_t clusters) {
 
 enum status particles_hold(struct particles *p, size_t from, size_t count, size_t to,
                            size_t clusters) {
-  struct slot_array list[24];
-  size_t kept;
+  struct slot_array list[SLOT_ARRAYS];
   const struct particle_fields fields = fields_of(p);
   const enum status status = grow_fluid(p, &fields, clusters * CLUSTER);
   if (status != STATUS_OK) return status;
-  const size_t n = fluid_arrays(p, &fields, list, &kept);
+  const size_t n = slot_arrays(p, &fields, KEPT | STEP, list);
   for (size_t f = 0; f < n; f++) {
-    if (!list[f].wanted || (f >= kept && f < kept + 3)) continue;
+    if (!list[f].wanted) continue;
     uint32_t *array = *list[f].array;
     memmove(array + to * CLUSTER, array + from * CLUSTER, count * CLUSTER * sizeof *array);
   }
@@ -93,13 +73,12 @@ enum status particles_hold(struct particles *p, size_t from, size_t count, size_
   return STATUS_OK;
 }
 
-size_t particles_kept(struct particles *p, void **kept[16]) {
+size_t particles_kept(struct particles *p, struct slot_array kept[SLOT_ARRAYS]) {
   const struct particle_fields fields = fields_of(p);
-  struct slot_array list[24];
-  size_t count, n = 0;
-  fluid_arrays(p, &fields, list, &count);
-  for (size_t f = 0; f < count; f++)
-    if (list[f].wanted) kept[n++] = list[f].array;
+  const size_t all = slot_arrays(p, &fields, KEPT, kept);
+  size_t n = 0;
+  for (size_t f = 0; f < all; f++)
+    if (kept[f].wanted) kept[n++] = kept[f];
   return n;
 }
 
@@ -145,11 +124,9 @@ enum status particles_sort(struct particles *p) {
 
   struct particle_fields fields = fields_of(p);
   TRY(grow_fluid(p, &fields, used));
-  struct slot_array list[24];
-  size_t kept;
-  fluid_arrays(p, &fields, list, &kept);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t kept = particles_kept(p, list);
   for (size_t f = 0; f < kept; f++) {
-    if (!list[f].wanted) continue;
     const uint32_t *from = *list[f].array;
     uint32_t *to = (uint32_t *)(void *)p->v_next[0];
     bool is_id = list[f].array == (void **)&p->id;
@@ -163,8 +140,7 @@ enum status particles_sort(struct particles *p) {
   }
   p->clusters = used / CLUSTER;
 cleanup:
-  memory_free(&scratch);
-  memory_free(&entries);
+  MEMORY_FREE(&scratch, &entries);
   return status;
 }
 
@@ -208,9 +184,8 @@ cleanup:
 
 void particles_free(struct particles *p) {
   const struct particle_fields none = {0};
-  struct slot_array list[24];
-  size_t kept;
-  const size_t n = fluid_arrays(p, &none, list, &kept);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = slot_arrays(p, &none, FLUID, list);
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
   particles_drop_walls(p);
   memory_free(&p->wall_velocity);

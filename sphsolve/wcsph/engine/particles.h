@@ -20,40 +20,36 @@
 #define NO_SITE UINT32_MAX
 /* Slots allocated beyond the last one, so that full vectors may be read anywhere. */
 #define SLOT_PADDING 32
+#define SLOT_ARRAYS 24 /* room for lists of arrays */
 
 struct particles {
   struct frame frame;
   double reach; /* m: widest extent of a cluster when it is made */
 
   size_t count, clusters, capacity; /* fluid particles, their clusters, slots allocated */
-  uint32_t *x[3];
-  float *v[3]; /* m/s */
-  /* Frozen walls: rho_0 / rho. Else: the pressure p / (rho_0 c^2). */
-  float *state;
-  float *shift[3]; /* m/s: velocity of a particle relative to the fluid; NULL without shifting */
-  /* With sub-voxel walls, from the force pass to the next: see struct pair_table. */
-  float *rate;
-  uint32_t *id; /* site the particle started from */
-  /* Eulerian (pairs_eulerian.h): the packed effect of the surrounding sites; and, from the force
-   * pass to the next and also packed, the difference between the flux that the continuity equation
-   * balances and the velocity. */
-  float *site_terms[5], *flux[2];
-  /* Results of a step: the new velocity, and in temporarily unused memory (see engine_step) the
-   * distance to the wall, m, negative where its field is not smooth, and the new state. Unused
-   * between steps. */
-  float *v_next[3];
+#define FIELD(use, type, shape, name, when) type *name shape;
+#include "sphsolve/wcsph/engine/fields.def"
+#undef FIELD
+  /* Results of a step in temporarily unused memory (see engine_step): the distance to the wall, m,
+   * negative where its field is not smooth, and the new state. */
   float *distance, *state_next;
 
   size_t wall_count, wall_clusters; /* only walls within reach of fluid are kept */
   uint32_t *site;                   /* frame_wall_index */
-  float *wall_state;                /* like `state`; frozen and adami walls */
   uint32_t *wall_sum;               /* frozen walls: shares its memory while densities are summed */
-  float *wall_base;                 /* sum of W over wall neighbours / alpha; frozen walls */
   uint16_t *wall_depth;             /* below the surface, in units of depth_unit; sub-voxel walls */
   double depth_unit;                /* m */
-  float *wall_v[3];                 /* m/s: dummy velocity of adami walls */
   uint16_t *wall_region;            /* of each cluster, if walls move: lattice->region */
   float (*wall_velocity)[3];        /* m/s, of each region; NULL if nothing moves */
+};
+
+/* An array of fields.def. */
+struct slot_array {
+  const char *name;
+  int component; /* of an array of several; else -1 */
+  bool whole;    /* uint32_t, else float */
+  void **array;
+  bool wanted;
 };
 
 /* Arrays that the effects of a run need; the others are NULL. */
@@ -94,12 +90,13 @@ void particles_drop_walls(struct particles *particles);
 /* As particles_hold, for the walls. */
 enum status particles_hold_walls(struct particles *particles, size_t from, size_t count, size_t to,
                                  size_t clusters);
-/* Addresses of the arrays that are reordered with the particles; 4 bytes per slot each. */
-size_t particles_kept(struct particles *particles, void **kept[16]);
+/* The arrays of the state of the fluid, KEPT in fields.def; returns their number. */
+size_t particles_kept(struct particles *particles, struct slot_array kept[SLOT_ARRAYS]);
 /* Position in m, inside the box of the lattice. */
 void particles_position(const struct particles *particles, const struct lattice *lattice,
                         size_t slot, double position[3]);
-/* Bytes per slot of fluid and of wall. */
+/* Bytes per slot of fluid, of its state alone, and of wall. */
+size_t particles_bytes_kept(const struct particle_fields *fields);
 size_t particles_bytes_fluid(const struct particle_fields *fields);
 size_t particles_bytes_wall(const struct particle_fields *fields);
 

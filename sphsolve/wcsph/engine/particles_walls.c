@@ -8,21 +8,8 @@
 #include "sphsolve/wcsph/engine/order.h"
 #include "sphsolve/wcsph/engine/particle_arrays.h"
 
-static size_t wall_arrays(struct particles *p, const struct particle_fields *fields,
-                          struct slot_array list[24]) {
-  size_t n = 0;
-  list[n++] = (struct slot_array){(void **)&p->wall_state, fields->wall_state};
-  list[n++] = (struct slot_array){(void **)&p->wall_base, fields->wall_base};
-  for (int a = 0; a < 3; a++)
-    list[n++] = (struct slot_array){(void **)&p->wall_v[a], fields->wall_v};
-  return n;
-}
-
 size_t particles_bytes_wall(const struct particle_fields *fields) {
-  struct particles none;
-  struct slot_array list[24];
-  return sizeof(uint32_t) + (fields->wall_depth ? sizeof(uint16_t) : 0) +
-         4 * count_wanted(list, wall_arrays(&none, fields, list));
+  return sizeof(uint32_t) + (fields->wall_depth ? sizeof(uint16_t) : 0) + slot_bytes(fields, WALL);
 }
 
 /* Moves one array with `size` bytes per cluster, and its padding. */
@@ -46,8 +33,8 @@ enum status particles_hold_walls(struct particles *p, size_t from, size_t count,
   enum status status = STATUS_OK;
   const struct particle_fields none = {0};
   const size_t held = p->wall_clusters, slot = CLUSTER * sizeof(float);
-  struct slot_array list[24];
-  const size_t n = wall_arrays(p, &none, list);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = slot_arrays(p, &none, WALL, list);
   for (size_t f = 0; f < n; f++)
     TRY(hold_array(list[f].array, from, count, to, clusters, held, slot));
   TRY(hold_array(&p->site, from, count, to, clusters, held, slot));
@@ -63,12 +50,10 @@ cleanup:
 
 void particles_drop_walls(struct particles *p) {
   const struct particle_fields none = {0};
-  struct slot_array list[24];
-  const size_t n = wall_arrays(p, &none, list);
+  struct slot_array list[SLOT_ARRAYS];
+  const size_t n = slot_arrays(p, &none, WALL, list);
   for (size_t i = 0; i < n; i++) memory_free(list[i].array);
-  memory_free(&p->site);
-  memory_free(&p->wall_depth);
-  memory_free(&p->wall_region);
+  MEMORY_FREE(&p->site, &p->wall_depth, &p->wall_region);
   p->wall_clusters = 0;
 }
 
@@ -111,8 +96,7 @@ static enum status mark_near_fluid(const struct lattice *lattice, double range, 
   *near = from;
   from = NULL;
 cleanup:
-  memory_free(&from);
-  memory_free(&to);
+  MEMORY_FREE(&from, &to);
   return status;
 }
 
@@ -183,9 +167,7 @@ enum status particles_make_walls(const struct lattice *lattice, double range,
   memory_free(&entries);
   TRY(particles_set_walls(lattice, range, fields, order, used, p));
 cleanup:
-  memory_free(&sites);
-  memory_free(&scratch);
-  memory_free(&entries);
+  MEMORY_FREE(&sites, &scratch, &entries);
   return status;
 }
 
@@ -217,8 +199,8 @@ enum status particles_set_walls(const struct lattice *lattice, double range,
       p->wall_depth[s] = (uint16_t)lrint(fmin(depth, UINT16_MAX));
     }
   }
-  struct slot_array list[24];
-  size_t arrays = wall_arrays(p, fields, list);
+  struct slot_array list[SLOT_ARRAYS];
+  size_t arrays = slot_arrays(p, fields, WALL, list);
   for (size_t f = 0; f < arrays; f++)
     if (list[f].wanted)
       TRY(memory_allocate(list[f].array, capacity, sizeof(float), "wall particles"));
