@@ -91,7 +91,8 @@ enum status average_darcy(const struct run *run, struct average *average) {
   /* isph determines k from the second half of its record. */
   const bool isph =
       strcmp(run->method, "isph") == 0 && isfinite(run->k) && isfinite(run->error.steadiness);
-  if ((isph || strcmp(run->method, "stokes") == 0) && isfinite(run->darcy_velocity[0])) {
+  if ((isph || strcmp(run->method, "stokes") == 0 || strcmp(run->method, "darcy") == 0) &&
+      isfinite(run->darcy_velocity[0])) {
     memset(average, 0, sizeof *average);
     average->rows = 1;
     for (int d = 0; d < 3; d++) average->mean += run->darcy_velocity[d] * run->direction[d];

@@ -39,10 +39,33 @@ static int around(const struct richards *s, const double point[3], uint32_t site
   return n;
 }
 
-/* Interpolates the total head, which is uniform where water is at rest. */
+/* Number of the site that counts most at a point; -1: no soil is near. */
+static int64_t nearest(const struct richards *s, const double point[3]) {
+  uint32_t site[8];
+  double weight[8];
+  const int n = around(s, point, site, weight);
+  int most = 0;
+  for (int k = 1; k < n; k++)
+    if (weight[k] > weight[most]) most = k;
+  return n > 0 ? (int64_t)site[most] : -1;
+}
+
+/* Interpolates the total head, which is uniform where water is at rest. In soil that is full it is
+ * that of the nearest site and of its gradient p - (A + b |v|) v, also beside another soil. */
 double richards_head_at(const struct richards *s, const double point[3]) {
   uint32_t site[8];
   double weight[8], total = 0;
+  if (s->full) {
+    const int64_t i = nearest(s, point);
+    double x[3], fall[3];
+    if (i < 0) return NAN;
+    richards_place(s, (size_t)i, x);
+    richards_fall(s, (size_t)i, fall);
+    total = s->h[i];
+    for (int a = 0; a < 3; a++)
+      if (s->lattice->size[a] > 1) total += (s->pull[a] - fall[a]) * (point[a] - x[a]);
+    return total;
+  }
   const int n = around(s, point, site, weight);
   for (int k = 0; k < n; k++) {
     double x[3];
@@ -133,15 +156,10 @@ static double flow_of(const struct richards *s, size_t r) {
 
 /* Water content at a point with the given pressure head, for the soil of the nearest site. */
 static double water_content_at(const struct richards *s, const double point[3], double head) {
-  uint32_t site[8];
-  double weight[8];
   struct retention_state state;
-  const int n = around(s, point, site, weight);
-  int most = 0;
-  if (n == 0) return NAN;
-  for (int k = 1; k < n; k++)
-    if (weight[k] > weight[most]) most = k;
-  retention_at(&s->soils[s->soil[site[most]]], head, &state);
+  const int64_t i = nearest(s, point);
+  if (i < 0) return NAN;
+  retention_at(&s->soils[s->soil[i]], head, &state);
   return state.theta;
 }
 
@@ -189,6 +207,13 @@ static void walk_columns(struct history_columns *columns, const void *state) {
     const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
     history_number(columns, "Pa", weight * h, "pressure_%s", name);
     history_number(columns, "m", total_head(s, h, at[2]), "head_%s", name);
+    if (s->full) {
+      const int64_t i = nearest(s, at);
+      double v[3] = {NAN, NAN, NAN};
+      if (i >= 0) richards_velocity(s, (size_t)i, v);
+      history_column(columns, "m/s", 3, v, "velocity_%s", name);
+      continue;
+    }
     history_number(columns, "1", water_content_at(s, at, h), "water_content_%s", name);
     history_number(columns, "m", richards_level_at(s, at), "level_%s", name);
   }
@@ -247,12 +272,18 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
                                   {"pressure", "Pa", "pressure, below 0 where soil draws water",
                                    H5_F64, 1, values[0], NULL, NULL},
                                   {"head", "m", "total head", H5_F64, 1, values[1], NULL, NULL},
+                                  {"porosity", "1", "porosity; 1 in free water", H5_F64, 1,
+                                   values[2], NULL, NULL},
                                   {"water_content", "1", "water over bulk volume", H5_F64, 1,
                                    values[2], NULL, NULL},
                                   {"saturation", "1", "water content over that of full soil",
                                    H5_F64, 1, values[3], NULL, NULL}};
-  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, sizeof fields / sizeof *fields,
-                        fields));
+  /* `porosity` ends those of soil that is full, and the others do not have it. */
+  struct snapshot_field shown[6];
+  size_t count = 0;
+  for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
+    if (s->full ? k < 4 : k != 3) shown[count++] = fields[k];
+  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, count, shown));
 cleanup:
   for (int k = 0; k < 4; k++) memory_free(&values[k]);
   memory_free(&velocity);

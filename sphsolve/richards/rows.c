@@ -29,8 +29,7 @@ void rows_free(struct rows *r) {
   for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
 }
 
-/* Index of the entry of a row and column; the end of the row if there is none. */
-static size_t entry(const struct rows *r, size_t row, size_t column) {
+size_t rows_entry(const struct rows *r, size_t row, size_t column) {
   size_t k = r->start[row];
   while (k < r->start[row + 1] && r->column[k] != column) k++;
   return k;
@@ -44,9 +43,9 @@ static bool factorise(struct rows *r) {
     if (!(fabs(pivot) > 0)) return false;
     for (size_t k = first; k < end; k++) {
       const size_t below = r->column[k];
-      const double l = r->factor[entry(r, below, row)] /= pivot;
+      const double l = r->factor[rows_entry(r, below, row)] /= pivot;
       for (size_t u = first; u < end; u++) {
-        const size_t at = entry(r, below, r->column[u]);
+        const size_t at = rows_entry(r, below, r->column[u]);
         if (at < r->start[below + 1])
           r->factor[at] -= l * r->factor[u];
         else
