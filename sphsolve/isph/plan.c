@@ -166,8 +166,7 @@ static enum status find_bytes(struct plan *plan, double neighbours) {
     s.force[a] = isph_scene_uses_axis(context, a) ? context->scene->driving[a] : 0;
   isph_fields_kept(&s, &kept);
   /* see struct isph_chunk */
-  const size_t numbers = 3 + (size_t)(s.on.links || s.on.anisotropy) + (size_t)s.on.links +
-                         (size_t)(s.on.links && s.on.anisotropy);
+  const size_t numbers = s.on.links ? 5 : 3;
   const double pair = (double)(numbers * sizeof(float));
   const double chunk = (double)(sizeof(struct isph_chunk) + sizeof *s.sums);
   plan->bytes_fluid =

@@ -507,9 +507,9 @@ END
 
 # bats test_tags=long
 @test "a weir: the +- of flux and gauges hold what Darcy's law gives, and a foot too shallow for the spacing is told" {
-  weir() { # NAME PERMEABILITY
+  weir() { # NAME PERMEABILITY METHOD
     cat > "$1.cfg" <<END
-scene = { name = "$1"; method = "isph"; end_time = "6 s"; };
+scene = { name = "$1"; method = "$3"; end_time = "6 s"; };
 domain = { size = ["12 m", "6.5 m"]; spacing = "10 cm"; periodic = [false, false]; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 regions = ( { type = "porous"; box = ["0", "0", "12 m", "4 m"]; porosity = 0.4; permeability = $2; },
@@ -525,8 +525,8 @@ END
     sphsolve run "$1.cfg" -o "$1" --quiet
     analyze seepage "$1.hdf" --json > "$1.json"
   }
-  weir even '"5e-4 m/s"'
-  weir beds '[ "1e-3 m/s", "2e-4 m/s" ]'
+  weir even '"5e-4 m/s"' isph
+  weir beds '[ "1e-3 m/s", "2e-4 m/s" ]' auto
   analyze seepage even.hdf > even.txt
   grep -q "^head  *heel: .*; Darcy's law on cells: 5.72" even.txt
   grep -q '^coarse .* domain.spacing = "0.032 m" resolves them' even.txt
@@ -541,7 +541,10 @@ for name, flux, heads in (("even", 4.023e-4, {"heel": 5.7215, "toe": 4.7785}), (
     run = json.load(open(name + ".json"))
     mid = run["fluxes_m2_per_s"]["mid"]
     assert abs(mid["darcy"] / flux - 1) < 0.008, (mid, flux) # of the heads that the run has
-    assert 0.01 * flux < abs(mid["mean"] - flux) < mid["error95"] < 0.08 * flux, (mid, flux)
+    if name == "even": # the +- is needed
+        assert 0.01 * flux < abs(mid["mean"] - flux) < mid["error95"] < 0.08 * flux, (mid, flux)
+    else: # by finite volumes
+        assert abs(mid["mean"] - flux) < mid["error95"] < 0.02 * flux, (mid, flux)
     exit, heave = run["exit"], run["heave"][0]
     assert 0.03 < exit["spacing_that_resolves_m"] < 0.033
     if name == "even": # the same at this place and depth, in this prism, and under the weir

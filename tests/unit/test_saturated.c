@@ -1,5 +1,5 @@
-/* Soil that stays full of water (method darcy): Forchheimer's drag, tensors, wells, free water, what
- * is given in time, and which scenes are such. verify_darcy has the exact solutions. */
+/* Soil that stays full of water (method darcy): Forchheimer's drag, tensors, wells, free water,
+ * what is given in time, and which scenes are such. verify_darcy has the exact solutions. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -10,7 +10,7 @@
 #include "tests/unit/richards_scene.h"
 
 #define SIDES                                                                                      \
-  "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; head = \"0.3 m\"; },"                 \
+  "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; head = \"0.3 m\"; },"           \
   "{ type = \"inflow\"; box = [\"0.39 m\", \"0\", \"0.4 m\", \"0.1 m\"]; head = \"0.2 m\"; }"
 #define TANK                                                                                       \
   "domain = { size = [\"0.4 m\", \"0.1 m\"]; spacing = \"1 cm\"; periodic = [false, false]; };\n"
@@ -29,14 +29,15 @@ static double flow_into(const struct richards *s, const char *name) {
 static void test_forchheimer(void **state) {
   struct run run;
   (void)state;
-  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK "regions = ( " SOIL(
-                  "grain_size = \"5 mm\";") SIDES " );\n" GRAVITY);
+  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK
+              "regions = ( " SOIL("grain_size = \"5 mm\";") SIDES " );\n" GRAVITY);
   const double a = 225, b = 2062.5, f = GRAVITY_STANDARD * .25,
                v = 2 * f / (a + sqrt(a * a + 4 * b * f));
   for (size_t e = 0; e < run.s.edge_count; e++)
     assert_true(fabs(fabs(run.s.edge_flux[e].q) / v - 1) < 1e-8);
   advance(&run, 10);
-  assert_true(fabs(run.s.in / (v * 10 * .1 * .01) - 1) < 1e-8 && fabs(run.s.in / run.s.out - 1) < 1e-8);
+  assert_true(fabs(run.s.in / (v * 10 * .1 * .01) - 1) < 1e-8 &&
+              fabs(run.s.in / run.s.out - 1) < 1e-8);
   finish(&run);
 }
 
@@ -45,9 +46,10 @@ static void test_tensor(void **state) {
   struct run run;
   double v[3], fall[3];
   (void)state;
-  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK "regions = ( " SOIL(
-                  "permeability = [\"1e-3 m/s\", \"1e-4 m/s\"]; bedding = [1.0, -1.0];")
-                  SIDES " );\n" GRAVITY);
+  start(&run,
+        "scene = { end_time = \"10 s\"; };\n" TANK
+        "regions = ( " SOIL("permeability = [\"1e-3 m/s\", \"1e-4 m/s\"]; bedding = [1.0, -1.0];")
+            SIDES " );\n" GRAVITY);
   for (size_t i = 0; i < run.s.count; i++)
     if (i % 40 == 20) {
       richards_velocity(&run.s, i, v), richards_fall(&run.s, i, fall);
@@ -58,15 +60,63 @@ static void test_tensor(void **state) {
   finish(&run);
 }
 
+/* Round a periodic box v = K i, exactly; with one number for all axes no corners are coupled. */
+static void test_round(void **state) {
+  static const char *const soils[] = {"\"5e-4 m/s\"", "[\"5e-4 m/s\", \"5e-4 m/s\"]",
+                                      "[\"4e-4 m/s\", \"1e-4 m/s\"]",
+                                      "[\"4e-4 m/s\", \"1e-4 m/s\"]; bedding = [1.0, 1.0]"};
+  static const double along[] = {5e-5, 5e-5, 4e-5, 4e-5}, up[] = {5e-5, 5e-5, 1e-5, 4e-5};
+  (void)state;
+  for (int k = 0; k < 4; k++) {
+    struct run run;
+    double v[3];
+    start(
+        &run,
+        "scene = { end_time = \"1 s\"; };\ndomain = { size = [\"0.2 m\", \"0.1 m\"]; spacing = \"1 "
+        "cm\"; periodic = [true, true]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", "
+        "\"0.2 m\", \"0.1 m\"]; porosity = 0.4; permeability = %s; } );\n"
+        "force = { body_acceleration = [\"0.980665 m/s^2\", \"0.980665 m/s^2\"]; };\n",
+        soils[k]);
+    assert_true(run.s.turned == (k == 3) && (run.s.corners == NULL) == (k < 3));
+    for (size_t i = 0; i < run.s.count; i++) {
+      richards_velocity(&run.s, i, v);
+      assert_true(fabs(v[0] / along[k] - 1) < 1e-9 && fabs(v[2] / up[k] - 1) < 1e-9);
+    }
+    finish(&run);
+  }
+}
+
+/* Along three axes: the sides along y are walls. */
+static void test_three_dimensions(void **state) {
+  struct run run;
+  double v[3];
+  (void)state;
+  start(
+      &run,
+      "scene = { end_time = \"1 s\"; };\ndomain = { size = [\"4 cm\", \"3 cm\", \"4 cm\"]; spacing "
+      "= "
+      "\"1 cm\"; periodic = [true, true, false]; };\nregions = ( { type = \"porous\"; box = "
+      "[\"0\", "
+      "\"0\", \"0\", \"4 cm\", \"3 cm\", \"4 cm\"]; porosity = 0.4; permeability = [\"1e-3 m/s\", "
+      "\"5e-4 m/s\", \"1e-4 m/s\"]; bedding = [2.0, 0.0, -1.0]; } );\n"
+      "force = { body_acceleration = [\"9.80665 m/s^2\", \"9.80665 m/s^2\", \"0\"]; };\n");
+  for (size_t i = 0; i < run.s.count; i++) {
+    richards_velocity(&run.s, i, v);
+    assert_true(fabs(v[0] * (.8 / 1e-3 + .2 / 1e-4) - 1) < 1e-8);
+    assert_true(fabs(v[1] / 5e-4 - 1) < 1e-8 && fabs(v[2]) < 1e-12);
+  }
+  finish(&run);
+}
+
 /* A well takes its rate; a drain above the head in the soil takes nothing. */
 static void test_sinks(void **state) {
   struct run run;
   (void)state;
-  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK "regions = ( " SOIL(
-                  "permeability = \"1e-3 m/s\";") SIDES
-                  ", { type = \"well\"; name = \"pump\"; box = [\"0.1 m\", \"0\", \"0.12 m\", "
-                  "\"0.1 m\"]; rate = \"1e-6 m^2/s\"; }, { type = \"drain\"; name = \"high\"; box = "
-                  "[\"0.3 m\", \"0\", \"0.32 m\", \"0.1 m\"]; head = \"0.4 m\"; } );\n" GRAVITY);
+  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK
+              "regions = ( " SOIL("permeability = \"1e-3 m/s\";") SIDES
+        ", { type = \"well\"; name = \"pump\"; box = [\"0.1 m\", \"0\", \"0.12 m\", "
+        "\"0.1 m\"]; rate = \"1e-6 m^2/s\"; }, { type = \"drain\"; name = \"high\"; box = "
+        "[\"0.3 m\", \"0\", \"0.32 m\", \"0.1 m\"]; head = \"0.4 m\"; } );\n" GRAVITY);
   assert_true(fabs(flow_into(&run.s, "pump") / 1e-6 - 1) < 1e-9);
   assert_true(flow_into(&run.s, "high") == 0);
   finish(&run);
@@ -76,11 +126,14 @@ static void test_sinks(void **state) {
 static void test_tables(void **state) {
   struct run run;
   (void)state;
-  start(&run, "scene = { end_time = \"10 s\"; };\n" TANK "regions = ( " SOIL(
-                  "permeability = \"1e-3 m/s\";") "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", "
-                  "\"0.1 m\"]; times = [\"0 s\", \"10 s\"]; head = [\"0.2 m\", \"0.4 m\"]; }, "
-                  "{ type = \"inflow\"; box = [\"0.39 m\", \"0\", \"0.4 m\", \"0.1 m\"]; head = "
-                  "\"0.2 m\"; } );\n" GRAVITY);
+  start(&run,
+        "scene = { end_time = \"10 s\"; };\n" TANK "regions = ( " SOIL(
+            "permeability = \"1e-3 m/s\";") "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", "
+                                            "\"0.1 m\"]; times = [\"0 s\", \"10 s\"]; head = "
+                                            "[\"0.2 m\", \"0.4 m\"]; }, "
+                                            "{ type = \"inflow\"; box = [\"0.39 m\", \"0\", \"0.4 "
+                                            "m\", \"0.1 m\"]; head = "
+                                            "\"0.2 m\"; } );\n" GRAVITY);
   assert_true(fabs(run.s.edge_flux[0].q) < 1e-12);
   advance(&run, 5);
   assert_true(fabs(run.s.edge_flux[0].q / (1e-3 * .1 / .4) - 1) < 1e-8);
@@ -98,18 +151,23 @@ static void test_chosen(void **state) {
       {SOIL("grain_size = \"5 mm\";") SIDES, "10 ms", "isph", ""},
       {SOIL("grain_size = \"5 mm\"; velocity = [\"1 mm/s\", \"0\"];") SIDES, "1 s", "isph", ""},
       /* free water before the soil, and beside it */
-      {"{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; }, { type = \"porous\"; box = "
+      {"{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; }, { type = \"porous\"; "
+       "box = "
        "[\"0.1 m\", \"0\", \"0.3 m\", \"0.1 m\"]; porosity = 0.4; grain_size = \"5 mm\"; }, " SIDES,
        "10 s", "darcy", "no surface moves"},
-      {"{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; }, { type = \"porous\"; box = "
-       "[\"0.1 m\", \"0\", \"0.3 m\", \"0.05 m\"]; porosity = 0.4; grain_size = \"5 mm\"; }, " SIDES,
+      {"{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; }, { type = \"porous\"; "
+       "box = "
+       "[\"0.1 m\", \"0\", \"0.3 m\", \"0.05 m\"]; porosity = 0.4; grain_size = \"5 mm\"; "
+       "}, " SIDES,
        "10 s", "isph", ""},
       /* a pond whose window holds its level, and one that is filled first */
-      {"{ type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.05 m\"]; porosity = 0.4; grain_size = "
+      {"{ type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.05 m\"]; porosity = 0.4; "
+       "grain_size = "
        "\"5 mm\"; }, { type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.08 m\"]; }, { type = "
        "\"inflow\"; box = [\"0\", \"0.05 m\", \"1 cm\", \"0.1 m\"]; head = \"0.08 m\"; }",
        "10 s", "darcy", ""},
-      {"{ type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.05 m\"]; porosity = 0.4; grain_size = "
+      {"{ type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.05 m\"]; porosity = 0.4; "
+       "grain_size = "
        "\"5 mm\"; }, { type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.06 m\"]; }, { type = "
        "\"inflow\"; box = [\"0\", \"0.05 m\", \"1 cm\", \"0.1 m\"]; head = \"0.08 m\"; }",
        "10 s", "isph", ""}};
@@ -137,8 +195,10 @@ static void test_chosen(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_forchheimer), cmocka_unit_test(test_tensor),
-                                     cmocka_unit_test(test_sinks), cmocka_unit_test(test_tables),
-                                     cmocka_unit_test(test_chosen)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_forchheimer), cmocka_unit_test(test_tensor),
+      cmocka_unit_test(test_round),       cmocka_unit_test(test_three_dimensions),
+      cmocka_unit_test(test_sinks),       cmocka_unit_test(test_tables),
+      cmocka_unit_test(test_chosen)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
