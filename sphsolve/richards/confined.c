@@ -59,7 +59,7 @@ static const char *other_than_seepage(const struct effect_context *context) {
 
 /* A body of free water: how it lies, and the windows at it. */
 struct body {
-  bool goes_round, free;       /* it joins itself across a periodic side; it has a surface */
+  bool goes_round, free;       /* it joins itself along the force; it has a surface */
   double top;                  /* m, of its highest site */
   const struct region *window; /* the last found */
   bool differ;                 /* windows of more than one head, or one with a flux */
@@ -109,7 +109,9 @@ static void follow(const struct scene *scene, const struct lattice *l, size_t fr
       memcpy(there, image[at], sizeof there);
       if (low ? next > at : next < at) there[axis] = (int16_t)(there[axis] + (low ? -1 : 1));
       if (seen[next]) {
-        body->goes_round = body->goes_round || memcmp(there, image[next], sizeof there) != 0;
+        for (int a = 0; a < 3; a++)
+          body->goes_round =
+              body->goes_round || (scene->driving[a] != 0 && there[a] != image[next][a]);
         continue;
       }
       memcpy(image[next], there, sizeof there);

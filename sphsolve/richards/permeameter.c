@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/units.h"
+#include "sphsolve/plan/reynolds.h"
 #include "sphsolve/richards/balance.h"
 #include "sphsolve/richards/constants.h"
 #include "sphsolve/richards/edges.h"
@@ -49,8 +50,23 @@ static double fall_along(const struct richards *s, int *axis) {
 
 /* One soil, in layers between sites, has its k to the tolerance of the solution. */
 static void set_errors(const struct richards *s, struct run_result *result) {
-  result->k_error = result->error.steadiness = SATURATED_TOLERANCE;
+  result->k_error = 0; /* no mean over time */
+  result->error.steadiness = SATURATED_TOLERANCE;
   result->error.resolution = s->soil_count <= 2 ? SATURATED_TOLERANCE : NAN;
+}
+
+/* By the hydraulic diameter of the coarsest soil. */
+static double reynolds_of(const struct scene *scene, const double velocity[3]) {
+  const struct region *coarsest = NULL;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type == REGION_POROUS &&
+        (coarsest == NULL || region->grain_size > coarsest->grain_size))
+      coarsest = region;
+  }
+  return reynolds_number(velocity, coarsest->porosity,
+                         hydraulic_diameter_of_grains(coarsest->grain_size, coarsest->porosity),
+                         scene->fluid.viscosity / scene->fluid.density);
 }
 
 void richards_find_k(const struct richards *s, struct run_result *result) {
@@ -66,8 +82,11 @@ void richards_find_k(const struct richards *s, struct run_result *result) {
   }
   for (int a = 0; a < 3; a++) round = round && (drive[a] == 0 || s->scene->periodic[a]);
   result_from_darcy(s->scene, mean, result);
+  result->reynolds = reynolds_of(s->scene, mean);
   if (round) {
     set_errors(s, result);
+    for (size_t i = 0; i < s->count; i++)
+      if (s->soil[i] + 1u == s->soil_count) result->error.resolution = NAN; /* free water */
     return;
   }
   result->k = result->intrinsic_permeability = NAN;
@@ -81,6 +100,8 @@ void richards_find_k(const struct richards *s, struct run_result *result) {
   result->hydraulic_gradient[axis] = gradient;
   result->k = mean[axis] / gradient;
   set_errors(s, result);
+  const double water = (double)s->lattice->size[axis] / (double)layers; /* at most that much */
+  if (water > 1) result->error.resolution += water / WATER_CONDUCTIVITY;
   result->intrinsic_permeability = result->k * s->scene->fluid.viscosity / s->scene->fluid.density /
                                    (strength > 0 ? strength : GRAVITY_STANDARD);
 }

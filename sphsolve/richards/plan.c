@@ -36,10 +36,12 @@ enum status richards_cost(struct plan *plan, int threads) {
                    : used > 1 ? SECONDS_PER_STEP_2D
                               : SECONDS_PER_STEP_1D);
   if (full) {
-    double solves = 1;
-    for (size_t r = 0; r < plan->context.scene->region_count; r++)
-      if (plan->context.scene->regions[r].table.count > 0) solves = ROWS_USUAL;
-    plan->steps = solves;
+    const struct scene *scene = plan->context.scene;
+    double solves = 1, rows = scene->end_time / scene->history_interval;
+    for (size_t r = 0; r < scene->region_count; r++)
+      if (scene->regions[r].table.count > 0) solves = ROWS_USUAL;
+    plan->steps = isfinite(rows) ? ceil(rows) : solves;
+    if (solves > 1) solves = plan->steps;
     plan->seconds = solves * n * (SECONDS_FULL + SECONDS_FULL_ROUND * longest);
     plan->bytes_fluid += 6 * sizeof(uint32_t) + sizeof(double);
     plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;

@@ -73,15 +73,12 @@ static double part_left(const struct richards *s, size_t i) {
   return 1 / (1 + soil->forchheimer * s->speed[i] * soil->conductivity[0]);
 }
 
-/* Flux into a site through an edge by its law, where that is a resistance of half a spacing. A site
- * in a well or a drain is in its free water. */
+/* Flux into a site through an edge by its law, where that is a resistance of half a spacing. */
 static double flux_by_head(const struct richards *s, size_t e, double head, double *slope) {
   const struct richards_edge *edge = &s->edges[e];
   const size_t i = edge->site;
   const double pull = edge->low ? s->pull[edge->axis] : -s->pull[edge->axis];
-  const double k = richards_is_face(edge)
-                       ? part_left(s, i) * s->soils[s->soil[i]].conductivity[edge->axis]
-                       : s->soils[s->soil_count - 1].conductivity[0];
+  const double k = part_left(s, i) * s->soils[s->soil[i]].conductivity[edge->axis];
   *slope = 2 * k / s->spacing;
   return *slope * (head - s->h[i]) + (richards_is_face(edge) ? k * pull : 0);
 }
@@ -133,7 +130,8 @@ static void blend_corner(const struct richards *s, struct corner *corner) {
   for (int q = 0; q < QUARTERS; q++) {
     const double *own = corner->k[q];
     const int even = (q & 1) == q >> 1;
-    if (own[0] != own[1] || own[2] != 0) return; /* beds */
+    if (own[0] != own[1] || own[2] != 0) return;                /* beds */
+    if (s->soil[corner->site[q]] + 1u == s->soil_count) return; /* free water */
     l[q] = log(s->soils[s->soil[corner->site[q]]].conductivity[0]);
     sum += 0.25 * own[0], inverse += 0.25 / own[0], mean += 0.25 * log(own[0]);
     pair[even] += 0.5 * log(own[0]);
@@ -292,15 +290,36 @@ static bool assemble(struct richards *s, double time, double *scale) {
   return worst <= SATURATED_TOLERANCE * most + RESIDUAL_ROUNDING * size;
 }
 
+/* The flux into a site through an edge, by its law where that is limited now. */
+static double unlimited_flux(const struct richards *s, size_t e, double time) {
+  double slope;
+  if (s->limited[e] == 0) return s->edge_flux[e].q;
+  return flux_by_head(s, e, richards_law_at(s, &s->edges[e], time).head, &slope);
+}
+
+/* That of all sites of a drain, as water in it goes from one to another. */
+static double drain_flux(const struct richards *s, const struct region *drain, double time) {
+  double sum = 0;
+  for (size_t e = 0; e < s->edge_count; e++)
+    if (s->edges[e].region == drain) sum += unlimited_flux(s, e, time);
+  return sum;
+}
+
 /* Which limits hold for the present fluxes, to `near` m/s; whether any has changed. */
 static bool find_limits(struct richards *s, double time, double near) {
   bool changed = false;
+  const struct region *drain = NULL; /* of the last edge, which has been decided */
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_law law = richards_law_at(s, &s->edges[e], time);
-    double slope, q = s->edge_flux[e].q, room = near;
     if (!(law.least < law.most)) continue;
-    if (s->limited[e] > 0) q = flux_by_head(s, e, law.head, &slope), room = -near;
-    const uint8_t now = q < law.least - room ? 1 : q > law.most + room ? 2 : 0;
+    uint8_t now = e > 0 && s->edges[e].region == drain ? s->limited[e - 1] : 0;
+    if (s->edges[e].kind != EDGE_DRAIN || s->edges[e].region != drain) {
+      const double q = s->edges[e].kind == EDGE_DRAIN ? drain_flux(s, s->edges[e].region, time)
+                                                      : unlimited_flux(s, e, time);
+      const double room = s->limited[e] > 0 ? -near : near;
+      now = q < law.least - room ? 1 : q > law.most + room ? 2 : 0;
+    }
+    drain = s->edges[e].kind == EDGE_DRAIN ? s->edges[e].region : NULL;
     changed = changed || now != s->limited[e];
     s->limited[e] = now;
   }

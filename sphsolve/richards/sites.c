@@ -140,6 +140,7 @@ static void add_well(struct richards *s, size_t i, bool count) {
       if (!(s->lattice->dimensions == 2 && a == 1))
         inside = inside && x[a] >= part->box[a] && x[a] < part->box[a + 3];
     if (!inside) continue;
+    if (s->full) s->soil[i] = (uint16_t)(s->soil_count - 1); /* free water stands in it */
     if (!count)
       s->edges[s->edge_count] =
           (struct richards_edge){.site = (uint32_t)i,

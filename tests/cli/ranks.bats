@@ -237,7 +237,7 @@ same() { # SERIAL OTHER [NAME...]: bit for bit but for these (same_run.py), snap
 
 isph() { # SCENE END NAME [options]
   local scene=$1 end=$2 name=$3; shift 3
-  echo run "$ROOT/data-samples/scenes/$scene.cfg" --set scene.end_time="$end" -o "$name" --quiet "$@"
+  echo run "$ROOT/data-samples/scenes/$scene.cfg" --set scene.method=isph --set scene.end_time="$end" -o "$name" --quiet "$@"
 }
 
 @test "isph: every bit of histories and snapshots of the sample scenes on 1, 2, 3, 4 ranks" {

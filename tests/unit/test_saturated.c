@@ -160,6 +160,13 @@ static void test_chosen(void **state) {
        "[\"0.1 m\", \"0\", \"0.3 m\", \"0.05 m\"]; porosity = 0.4; grain_size = \"5 mm\"; "
        "}, " SIDES,
        "10 s", "isph", ""},
+      /* free water in a layer that repeats itself across the flow */
+      {"{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; }, { type = \"porous\"; "
+       "box = "
+       "[\"0\", \"0.03 m\", \"0.4 m\", \"0.06 m\"]; porosity = 0.4; grain_size = \"5 mm\"; }, "
+       "{ type = \"inflow\"; box = [\"0\", \"0\", \"0.4 m\", \"0.01 m\"]; head = \"0.3 m\"; }, "
+       "{ type = \"inflow\"; box = [\"0\", \"0.09 m\", \"0.4 m\", \"0.1 m\"]; head = \"0.2 m\"; }",
+       "10 s", "darcy", ""},
       /* a pond whose window holds its level, and one that is filled first */
       {"{ type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.05 m\"]; porosity = 0.4; "
        "grain_size = "

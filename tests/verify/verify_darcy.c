@@ -396,7 +396,7 @@ static void drains(void) {
           "head = \"1.2 m\"; } );\nforce = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n",
           dx);
     snprintf(name, sizeof name, "drain in a strip, %g mm", 1e3 * dx);
-    report(name, exact, flow_in(&run.s), ldexp(.06, -n), passed(started));
+    report(name, exact, flow_in(&run.s), ldexp(.02, -n), passed(started));
     finish(&run);
   }
 }
