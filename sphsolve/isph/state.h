@@ -45,7 +45,7 @@ struct isph_switches {
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
   bool no_slip, moving_walls, open_sides, wells;
   /* the mobility of a pair: see isph_mobility_between */
-  bool mean_of_ends, own_mobilities, fading;
+  bool mean_of_ends, own_mobilities;
   uint32_t budget; /* bit set of the terms of the active effects */
   size_t own_count;
   const struct effect *own[ISPH_OWN]; /* active effects that add a force or a surface pressure */

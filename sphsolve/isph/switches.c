@@ -31,6 +31,5 @@ enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) 
   on->links = isph_links_wanted(scene, on->surface) && on->soil;
   on->mean_of_ends = on->surface && !on->links;
   on->own_mobilities = !on->surface && !on->links;
-  on->fading = on->interfaces;
   return STATUS_OK;
 }

@@ -6,7 +6,7 @@
 
 /* Centre of a site, m. */
 void richards_place(const struct richards *s, size_t i, double x[3]);
-/* Darcy velocity of a site of soil that is full: the mean of the fluxes through both faces along
+/* Darcy velocity of a site: the mean of the fluxes through both faces along
  * each axis, m/s. */
 void richards_velocity(const struct richards *s, size_t i, double v[3]);
 /* The fall of head there that drives it, A v + b |v| v along each axis. */

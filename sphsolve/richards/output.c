@@ -94,21 +94,6 @@ double richards_level_at(const struct richards *s, const double point[3]) {
   return pull > 0 && !isnan(below) ? at[2] - l->spacing[2] + below / pull : NAN;
 }
 
-/* Darcy velocities of the sites: the mean of the fluxes through both faces along each axis. */
-static void velocities(const struct richards *s, double (*velocity)[3]) {
-  memset(velocity, 0, s->count * sizeof *velocity);
-  for (size_t f = 0; f < s->face_count; f++) {
-    const struct richards_face *face = &s->faces[f];
-    velocity[face->i][face->axis] += 0.5 * s->face_flux[f].q;
-    velocity[face->j][face->axis] += 0.5 * s->face_flux[f].q;
-  }
-  for (size_t e = 0; e < s->edge_count; e++) {
-    const struct richards_edge *edge = &s->edges[e];
-    if (!richards_is_face(edge)) continue;
-    velocity[edge->site][edge->axis] += (edge->low ? 0.5 : -0.5) * s->edge_flux[e].q;
-  }
-}
-
 /* Flux through a plane, m^3/s along the axis, interpolated linearly between the layers of faces
  * beside it. */
 static double plane_flux(const struct richards *s, const struct flux_plane *plane) {
@@ -227,7 +212,6 @@ enum status richards_add_columns(const struct richards *s, struct recorder *reco
 }
 
 enum status richards_write_row(struct richards *s, struct recorder *recorder, double dt) {
-  enum status status = STATUS_OK;
   const double density = s->scene->fluid.density;
   struct history_row row = {.time = s->time,
                             .step = s->step,
@@ -235,17 +219,14 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
                             .reynolds = NAN,
                             .density_max = density,
                             .density_mean = density};
-  double(*velocity)[3] = NULL;
-  TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a row of the history"));
   richards_evaluate(s, s->time);
-  velocities(s, velocity);
   row.mass = density * richards_water(s);
-  for (size_t i = 0; i < s->count; i++)
-    for (int a = 0; a < 3; a++) row.darcy_velocity[a] += velocity[i][a] / s->lattice->bulk_count;
-  status = history_columns_row(recorder, &row, walk_columns, s);
-cleanup:
-  memory_free(&velocity);
-  return status;
+  for (size_t i = 0; i < s->count; i++) {
+    double v[3];
+    richards_velocity(s, i, v);
+    for (int a = 0; a < 3; a++) row.darcy_velocity[a] += v[a] / s->lattice->bulk_count;
+  }
+  return history_columns_row(recorder, &row, walk_columns, s);
 }
 
 enum status richards_write_snapshot(struct richards *s, struct recorder *recorder) {
@@ -257,9 +238,9 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
   for (int k = 0; k < 4; k++)
     TRY(memory_allocate(&values[k], s->count, sizeof(double), "a snapshot"));
   richards_evaluate(s, s->time);
-  velocities(s, velocity);
   for (size_t i = 0; i < s->count; i++) {
     richards_place(s, i, place[i]);
+    richards_velocity(s, i, velocity[i]);
     values[0][i] = weight * s->h[i];
     values[1][i] = total_head(s, s->h[i], place[i][2]);
     values[2][i] = s->now[i].theta;

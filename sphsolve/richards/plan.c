@@ -28,7 +28,7 @@ enum status richards_cost(struct plan *plan, int threads) {
   plan->dt_by = full ? "what is given in time" : "the error of the water content";
   plan->bytes_fluid = 10 * sizeof(double) + SNAPSHOT_BYTES + 2 * sizeof(struct retention_state) +
                       6 + faces * (double)(sizeof(struct richards_face) + sizeof(struct flux)) +
-                      (1 + 2 * faces) * 20 + 9 * sizeof(double);
+                      (1 + 2 * faces) * 20 + 9 * sizeof(double) + 6 * sizeof(uint32_t);
   plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
   plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
   plan->seconds = plan->steps * n *
@@ -43,7 +43,7 @@ enum status richards_cost(struct plan *plan, int threads) {
     plan->steps = isfinite(rows) ? ceil(rows) : solves;
     if (solves > 1) solves = plan->steps;
     plan->seconds = solves * n * (SECONDS_FULL + SECONDS_FULL_ROUND * longest);
-    plan->bytes_fluid += 6 * sizeof(uint32_t) + sizeof(double);
+    plan->bytes_fluid += sizeof(double);
     plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
     snprintf(plan->expected.why, sizeof plan->expected.why,
              "layers between sites are exact; halve the spacing for corners and walls");

@@ -124,8 +124,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
     if (edge.region == NULL && next == l->count) return; /* a closed side */
   }
   if (!count) s->edges[s->edge_count] = edge;
-  if (!count && s->full)
-    s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
+  if (!count) s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
   s->edge_count++;
 }
 
@@ -254,8 +253,8 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
     s->soil[i] = r < scene->region_count ? of_region[r] : NO_SOIL;
     if (s->soil[i] == NO_SOIL) s->soil[i] = (uint16_t)(s->soil_count - 1);
   }
-  if (s->full) TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
-  if (s->full) memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
+  TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
+  memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
   add_faces(s, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));

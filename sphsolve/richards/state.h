@@ -59,6 +59,8 @@ struct richards {
   uint16_t *soil;   /* [count]: index of its soil */
   struct richards_face *faces;
   struct richards_edge *edges;
+  uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
+                     * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
 
   /* [count]: pressure head, m; water content from the balance of fluxes, m^3/m^3 */
   double *h, *water;
@@ -84,8 +86,6 @@ struct richards {
   /* Soil that is full of water and stays so (richards/saturated.h), else not allocated. */
   /* It is full; a permeability has a component xz; heads, fluxes or rates change in time. */
   bool full, turned, changes;
-  uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
-                     * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
   size_t corner_count;
   uint32_t (*corners)[2]; /* sites that share an edge along y, and no face, with i < j */
   double *speed;          /* [count]: |v| of Forchheimer's term, m/s */
