@@ -10,15 +10,17 @@ bool domain_is_full(const struct scene *scene) {
   return true;
 }
 
+bool domain_holds(const struct scene *scene, const double box[6], const double x[3]) {
+  bool inside = true;
+  for (int a = 0; a < 3; a++)
+    if (!(scene->dimensions == 2 && a == 1)) inside = inside && x[a] >= box[a] && x[a] < box[a + 3];
+  return inside;
+}
+
 size_t domain_soil_at(const struct scene *scene, const double x[3]) {
-  for (size_t r = scene->region_count; r-- > 0;) {
-    const struct region *region = &scene->regions[r];
-    bool inside = region->type == REGION_POROUS;
-    for (int a = 0; a < 3; a++)
-      if (!(scene->dimensions == 2 && a == 1))
-        inside = inside && x[a] > region->box[a] && x[a] < region->box[a + 3];
-    if (inside) return r;
-  }
+  for (size_t r = scene->region_count; r-- > 0;)
+    if (scene->regions[r].type == REGION_POROUS && domain_holds(scene, scene->regions[r].box, x))
+      return r;
   return scene->region_count;
 }
 

@@ -10,6 +10,8 @@
 
 /* Whether no soil of a scene can hold air: none has a retention curve. */
 bool domain_is_full(const struct scene *scene);
+/* Whether a box holds a place; in 2-D y does not count. */
+bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
 /* Region of the soil at a place, the last that contains it; region_count: none. */
 size_t domain_soil_at(const struct scene *scene, const double x[3]);
 /* The site beyond a face of site `at`, or the lattice's count if there is none. */

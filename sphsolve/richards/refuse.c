@@ -84,26 +84,18 @@ static enum status check_well(const struct effect_context *context, const struct
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {
-        const size_t at[3] = {i, j, k};
+        const double x[3] = {l->origin[0] + (double)i * l->spacing[0],
+                             l->origin[1] + (double)j * l->spacing[1],
+                             l->origin[2] + (double)k * l->spacing[2]};
         bool inside = false;
-        for (const struct region *part = whole; part < scene->regions + whole->end; part++) {
-          bool here = true;
-          for (int a = 0; a < 3; a++) {
-            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
-            if (!(l->dimensions == 2 && a == 1))
-              here = here && x >= part->box[a] && x < part->box[a + 3];
-          }
-          inside = inside || here;
-        }
+        for (const struct region *part = whole; part < scene->regions + whole->end; part++)
+          inside = inside || domain_holds(scene, part->box, x);
         held += inside;
         if (inside && l->kind[site] != SITE_FLUID)
           return FAIL(STATUS_INPUT,
                       "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
                       "it within a porous region",
-                      scene->path, whole->line, region_type_names[whole->type],
-                      l->origin[0] + (double)i * l->spacing[0],
-                      l->origin[1] + (double)j * l->spacing[1],
-                      l->origin[2] + (double)k * l->spacing[2]);
+                      scene->path, whole->line, region_type_names[whole->type], x[0], x[1], x[2]);
       }
   if (held > 0) return STATUS_OK;
   return FAIL(STATUS_INPUT,

@@ -134,11 +134,9 @@ static void add_well(struct richards *s, size_t i, bool count) {
   richards_place(s, i, x);
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *part = &s->scene->regions[r];
-    bool inside = part->type == REGION_WELL || part->type == REGION_DRAIN;
-    for (int a = 0; a < 3; a++)
-      if (!(s->lattice->dimensions == 2 && a == 1))
-        inside = inside && x[a] >= part->box[a] && x[a] < part->box[a + 3];
-    if (!inside) continue;
+    if ((part->type != REGION_WELL && part->type != REGION_DRAIN) ||
+        !domain_holds(s->scene, part->box, x))
+      continue;
     if (s->full) s->soil[i] = (uint16_t)(s->soil_count - 1); /* free water stands in it */
     if (!count)
       s->edges[s->edge_count] =
