@@ -37,10 +37,21 @@ const json_t *page_found(const struct page *page, const struct analysis *analysi
   return NULL;
 }
 
-/* Rank of a run on the page: 2 with a permeability above 0, 1 with permeability 0, 0 without one,
- * as a tank that fills or sloshes. */
-static int rank_of(const struct run *run) {
-  return !run_has_permeability(run) ? 0 : run->k == 0 ? 1 : 2;
+/* Rank of a run on the page: 2 with a permeability above 0, 1 with permeability 0, 0 without one. A
+ * tank that fills or sloshes is driven by gravity but has no permeability: for method isph only
+ * runs whose seepage does not drift have one. */
+static enum status find_rank(const struct run *run, int *rank) {
+  enum status status = STATUS_OK;
+  *rank = 0;
+  if (!run_has_permeability(run)) return STATUS_OK;
+  if (strcmp(run->method, "isph") == 0) {
+    struct average average;
+    TRY(average_darcy(run, &average));
+    if (!average.without_drift) return STATUS_OK;
+  }
+  *rank = run->k == 0 ? 1 : 2;
+cleanup:
+  return status;
 }
 
 enum status page_order(const struct run *runs, size_t n, struct run *ordered,
@@ -49,7 +60,7 @@ enum status page_order(const struct run *runs, size_t n, struct run *ordered,
   int *ranks = NULL;
   size_t count = 0;
   TRY(memory_allocate(&ranks, n, sizeof *ranks, "runs"));
-  for (size_t i = 0; i < n; i++) ranks[i] = rank_of(&runs[i]);
+  for (size_t i = 0; i < n; i++) TRY(find_rank(&runs[i], &ranks[i]));
   for (int rank = 2; rank >= 0; rank--) {
     for (size_t i = 0; i < n; i++)
       if (ranks[i] == rank) ordered[count++] = runs[i];

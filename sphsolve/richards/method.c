@@ -175,11 +175,14 @@ const struct method method_richards = {.name = "richards",
                                        .wall_name = wall_name,
                                        .run = run};
 
+static const char *const fields_full[] = {"head", "porosity", NULL};
+
 /* The same for soil that stays full (richards/saturated.h). */
 const struct method method_darcy = {.name = "darcy",
                                     .effects = richards_effects,
                                     .constants = richards_constants,
                                     .marches = true,
+                                    .fields = fields_full,
                                     .takes = takes_full,
                                     .scales = richards_scales,
                                     .cost = richards_cost,
