@@ -257,8 +257,8 @@ static void add_edges(struct richards *s, double time) {
 }
 
 /* Finds all fluxes at the present heads, the matrix of their slopes and the residual. Returns
- * whether that is below its tolerance. `scale`: the largest flux, m/s. */
-static bool assemble(struct richards *s, double time, double *scale) {
+ * whether that is below its tolerance. `near`: the tolerance, m/s, and over the largest flux. */
+static bool assemble(struct richards *s, double time, double near[2]) {
   struct corner corner;
   double most = 0, size = 0, worst = 0;
   memset(s->rows.value, 0, s->rows.start[s->count] * sizeof *s->rows.value);
@@ -286,8 +286,9 @@ static bool assemble(struct richards *s, double time, double *scale) {
     worst = isnan(s->residual[i]) ? NAN : fmax(worst, fabs(s->residual[i]));
     *diagonal *= 1 + STORAGE_MIN;
   }
-  *scale = most;
-  return worst <= SATURATED_TOLERANCE * most + RESIDUAL_ROUNDING * size;
+  near[0] = SATURATED_TOLERANCE * most + RESIDUAL_ROUNDING * size;
+  near[1] = most > 0 ? near[0] / most : INFINITY;
+  return worst <= near[0];
 }
 
 /* The flux into a site through an edge, by its law where that is limited now. */
@@ -350,16 +351,15 @@ enum status richards_saturated_solve(struct richards *s, double time) {
     s->limited[e] = isfinite(law.least);
   }
   bool solved = false;
-  double scale;
+  double near[2];
   s->iterations = 0;
   for (int round = 0; !solved && round < SATURATED_ROUNDS_MAX; round++) {
-    assemble(s, time, &scale);
+    assemble(s, time, near);
     if (!rows_solve(&s->rows, s->residual, LINEAR_TOLERANCE_MIN, s->change, &s->linear_total))
       break;
     for (size_t i = 0; i < s->count; i++) s->h[i] += s->change[i];
-    const bool balanced = assemble(s, time, &scale),
-               limits = find_limits(s, time, SATURATED_TOLERANCE * scale);
-    solved = find_speeds(s) < SATURATED_TOLERANCE && balanced && !limits;
+    const bool balanced = assemble(s, time, near), limits = find_limits(s, time, near[0]);
+    solved = find_speeds(s) <= near[1] && balanced && !limits;
     s->iterations++;
   }
   s->iterations_total += s->iterations;
