@@ -69,7 +69,8 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
     return (struct richards_law){s->soils[s->soil[edge->site]].driest, given,
                                  given < 0 ? INFINITY : given};
   case EDGE_WELL:
-    return (struct richards_law){0, -richards_well_at(s, edge, time), 0};
+    given = -richards_well_at(s, edge, time);
+    return (struct richards_law){0, given, s->full ? given : 0};
   case EDGE_DRAIN:
     given = given_at(region, region->head, time);
     return (struct richards_law){pull == 0 ? given : pull * fmax(given - edge->z, 0), -INFINITY, 0};

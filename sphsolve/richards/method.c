@@ -51,17 +51,22 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* Warns, once, of a well whose rate the soil does not yield. */
+/* Warns, once, of a well whose rate the soil does not yield, or yields by suction alone. */
 static void warn_of_wells(const struct richards *s, bool *warned) {
   for (size_t r = 0; r < s->scene->region_count && !*warned; r++) {
     const struct region *well = &s->scene->regions[r];
-    double asked = 0, given = 0;
+    double asked = 0, given = 0, least = INFINITY;
     if (well->type != REGION_WELL || well->first != r) continue;
     for (size_t e = 0; e < s->edge_count; e++)
       if (s->edges[e].region == well)
-        asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q;
-    *warned = given < WELL_RATE_SHARE * asked;
-    if (*warned)
+        asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q,
+            least = fmin(least, s->h[s->edges[e].site]);
+    *warned = s->full ? least < 0 : given < WELL_RATE_SHARE * asked;
+    if (*warned && s->full)
+      log_warning("%s:%d: t = %.4g s: the pressure head in this well is %.3g m: air would come in, "
+                  "and the soil not stay full; give a lower rate, or a drain of a head",
+                  s->scene->path, well->line, s->time, least);
+    else if (*warned)
       log_warning("%s:%d: t = %.4g s: the soil brings %.0f %% of this well's rate: the water table "
                   "has come down to it; give a lower one, or a drain of a head",
                   s->scene->path, well->line, s->time, 100 * given / asked);

@@ -35,7 +35,7 @@ size_t rows_entry(const struct rows *r, size_t row, size_t column) {
   return k;
 }
 
-static bool factorise(struct rows *r) {
+static bool factorise(struct rows *r, double share) {
   memcpy(r->factor, r->value, r->start[r->count] * sizeof *r->factor);
   for (size_t row = 0; row < r->count; row++) {
     const size_t first = r->diagonal[row] + 1, end = r->start[row + 1];
@@ -49,7 +49,7 @@ static bool factorise(struct rows *r) {
         if (at < r->start[below + 1])
           r->factor[at] -= l * r->factor[u];
         else
-          r->factor[r->diagonal[r->column[u]]] -= FILL_IN_SHARE * l * r->factor[u];
+          r->factor[r->diagonal[r->column[u]]] -= share * l * r->factor[u];
       }
     }
   }
@@ -88,13 +88,14 @@ static double dot(size_t n, const double *x, const double *y) {
 
 /* Right-preconditioned, so that all scalar products are of residuals, which are water contents;
  * heads of dry soil may be 1e40 times larger than those of wet soil. */
-bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, int64_t *iterations) {
+bool rows_solve(struct rows *r, double share, const double *b, double tolerance, double *x,
+                int64_t *iterations) {
   const size_t n = r->count;
   double *residual = r->vector[0], *shadow = r->vector[1], *p = r->vector[2], *v = r->vector[3],
          *t = r->vector[4], *y = r->vector[5], *z = r->vector[6];
   const double wanted = tolerance * sqrt(dot(n, b, b));
   double rho = 1, alpha = 1, omega = 1;
-  if (!factorise(r)) return false;
+  if (!factorise(r, share)) return false;
   memset(x, 0, n * sizeof *x);
   memset(p, 0, n * sizeof *p);
   memset(v, 0, n * sizeof *v);

@@ -46,6 +46,24 @@ static bool find_corner(const struct richards *s, size_t i, size_t j, size_t k,
   return any;
 }
 
+static uint32_t body_of(struct richards *s, uint32_t i) {
+  while (s->body[i] != i) i = s->body[i] = s->body[s->body[i]];
+  return i;
+}
+
+enum status richards_saturated_bodies(struct richards *s) {
+  const enum status status =
+      memory_allocate(&s->body, s->count, sizeof *s->body, "connected sites");
+  if (status != STATUS_OK) return status;
+  for (uint32_t i = 0; i < s->count; i++) s->body[i] = i;
+  for (size_t f = 0; f < s->face_count; f++) {
+    const uint32_t a = body_of(s, s->faces[f].i), b = body_of(s, s->faces[f].j);
+    s->body[a > b ? a : b] = a > b ? b : a;
+  }
+  for (uint32_t i = 0; i < s->count; i++) s->body[i] = body_of(s, i);
+  return STATUS_OK;
+}
+
 enum status richards_saturated_corners(struct richards *s) {
   enum status status = STATUS_OK;
   struct corner corner;
@@ -284,7 +302,6 @@ static bool assemble(struct richards *s, double time, double near[2]) {
     double *diagonal = &s->rows.value[s->rows.diagonal[i]];
     size = fmax(size, *diagonal * (fabs(s->h[i]) + s->spacing));
     worst = isnan(s->residual[i]) ? NAN : fmax(worst, fabs(s->residual[i]));
-    *diagonal *= 1 + STORAGE_MIN;
   }
   near[0] = SATURATED_TOLERANCE * most + RESIDUAL_ROUNDING * size;
   near[1] = most > 0 ? near[0] / most : INFINITY;
@@ -306,21 +323,31 @@ static double drain_flux(const struct richards *s, const struct region *drain, d
   return sum;
 }
 
+/* Where no law fixes the heads of sites that are connected, the matrix would be singular. */
+static void fix_bodies(struct richards *s) {
+  for (size_t i = 0; i < s->count; i++) s->target[i] = STORAGE_MIN;
+  for (size_t e = 0; e < s->edge_count; e++)
+    if (s->limited[e] == 0) s->target[s->body[s->edges[e].site]] = 0;
+  for (size_t i = 0; i < s->count; i++)
+    s->rows.value[s->rows.diagonal[i]] *= 1 + s->target[s->body[i]];
+}
+
 /* Which limits hold for the present fluxes, to `near` m/s; whether any has changed. */
 static bool find_limits(struct richards *s, double time, double near) {
   bool changed = false;
-  const struct region *drain = NULL; /* of the last edge, which has been decided */
+  const struct region *drain = NULL; /* the last that was decided */
+  uint8_t now = 0;
   for (size_t e = 0; e < s->edge_count; e++) {
-    const struct richards_law law = richards_law_at(s, &s->edges[e], time);
+    const struct richards_edge *edge = &s->edges[e];
+    const struct richards_law law = richards_law_at(s, edge, time);
     if (!(law.least < law.most)) continue;
-    uint8_t now = e > 0 && s->edges[e].region == drain ? s->limited[e - 1] : 0;
-    if (s->edges[e].kind != EDGE_DRAIN || s->edges[e].region != drain) {
-      const double q = s->edges[e].kind == EDGE_DRAIN ? drain_flux(s, s->edges[e].region, time)
-                                                      : unlimited_flux(s, e, time);
+    if (edge->kind != EDGE_DRAIN || edge->region != drain) {
+      const double q =
+          edge->kind == EDGE_DRAIN ? drain_flux(s, edge->region, time) : unlimited_flux(s, e, time);
       const double room = s->limited[e] > 0 ? -near : near;
       now = q < law.least - room ? 1 : q > law.most + room ? 2 : 0;
+      drain = edge->kind == EDGE_DRAIN ? edge->region : NULL;
     }
-    drain = s->edges[e].kind == EDGE_DRAIN ? s->edges[e].region : NULL;
     changed = changed || now != s->limited[e];
     s->limited[e] = now;
   }
@@ -355,7 +382,11 @@ enum status richards_saturated_solve(struct richards *s, double time) {
   s->iterations = 0;
   for (int round = 0; !solved && round < SATURATED_ROUNDS_MAX; round++) {
     assemble(s, time, near);
-    if (!rows_solve(&s->rows, s->residual, LINEAR_TOLERANCE_MIN, s->change, &s->linear_total))
+    fix_bodies(s);
+    /* Coefficients of either sign may ask for the plain factorisation. */
+    if (!rows_solve(&s->rows, FILL_IN_SHARE, s->residual, LINEAR_TOLERANCE_MIN, s->change,
+                    &s->linear_total) &&
+        !rows_solve(&s->rows, 0, s->residual, LINEAR_TOLERANCE_MIN, s->change, &s->linear_total))
       break;
     for (size_t i = 0; i < s->count; i++) s->h[i] += s->change[i];
     const bool balanced = assemble(s, time, near), limits = find_limits(s, time, near[0]);

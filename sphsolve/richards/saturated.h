@@ -21,6 +21,8 @@
 
 /* Finds the sites that meet at corners alone, which the matrix of turned beds couples. */
 enum status richards_saturated_corners(struct richards *s);
+/* Finds which sites are connected. */
+enum status richards_saturated_bodies(struct richards *s);
 /* Finds heads and fluxes at a time. Fails where there is no steady flow. */
 enum status richards_saturated_solve(struct richards *s, double time);
 

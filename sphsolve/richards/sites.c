@@ -258,6 +258,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   add_faces(s, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
+  if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
   TRY(make_rows(s));
   double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
@@ -307,6 +308,7 @@ void richards_free(struct richards *s) {
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
   memory_free(&s->beside);
   memory_free(&s->corners);
+  memory_free(&s->body);
   memory_free(&s->speed);
   memory_free(&s->limited);
   memory_free(&s->now);

@@ -88,6 +88,7 @@ struct richards {
   bool full, turned, changes;
   size_t corner_count;
   uint32_t (*corners)[2]; /* sites that share an edge along y, and no face, with i < j */
+  uint32_t *body;         /* [count]: the least number of a site that is connected to it */
   double *speed;          /* [count]: |v| of Forchheimer's term, m/s */
   uint8_t *limited;       /* [edges]: 0, or 1 and 2 where the least or most flux of its law holds */
   int iterations;         /* Newton iterations of the last step */

@@ -120,7 +120,8 @@ static bool solve(struct richards *s, double dt, double time, double *rate) {
     assemble(s, dt);
     const double linear =
         fmin(fmax(LINEAR_TOLERANCE_SHARE / most, LINEAR_TOLERANCE_MIN), LINEAR_TOLERANCE_MAX);
-    if (!rows_solve(&s->rows, s->residual, linear, s->change, &s->linear_total)) return false;
+    if (!rows_solve(&s->rows, FILL_IN_SHARE, s->residual, linear, s->change, &s->linear_total))
+      return false;
     memcpy(s->from, s->now, s->count * sizeof *s->from);
     last = squares;
     for (int halving = 0;; halving++) {
