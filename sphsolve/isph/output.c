@@ -44,16 +44,7 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
 }
 
 double isph_reynolds(const struct isph *s, const double velocity[3]) {
-  const struct region *coarsest = NULL;
-  for (size_t k = 0; k < s->scene->region_count; k++) {
-    const struct region *region = &s->scene->regions[k];
-    if (region->type != REGION_POROUS) continue;
-    if (coarsest == NULL || region->grain_size > coarsest->grain_size) coarsest = region;
-  }
-  if (coarsest == NULL || !(s->kinematic_viscosity > 0)) return NAN;
-  return reynolds_number(velocity, coarsest->porosity,
-                         hydraulic_diameter_of_grains(coarsest->grain_size, coarsest->porosity),
-                         s->kinematic_viscosity);
+  return reynolds_of_soil(s->scene, s->kinematic_viscosity, velocity);
 }
 
 /* Whether there is a wall where a particle would cross a plane: water beside a thin wall comes

@@ -12,7 +12,6 @@
 #include "common/output_guard.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
-#include "common/statistics.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_state.h"

@@ -55,20 +55,6 @@ static void set_errors(const struct richards *s, struct run_result *result) {
   result->error.resolution = s->soil_count <= 2 ? SATURATED_TOLERANCE : NAN;
 }
 
-/* By the hydraulic diameter of the coarsest soil. */
-static double reynolds_of(const struct scene *scene, const double velocity[3]) {
-  const struct region *coarsest = NULL;
-  for (size_t r = 0; r < scene->region_count; r++) {
-    const struct region *region = &scene->regions[r];
-    if (region->type == REGION_POROUS &&
-        (coarsest == NULL || region->grain_size > coarsest->grain_size))
-      coarsest = region;
-  }
-  return reynolds_number(velocity, coarsest->porosity,
-                         hydraulic_diameter_of_grains(coarsest->grain_size, coarsest->porosity),
-                         scene->fluid.viscosity / scene->fluid.density);
-}
-
 void richards_find_k(const struct richards *s, struct run_result *result) {
   const double *drive = s->scene->driving, *g = s->scene->gravity;
   const double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);
@@ -82,7 +68,8 @@ void richards_find_k(const struct richards *s, struct run_result *result) {
   }
   for (int a = 0; a < 3; a++) round = round && (drive[a] == 0 || s->scene->periodic[a]);
   result_from_darcy(s->scene, mean, result);
-  result->reynolds = reynolds_of(s->scene, mean);
+  result->reynolds =
+      reynolds_of_soil(s->scene, s->scene->fluid.viscosity / s->scene->fluid.density, mean);
   if (round) {
     set_errors(s, result);
     for (size_t i = 0; i < s->count; i++)
