@@ -88,26 +88,15 @@ enum status average_darcy(const struct run *run, struct average *average) {
     *average = (struct average){.rows = 1, .standard_error = NAN, .without_drift = true};
     return STATUS_OK;
   }
-  /* isph determines k from the second half of its record. */
-  const bool isph =
-      strcmp(run->method, "isph") == 0 && isfinite(run->k) && isfinite(run->error.steadiness);
-  if ((isph || strcmp(run->method, "stokes") == 0) && isfinite(run->darcy_velocity[0])) {
+  if ((strcmp(run->method, "stokes") == 0 || strcmp(run->method, "darcy") == 0) &&
+      isfinite(run->darcy_velocity[0])) {
     memset(average, 0, sizeof *average);
     average->rows = 1;
     for (int d = 0; d < 3; d++) average->mean += run->darcy_velocity[d] * run->direction[d];
     average->standard_error = NAN;
     average->error95 = run->k_error * fabs(average->mean);
     average->without_drift = !(run->k_error > drift_allowed);
-    if (!isph) return STATUS_OK;
-    average->drift = run->error.steadiness * fabs(average->mean);
-    average->without_drift = !(run->error.steadiness > drift_allowed);
-    if (isnan(run->error.averaging)) return STATUS_OK; /* k is no mean but the last value */
-    TRY(run_darcy_series(run, &rows, &times, &values));
-    average->from_time = 0.5 * times[rows - 1];
-    while (average->first + 1 < rows && times[average->first] < average->from_time)
-      average->first++;
-    average->rows = rows - average->first;
-    goto cleanup;
+    return STATUS_OK;
   }
   TRY(run_darcy_series(run, &rows, &times, &values));
   TRY(average_record(times, values, rows, average));

@@ -28,9 +28,9 @@ struct average {
 enum status average_record(const double *times, const double *values, size_t n,
                            struct average *average);
 
-/* Darcy velocity of a run along its driving force: 0 if no pore leads through; for method stokes
- * the converged value with the run's k_error; for isph the mean of the second half with the run's
- * error; else the mean of the history after the start-up. */
+/* Darcy velocity of a run along its driving force: 0 if no pore leads through; for methods
+ * stokes and darcy the value solved for with the run's k_error; else the mean of the history after
+ * the start-up. */
 enum status average_darcy(const struct run *run, struct average *average);
 
 #endif

@@ -316,7 +316,8 @@ bool run_is_copy(const struct run *a, const struct run *b) {
 
 bool run_has_permeability(const struct run *run) {
   if (strcmp(run->method, "richards") == 0) return false;
-  return run->hydraulic_gradient > 0.0 && !(strcmp(run->method, "isph") == 0 && isnan(run->k));
+  const bool soil = strcmp(run->method, "isph") == 0 || strcmp(run->method, "darcy") == 0;
+  return run->hydraulic_gradient > 0.0 && !(soil && isnan(run->k));
 }
 
 void run_free(struct run *run) {

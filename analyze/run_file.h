@@ -84,8 +84,8 @@ bool run_is_copy(const struct run *a, const struct run *b);
  * "*.hdf" also expands. */
 bool run_is_companion(const char *path);
 
-/* Whether the run can have a k: its flow is driven and, for `isph`, a k was found (there is none if
- * gravity only holds the water in a tank). */
+/* Whether the run can have a k: its flow is driven and, for methods that know soil as such, a k was
+ * found (there is none if gravity only holds the water in a tank). */
 bool run_has_permeability(const struct run *run);
 
 /* Magnitude of the driving force per mass, m/s^2. */

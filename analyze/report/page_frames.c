@@ -148,7 +148,9 @@ enum status picture_frames(const struct run *run, json_t **picture) {
   const size_t n = run->snapshot_count < FRAMES ? run->snapshot_count : FRAMES;
   struct grid grid = {0};
   float *kept = NULL;
-  if (n == 0 || (!unsaturated && strcmp(run->method, "isph") != 0)) return STATUS_OK;
+  if (n == 0 ||
+      (!unsaturated && strcmp(run->method, "isph") != 0 && strcmp(run->method, "darcy") != 0))
+    return STATUS_OK;
   choose_grid(run, &grid);
   const size_t cells = grid.size[0] * grid.size[1];
   TRY(memory_allocate(&grid.value, cells, sizeof *grid.value, "a picture"));

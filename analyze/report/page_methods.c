@@ -34,6 +34,9 @@ static const struct reference references[] = {
     {"morimoto", "Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015). Unified numerical "
                  "analysis between the extended Darcy's law and Navier-Stokes equation by using "
                  "stabilized ISPH method (in Japanese). J. JSCE Ser. A2 70, I_213-I_221."},
+    {"aavatsmark",
+     "Aavatsmark I, Barkve T, Boe O, Mannseth T (1996). Discretization on non-orthogonal, "
+     "quadrilateral grids for inhomogeneous, anisotropic media. J. Comput. Phys. 127, 2-14."},
     {"richards",
      "Richards LA (1931). Capillary conduction of liquids through porous mediums. Physics "
      "1, 318-333."},
@@ -192,6 +195,10 @@ static void write_solver(const struct run *run, struct prose *prose) {
   } else if (strcmp(run->method, "isph") == 0) {
     say(prose, "The unified Navier-Stokes and extended Darcy equations were integrated by "
                "stabilised incompressible smoothed particle hydrodynamics [morimoto] [akbari]. ");
+  } else if (strcmp(run->method, "darcy") == 0) {
+    say(prose,
+        "Darcy's law, with Forchheimer's term where a soil has one, was solved for soil that "
+        "stays full of water by multi-point finite volumes on fixed points [aavatsmark]. ");
   } else if (strcmp(run->method, "richards") == 0) {
     say(prose, "The equation of Richards for water in soil that is not full [richards] was solved "
                "in its mass-conserving form [celia] on fixed points, with the curves of van "

@@ -172,6 +172,17 @@ static void scatter(const struct head_field *f, const double x[2], double size,
     }
 }
 
+/* The values of the cell around x. */
+static void put(const struct head_field *f, const double x[2], const double value[3],
+                struct sums *sums) {
+  if (!(x[0] >= 0 && x[1] >= 0)) return;
+  const size_t i = (size_t)(x[0] / f->dx), k = (size_t)(x[1] / f->dz);
+  if (i >= f->nx || k >= f->nz) return;
+  struct sums *s = &sums[k * f->nx + i];
+  s->basis[0] = s->filled = 1;
+  for (int v = 0; v < 3; v++) s->value[v][0] = value[v];
+}
+
 /* Fitted value at the cell's centre, exact for linear fields; the weighted mean if there are too
  * few particles. */
 static double fit(const struct sums *s, int v) {
@@ -190,22 +201,26 @@ static enum status add_snapshot(const struct run *run, const char *name, struct 
   struct sums *sums = NULL;
   char path[8192];
   double *velocity = NULL, *pressure = NULL, *volume = NULL;
+  const bool fixed = strcmp(run->method, "darcy") == 0; /* a point in each cell */
   if (snprintf(path, sizeof path, "%s%s", run->folder, name) >= (int)sizeof path)
     TRY_FAIL(STATUS_INPUT, "%s: the name of a snapshot is too long", run->path);
   TRY(memory_allocate(&sums, f->nx * f->nz, sizeof *sums, "the field of heads"));
   TRY(snapshot_open(path, &snapshot));
   TRY(snapshot_read(&snapshot, "velocity", 3, &velocity));
   TRY(snapshot_read(&snapshot, "pressure", 1, &pressure));
-  TRY(snapshot_read(&snapshot, "volume", 1, &volume));
+  if (!fixed) TRY(snapshot_read(&snapshot, "volume", 1, &volume));
   for (size_t i = 0; i < snapshot.count; i++) {
     const double *p = snapshot.points + 3 * i, x[2] = {p[0], p[2]};
-    const double size = sqrt(volume[i] / f->thickness);
+    const double size = fixed ? f->dx : sqrt(volume[i] / f->thickness);
     const double value[3] = {p[2] + pressure[i] / (f->density * f->gravity), velocity[3 * i],
                              velocity[3 * i + 2]};
     if (!isfinite(value[0]) || !isfinite(value[1]) || !isfinite(value[2]) || !(size > 0) ||
         !isfinite(x[0]) || !isfinite(x[1]) || size > 1e3 * f->dx)
       TRY_FAIL(STATUS_INPUT, "%s: particle %zu has a value that is not finite", path, i);
-    scatter(f, x, size, value, sums);
+    if (fixed)
+      put(f, x, value, sums);
+    else
+      scatter(f, x, size, value, sums);
   }
   double speed = 0, soil = 0;
   for (size_t c = 0; c < f->nx * f->nz; c++) {
@@ -225,14 +240,18 @@ cleanup:
   return status;
 }
 
+bool head_field_is_seepage(const struct run *run) {
+  return strcmp(run->method, "isph") == 0 || strcmp(run->method, "darcy") == 0;
+}
+
 enum status head_field_read(const struct run *run, struct head_field *f) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
   double domain[3];
   *f = (struct head_field){.density = run->density, .thickness = run->spacing[1]};
-  if (strcmp(run->method, "isph") != 0)
-    TRY_FAIL(STATUS_INPUT, "%s: a run of %s; seepage is computed by method isph", run->path,
-             run->method);
+  if (!head_field_is_seepage(run))
+    TRY_FAIL(STATUS_INPUT, "%s: a run of %s; seepage is computed by method isph or darcy",
+             run->path, run->method);
   if (run->dimensions != 2)
     TRY_FAIL(STATUS_INPUT, "%s: flow nets are of 2-D scenes; this one has 3 dimensions", run->path);
   if (run->snapshot_count == 0)

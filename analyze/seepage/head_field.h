@@ -1,5 +1,5 @@
-/* Head and velocity of a two-dimensional isph run on the cells of its lattice, averaged over
- * snapshots. */
+/* Head and velocity of a two-dimensional run of isph or darcy on the cells of its lattice, averaged
+ * over snapshots. */
 #ifndef TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
 #define TOSUI_ANALYZE_SEEPAGE_HEAD_FIELD_H
 
@@ -51,6 +51,9 @@ bool head_region_is_sink(const struct head_region *region); /* wells, drains */
 
 /* Whether a position (m) is within a window (inflow region). */
 bool head_field_is_open(const struct head_field *field, double x, double z);
+
+/* Whether a run is of a method that knows soil as such. */
+bool head_field_is_seepage(const struct run *run);
 
 /* Averages the snapshots of the second half of the run, at least the last one. An input error for
  * runs without such a field: other methods, 3-D, gravity not along -z. */

@@ -42,21 +42,18 @@ static void late_mean(const struct run *run, const struct history_column *column
   while (first + 1 < column->rows && time->values[first] < 0.5 * time->values[time->rows - 1])
     first++;
   batch_means(column->values + first, column->rows - first, mean, error);
+  /* Steady at each time; and if nothing is given in time, throughout. */
+  if (strcmp(run->method, "darcy") == 0 && column->values[0] == *mean) *error = 0;
   *drift = drift_of(column->values + first, column->rows - first, *error);
 }
 
-/* Adds the uncertainty of the flow from a drift of the velocities in the soil: those recorded
- * between two heads if there are any, else those of the snapshots. */
+/* Adds the uncertainty of the flow from a drift of the velocities in the soil, those of the
+ * snapshots. */
 static void add_drift(struct seepage *s) {
   const struct head_field *f = &s->field;
-  const struct history_column *column = run_column(s->run, "velocity_through_soil", 1);
-  double mean = 0, error, drift;
-  if (column != NULL) {
-    late_mean(s->run, column, &mean, &error, &drift);
-  } else {
-    for (size_t i = 0; i < f->snapshots; i++) mean += f->speed[i] / (double)f->snapshots;
-    drift = drift_of(f->speed, f->snapshots, 0);
-  }
+  double mean = 0;
+  for (size_t i = 0; i < f->snapshots; i++) mean += f->speed[i] / (double)f->snapshots;
+  const double drift = drift_of(f->speed, f->snapshots, 0);
   if (drift > 0 && fabs(mean) > 0 && !s->sinks) s->drift = fmin(drift / fabs(mean), 1) * s->flow;
   s->flow_error += s->drift;
 }

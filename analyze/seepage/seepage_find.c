@@ -176,7 +176,7 @@ cleanup:
 enum status seepage_applies(const struct run *run, bool *applies) {
   struct seepage seepage = {.run = run};
   *applies = false;
-  if (strcmp(run->method, "isph") != 0 || run->dimensions != 2 || run->snapshot_count == 0)
+  if (!head_field_is_seepage(run) || run->dimensions != 2 || run->snapshot_count == 0)
     return STATUS_OK;
   enum status status = head_field_read(run, &seepage.field);
   if (status == STATUS_INPUT) { /* of an older version, or with gravity along x */

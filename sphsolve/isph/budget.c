@@ -171,9 +171,7 @@ void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const d
     linear[a] = -s->drag_a[i] * (v[a] - own[a]);
     forchheimer[a] = -s->drag_b[i] * speed * (2 * (v[a] - own[a]) - (before[a] - own[a]));
   }
-  if (s->on.anisotropy) {
-    symmetric_times(s->anisotropy[i].drag, linear, linear);
-  } else if (s->on.interfaces) {
+  if (s->on.interfaces) {
     const struct isph_interface *along = &s->interface[i];
     isph_interface_turn(along, isph_interface_ratio(along->drag_a, s->drag_a[i]), linear);
     isph_interface_turn(along, isph_interface_ratio(along->drag_b, s->drag_b[i]), forchheimer);
@@ -203,9 +201,7 @@ static void budget_links(const struct isph *s, size_t i, double m, double dt,
     now += (v[a] - own[a]) * n[a], old += (before[a] - own[a]) * n[a];
     square += (before[a] - own[a]) * (before[a] - own[a]);
   }
-  double place = s->drag_a[i];
-  if (s->on.anisotropy) place *= symmetric_along(s->anisotropy[i].drag, n);
-  const double linear = -(linked->drag_a - place) * now;
+  const double linear = -(linked->drag_a - s->drag_a[i]) * now;
   const double forchheimer = -(linked->drag_b - s->drag_b[i] * sqrt(square)) * (2 * now - old);
   for (int a = 0; a < 3; a++) moved[a] = linear * n[a];
   add_force(sums, BUDGET_DRAG_LINEAR, m * dt, moved, u);

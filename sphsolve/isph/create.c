@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/link.h"
@@ -77,7 +76,6 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   }
   isph_images_create(s);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
-  if (s->on.anisotropy) TRY(isph_anisotropy_create(s));
   if (s->on.links) TRY(isph_links_create(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
@@ -106,15 +104,13 @@ void isph_free(struct isph *s) {
     memory_free(&s->chunks[c].slope);
     memory_free(&s->chunks[c].mobility);
     memory_free(&s->chunks[c].path_porosity);
-    memory_free(&s->chunks[c].plain);
     memory_free(&s->chunks[c].matrix);
     memory_free(&s->chunks[c].wall);
     memory_free(&s->chunks[c].wall_slope);
   }
   isph_fields_free(s);
   for (size_t k = 0; k < ISPH_EFFECTS; k++) memory_free(&s->own_numbers[k]);
-  void *blocks[] = {&s->beds,
-                    &s->grounds,
+  void *blocks[] = {&s->grounds,
                     &s->enclosed,
                     &s->wells,
                     &s->partial,

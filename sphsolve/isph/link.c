@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
@@ -122,15 +121,6 @@ static void add(const struct isph_material *of, double share, struct isph_materi
   way->b += share * of->b;
 }
 
-static void add_part(struct isph_parts *parts, const struct region *soil, double share) {
-  if (parts->count == ISPH_PARTS) {
-    parts->at[ISPH_PARTS - 1].share += share;
-    return;
-  }
-  parts->at[parts->count].soil = soil;
-  parts->at[parts->count++].share = share;
-}
-
 /* Clips the path x + t step, from <= t <= to, to the part that lies in the box; returns whether any
  * is left. */
 static bool clip(const struct isph_box *box, const double x[3], const double step[3], double *from,
@@ -151,9 +141,9 @@ static bool clip(const struct isph_box *box, const double x[3], const double ste
 }
 
 /* Adds the materials on the path x + t step, from <= t <= to, of the regions before `end`. The last
- * region takes precedence: earlier ones, or water, get what it leaves. `parts` may be NULL. */
+ * region takes precedence: earlier ones, or water, get what it leaves. */
 static void add_path(const struct isph *s, size_t end, const double x[3], const double step[3],
-                     double from, double to, struct isph_material *way, struct isph_parts *parts) {
+                     double from, double to, struct isph_material *way) {
   const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
   const double reach = fmax(fabs(step[0]), fmax(fabs(step[1]), fabs(step[2])));
   for (size_t k = end; k-- > 0 && from < to;) {
@@ -164,31 +154,10 @@ static void add_path(const struct isph *s, size_t end, const double x[3], const 
     double enters = from, leaves = to;
     if (!clip(&box, x, step, &enters, &leaves)) continue;
     add(&s->grounds[k + 1].of, leaves - enters, way);
-    if (parts != NULL) add_part(parts, region, leaves - enters);
-    if (from < enters) add_path(s, k, x, step, from, enters, way, parts);
+    if (from < enters) add_path(s, k, x, step, from, enters, way);
     from = leaves;
   }
-  if (!(from < to)) return;
-  add(&s->grounds[0].of, to - from, way);
-  if (parts != NULL) add_part(parts, NULL, to - from);
-}
-
-/* As add_path for the whole way from particle i to the reflected image of particle j: from each to
- * the side, so that the way back has the same resistance. Beyond a corner, to the middle between
- * the two sides. */
-static void add_reflected_path(const struct isph *s, size_t i, uint32_t entry, const double r[3],
-                               struct isph_material *way) {
-  const size_t j = entry & PAIR_MASK, end = s->scene->region_count;
-  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
-  const double *xi = s->position[i];
-  double to = 0, sides = 0, back[3];
-  for (int a = 0; a < 3; a++) {
-    back[a] = image->turn[a] * r[a];
-    if (image->turn[a] < 0 && r[a] != 0) to += (xi[a] - 0.5 * image->shift[a]) / r[a], sides++;
-  }
-  to = sides > 0 ? to / sides : 0.5;
-  add_path(s, end, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, to, way, NULL);
-  add_path(s, end, s->position[j], back, 0, 1 - to, way, NULL);
+  if (from < to) add(&s->grounds[0].of, to - from, way);
 }
 
 /* Away from edges all pairs of a particle lie in the same soil. */
@@ -204,41 +173,27 @@ static void link_within(const struct isph *s, struct isph_chunk *chunk, size_t i
 }
 
 ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                    size_t i, double dt, bool tensors, struct isph_links *links) {
+                    size_t i, double dt, struct isph_links *links) {
   const double *xi = s->position[i], own = s->on.drag_forchheimer ? SPEEDS(s)[i] : 0;
   double level = 0, whole = 0, middle[3] = {0};
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const size_t j = chunk->pair[p] & PAIR_MASK;
     const int32_t ground = s->ground[i] != GROUND_MIXED ? s->ground[i] : s->ground[j];
     struct isph_material way = {0};
-    struct isph_parts parts = {.count = 0};
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    if (ground == GROUND_MIXED && isph_is_reflected(images, s, chunk->pair[p]))
-      add_reflected_path(s, i, chunk->pair[p], r, &way);
-    else if (ground == GROUND_MIXED)
-      add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way,
-               tensors ? &parts : NULL);
+    if (ground == GROUND_MIXED)
+      add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way);
     else
       way = s->grounds[ground].of;
-    if (tensors && ground != GROUND_MIXED)
-      add_part(&parts, ground > 0 ? &s->scene->regions[ground - 1] : NULL, 1);
     const double speed = way.b > 0 ? 0.5 * (own + SPEEDS(s)[j]) : 0;
-    double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
-    const double plain = resistance;
+    const double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));
-    if (tensors) {
-      const double length = sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);
-      const double direction[3] = {r[0] / length, r[1] / length, r[2] / length};
-      const struct isph_turned turned = isph_anisotropy_way(s, i, j, direction, &parts, dt, speed);
-      chunk->plain[p] = chunk->mobility[p], chunk->mobility[p] = (float)turned.mobility;
-      resistance += turned.drag - way.a, way.a = turned.drag;
-    }
     chunk->path_porosity[p] = (float)way.porosity;
     if (s->ground[i] != GROUND_MIXED) continue;
     const double weight = s->volume[j] * (double)chunk->slope[p];
     const double carried = weight * (way.a + way.b * speed) / resistance;
-    const double steep = weight * log(plain);
+    const double steep = weight * log(resistance);
     level += steep, whole += weight;
     for (int a = 0, k = 0; a < 3; a++) {
       links->normal[a] += steep * r[a], middle[a] += weight * r[a];
@@ -256,12 +211,10 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
 void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double dt,
                struct isph_links *links) {
   memset(links, 0, sizeof *links);
-  if (s->on.anisotropy) /* sides of the domain do not reflect in scenes with it */
-    link_pairs(IMAGES_PERIODIC, s, chunk, i, dt, true, links);
-  else if (s->ground[i] != GROUND_MIXED)
+  if (s->ground[i] != GROUND_MIXED)
     link_within(s, chunk, i, dt);
   else
-    ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, false, links);
+    ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, links);
 }
 
 void isph_links_close(struct isph *s) {
@@ -294,13 +247,10 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
     across += u[a] * n[a] / square;
     linked->normal[a] = n[a] / sqrt(square);
   }
-  double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
-  if (s->on.anisotropy) left *= symmetric_along(s->anisotropy[i].relative, linked->normal);
+  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
   const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
   for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];
-  if (s->on.interfaces &&
-      /* in the form in which the budget takes it: relative to the drag across an interface */
-      !s->on.anisotropy)
+  if (s->on.interfaces) /* as the budget takes it: relative to the drag across an interface */
     isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
                         linked->change);
 }

@@ -12,7 +12,6 @@
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/output.h"
-#include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/watch.h"
 #include "sphsolve/output/recorder.h"
@@ -133,9 +132,8 @@ cleanup:
   if (status == STATUS_OK || status == STATUS_INTERRUPTED) {
     double velocity[3];
     isph_darcy_velocity(s, velocity);
-    result_from_darcy(scene, velocity, result);
-    const enum status found = isph_find_k(s, plan, recorder, result);
-    if (found != STATUS_OK) status = found;
+    memcpy(result->darcy_velocity, velocity, sizeof velocity);
+    result->k = result->intrinsic_permeability = NAN; /* k of soil is found by method darcy */
     result->reynolds = isph_reynolds(s, result->darcy_velocity);
     result->steps = s->step;
     s->pair_interactions = ranks_sum(s->pair_interactions);

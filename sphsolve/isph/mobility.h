@@ -15,7 +15,7 @@ static inline double isph_mobility_between(const struct isph *s, const struct is
   if (s->on.mean_of_ends) return 0.5 * (a + b);
   if (s->on.own_mobilities) return 2 * a * b / (a + b);
   const double way = (double)chunk->mobility[p];
-  const double plane = s->on.fading ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
+  const double plane = s->on.interfaces ? fmin(s->interface[i].plane, s->interface[j].plane) : 1;
   return plane < 1 ? pow(way, plane) * pow(2 * a * b / (a + b), 1 - plane) : way;
 }
 

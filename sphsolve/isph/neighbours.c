@@ -27,12 +27,10 @@ static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on
     TRY(memory_resize(&chunk->pair, n, sizeof *chunk->pair, "neighbour lists"));
     TRY(memory_resize(&chunk->slope, n, sizeof *chunk->slope, "neighbour lists"));
     TRY(memory_resize(&chunk->matrix, n, sizeof *chunk->matrix, "pressure matrix"));
-    if (on->links || on->anisotropy)
+    if (on->links)
       TRY(memory_resize(&chunk->mobility, n, sizeof *chunk->mobility, "neighbour lists"));
     if (on->links)
       TRY(memory_resize(&chunk->path_porosity, n, sizeof *chunk->path_porosity, "neighbour lists"));
-    if (on->links && on->anisotropy)
-      TRY(memory_resize(&chunk->plain, n, sizeof *chunk->plain, "neighbour lists"));
     chunk->pair_capacity = n;
   }
   if (walls > chunk->wall_capacity) {

@@ -7,7 +7,6 @@
 #include "common/memory.h"
 #include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/kernel.h"
-#include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/wall_force.h"
 #include "sphsolve/isph/own.h"
 #include "sphsolve/isph/ranks.h"
@@ -45,16 +44,7 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
 }
 
 double isph_reynolds(const struct isph *s, const double velocity[3]) {
-  const struct region *coarsest = NULL;
-  for (size_t k = 0; k < s->scene->region_count; k++) {
-    const struct region *region = &s->scene->regions[k];
-    if (region->type != REGION_POROUS) continue;
-    if (coarsest == NULL || region->grain_size > coarsest->grain_size) coarsest = region;
-  }
-  if (coarsest == NULL || !(s->kinematic_viscosity > 0)) return NAN;
-  return reynolds_number(velocity, coarsest->porosity,
-                         hydraulic_diameter_of_grains(coarsest->grain_size, coarsest->porosity),
-                         s->kinematic_viscosity);
+  return reynolds_of_soil(s->scene, s->kinematic_viscosity, velocity);
 }
 
 /* Whether there is a wall where a particle would cross a plane: water beside a thin wall comes
@@ -172,7 +162,7 @@ static void walk_columns(struct history_columns *columns, const void *row) {
   const struct whole *whole = &((const struct row *)row)->whole;
   const struct scene *scene = s->scene;
   const double count = (double)(s->total > 0 ? s->total : 1);
-  double low[3], high[3], velocity, force[3];
+  double low[3], high[3], force[3];
   /* A particle beside a wall is no cube: its extent ends at the wall. */
   for (int a = 0; a < 3; a++)
     low[a] = s->periodic[a] ? -whole->extreme[3 + a] : fmax(-whole->extreme[3 + a], s->low[a]);
@@ -184,7 +174,6 @@ static void walk_columns(struct history_columns *columns, const void *row) {
   history_column(columns, "m", 3, high, "front_high");
   history_number(columns, "1", s->solve.iterations, "iterations");
   history_number(columns, "1", (double)s->total, "particles");
-  if (isph_column_velocity(s, &velocity)) history_number(columns, "m/s", velocity, COLUMN_VELOCITY);
   for (int t = 0; t < BUDGET_TERMS; t++)
     if (budget_is_on(&s->budget, t))
       history_number(columns, "J", s->budget.sums.work[t], "work_%s", budget_name(&s->budget, t));

@@ -36,37 +36,6 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
-/* Thickness, in spacings, of the thinnest soil that does not span the domain; INFINITY if all soils
- * are alike. */
-static double thinnest_layer(const struct effect_context *context) {
-  const struct scene *scene = context->scene;
-  double thinnest = INFINITY;
-  for (size_t r = 0; r < scene->region_count && isph_soils_differ(scene); r++) {
-    const struct region *region = &scene->regions[r];
-    if (region->type != REGION_POROUS) continue;
-    for (int a = 0; a < 3; a++) {
-      const double length = region->extent[a + 3] - region->extent[a];
-      const bool used = context->lattice->dimensions == 3 || a != 1;
-      if (used && length < SPANS * scene->domain_size[a])
-        thinnest = fmin(thinnest, length / context->spacing);
-    }
-  }
-  return thinnest;
-}
-
-/* Whether there is free water beside soil: soil fills less than the sites that are not walls. */
-static bool has_water_beside_soil(const struct effect_context *context) {
-  const struct scene *scene = context->scene;
-  double soil = 0, site = 1;
-  for (int a = 0; a < 3; a++) site *= context->lattice->spacing[a];
-  for (size_t r = 0; r < scene->region_count; r++) {
-    const double *box = scene->regions[r].box;
-    if (scene->regions[r].type == REGION_POROUS)
-      soil += (box[3] - box[0]) * (box[4] - box[1]) * (box[5] - box[2]);
-  }
-  return soil > 0 && soil < SPANS * site * (double)context->lattice->fluid_count;
-}
-
 /* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the
  * domain along that axis has no ends there: water comes in and goes out through its other faces. */
 static double soil_length(const struct effect_context *context, const struct region *region,
@@ -94,15 +63,13 @@ static void expect_layer_ends(struct error_forecast *e, double thinnest, double 
              1e3 * spacing * ACCEPTED_ERROR / e->error, 100 * ACCEPTED_ERROR);
 }
 
-/* Expected error of k. Drag is implicit and exact in uniform soil, so that only the ends of layers
- * between two heads count. In other scenes there is no k, or no estimate is known. */
+/* Expected error of the flow between two heads, of which drag is implicit and exact in uniform
+ * soil, so that only the ends of layers count. For other scenes no estimate is known. */
 static void expect_isph(struct plan *plan) {
   const struct scene *scene = plan->context.scene;
   struct error_forecast *e = &plan->expected;
   double thinnest = INFINITY;
   int heads = 0, axis = 0;
-  bool round = !plan->context.has_surface && !plan->context.has_inflow;
-  for (int a = 0; a < 3; a++) round = round && (scene->driving[a] == 0 || scene->periodic[a]);
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_INFLOW || region->boundary != BOUNDARY_HEAD) continue;
@@ -112,29 +79,16 @@ static void expect_isph(struct plan *plan) {
           region->box[a + 3] - region->box[a] < region->box[axis + 3] - region->box[axis])
         axis = a;
   }
-  for (int a = 0; heads == 0 && a < 3; a++)
-    if (fabs(scene->driving[a]) > fabs(scene->driving[axis])) axis = a;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     if (region->type != REGION_POROUS) continue;
     thinnest = fmin(thinnest, soil_length(&plan->context, region, axis));
   }
-  const double layer = thinnest_layer(&plan->context);
-  const bool between = heads == 2 && isfinite(thinnest);
-  if (round && isfinite(layer) && !between) {
-    e->error = e->least = PARALLEL_LAYER_ERROR / layer;
-    snprintf(e->why, sizeof e->why,
-             "soils side by side, %.3g spacings thin, are known to %g of one", layer,
-             PARALLEL_LAYER_ERROR);
-  } else if (between || (round && has_water_beside_soil(&plan->context))) {
+  if (heads == 2 && isfinite(thinnest))
     expect_layer_ends(e, thinnest, plan->context.spacing);
-  } else if (round && isfinite(thinnest)) {
-    snprintf(e->why, sizeof e->why,
-             "even soil is exact; where it ends beside walls no estimate is known");
-  } else {
+  else
     snprintf(e->why, sizeof e->why,
              "no k is asked for; fronts and surfaces are good to about a spacing");
-  }
 }
 
 /* Warns if water will enter such soil. */
@@ -166,8 +120,7 @@ static enum status find_bytes(struct plan *plan, double neighbours) {
     s.force[a] = isph_scene_uses_axis(context, a) ? context->scene->driving[a] : 0;
   isph_fields_kept(&s, &kept);
   /* see struct isph_chunk */
-  const size_t numbers = 3 + (size_t)(s.on.links || s.on.anisotropy) + (size_t)s.on.links +
-                         (size_t)(s.on.links && s.on.anisotropy);
+  const size_t numbers = s.on.links ? 5 : 3;
   const double pair = (double)(numbers * sizeof(float));
   const double chunk = (double)(sizeof(struct isph_chunk) + sizeof *s.sums);
   plan->bytes_fluid =

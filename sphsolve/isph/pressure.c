@@ -73,7 +73,6 @@ void isph_assemble(struct isph *s) {
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i], *vi = v[i];
       double ki = s->mobility[i], vol = s->volume[i];
-      const double *relative = s->on.anisotropy ? s->anisotropy[i].relative : NULL;
       struct pairs pairs = {0};
       double d[6];
       const bool strains = isph_strain_turn(s, i, d);
@@ -87,10 +86,7 @@ void isph_assemble(struct isph *s) {
         isph_separation(s, xi, s->boundary_position, entry, r);
         if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
           double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
-          double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
-          if (relative != NULL) {
-            a *= relative[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]];
-          }
+          const double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
           diagonal += a, tied += a;
           source += a * (held * s->boundary_pressure[j] +
                          rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));

@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "common/log.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/neighbours.h"
 #include "sphsolve/isph/soil.h"
@@ -34,7 +33,6 @@ static void update_volumes(struct isph *s) {
         interface->drag_b = s->on.drag_forchheimer ? soil.along_b : 0;
         interface->plane = soil.plane;
       }
-      if (s->on.anisotropy) isph_anisotropy_at(s, i, &soil);
       if (s->on.links) s->ground[i] = isph_ground(s, s->position[i]);
       if (s->on.moving_soil) {
         struct soil_point later;

@@ -179,11 +179,17 @@ static enum status check_end(const struct effect_context *context) {
                                    : "nothing drives water through the domain");
 }
 
-/* Unsaturated soil is for method richards, and so is a prescribed suction. */
-static enum status check_suction(const struct scene *scene) {
+/* Unsaturated soil is for method richards, and so is a prescribed suction; beds for it and darcy.
+ */
+static enum status check_soils(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     const struct retention_curve *curve = &region->retention;
+    if (region->anisotropic)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: permeability: method isph knows no beds; leave the method out, and where "
+                  "the water has a surface in the soil give that a van_genuchten or haverkamp",
+                  scene->path, region->line);
     if (curve->given || region->boundary == BOUNDARY_PRESSURE)
       return FAIL(STATUS_INPUT,
                   "%s:%d: %s is of soil that is not full of water, and method isph fills it or "
@@ -196,7 +202,7 @@ static enum status check_suction(const struct scene *scene) {
 
 enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
-  TRY(check_suction(context->scene));
+  TRY(check_soils(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));
   for (size_t k = 0; isph_effects[k] != NULL; k++)

@@ -7,7 +7,6 @@
 #include "sphsolve/isph/effects/porosity.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
-#include "sphsolve/isph/layers.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s, with s the fraction of soil in a kernel
  * half as wide as that of the water in the least porous soil (M15 section 4 with soil markers in
@@ -155,7 +154,6 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
   struct isph_soil_mix mix = ISPH_SOIL_MIX;
-  struct isph_layers layers = {.count = 0};
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
@@ -175,7 +173,6 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
     share += w;
     a += w * own.a;
     b += w * own.b;
-    if (s->on.anisotropy) isph_layers_add(&layers, w, own.a, region);
     if (s->on.interfaces) isph_soil_mix_add(&mix, &left, own.a, own.b);
     inertia += w * own.inertia;
     for (int c = 0; c < 3; c++) velocity[c] += w * region->soil_velocity[c];
@@ -199,7 +196,6 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   }
   memset(soil->normal, 0, sizeof soil->normal);
   if (s->on.interfaces) isph_soil_mix_split(&mix, h, soil);
-  if (s->on.anisotropy) isph_layers_close(&layers, soil);
   for (int c = 0; c < 3; c++) soil->velocity[c] = velocity[c] * weight;
 }
 
@@ -207,11 +203,9 @@ void isph_soil_at(const struct isph *s, const double position[3], double ahead,
                   struct soil_point *soil) {
   struct soil_point near;
   soil_smoothed(s, position, ahead, smoothing_of(s), soil);
-  memcpy(soil->wide_normal, soil->normal, sizeof soil->normal);
   if (!s->on.links) return;
   soil_smoothed(s, position, ahead, DRAG_SMOOTHING * s->spacing, &near);
   soil->a = near.a, soil->b = near.b;
-  if (s->on.anisotropy) memcpy(soil->tensor, near.tensor, sizeof near.tensor);
   if (!s->on.interfaces) return;
   soil->along_a = near.along_a, soil->along_b = near.along_b, soil->plane = near.plane;
   memcpy(soil->normal, near.normal, sizeof near.normal);
@@ -231,9 +225,8 @@ bool isph_soils_differ(const struct scene *scene) {
     const struct region *r = &scene->regions[k];
     if (r->type != REGION_POROUS) continue;
     if (first == NULL) first = r;
-    bool differs = r->porosity != first->porosity || r->grain_size != first->grain_size ||
-                   r->alpha != first->alpha || r->beta != first->beta;
-    for (int m = 0; m < 6; m++) differs = differs || r->anisotropy[m] != first->anisotropy[m];
+    const bool differs = r->porosity != first->porosity || r->grain_size != first->grain_size ||
+                         r->alpha != first->alpha || r->beta != first->beta;
     if (differs) return !scene->isph.porosity_paper;
   }
   return false;

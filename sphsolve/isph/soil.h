@@ -10,8 +10,6 @@ struct soil_point {
   double a, b;               /* drag coefficients over G, 1/s and 1/m; across an interface */
   double normal[3];          /* of an interface between soils; 0 without */
   double along_a, along_b, plane;
-  /* tensor of linear drag, 1/s; normal smoothed like the porosity; both: anisotropic soil only */
-  double tensor[6], wide_normal[3];
   double velocity[3];
 };
 /* Soil at a place, with moving soil where it is a time `ahead` (s) from now. */

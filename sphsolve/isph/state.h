@@ -43,9 +43,9 @@
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, anisotropy, wells;
+  bool no_slip, moving_walls, open_sides, wells;
   /* the mobility of a pair: see isph_mobility_between */
-  bool mean_of_ends, own_mobilities, fading;
+  bool mean_of_ends, own_mobilities;
   uint32_t budget; /* bit set of the terms of the active effects */
   size_t own_count;
   const struct effect *own[ISPH_OWN]; /* active effects that add a force or a surface pressure */
@@ -61,19 +61,6 @@ struct isph_interface {
   double normal[3];                             /* unit; 0 away from interfaces */
   double drag_a, drag_b, drag_factor, mobility; /* along it; those of isph are across it */
   double plane;                                 /* 1 at a plane, falling to 0 at corners */
-};
-
-/* Anisotropic soil at a particle, whose mobility is a tensor: isph/anisotropy.h. */
-struct isph_anisotropy {
-  double drag[6];     /* drag tensor over drag_a; tensors are stored as xx xy xz yy yz zz */
-  double relative[6]; /* mobility tensor over isph.mobility, and B over drag_factor */
-  double normal[3];   /* of an interface between soils, smoothed like the porosity; 0: none */
-  int32_t bed;        /* 1 + the region of its soil, taking edges as sharp; 0: water */
-};
-
-/* Relative mobility and shape S (isph/anisotropy.h) of a soil away from its edges. */
-struct isph_bed {
-  double mobility[6], shape[6];
 };
 
 /* The edge of mobility at a particle, which does not depend on the pressure: isph/interface.h. */
@@ -103,9 +90,8 @@ struct isph_chunk {
   size_t pair_count, pair_capacity;
   uint32_t *pair;       /* neighbour | image << PAIR_BITS */
   float *slope;         /* -W'(r)/r of the pair, normalised */
-  float *mobility;      /* mobility of the pair; NULL with neither links nor anisotropy */
+  float *mobility;      /* mobility of the pair; NULL without links */
   float *path_porosity; /* mean porosity on its path: isph/link.h; NULL without links */
-  float *plain;         /* mobility as in isotropic soil; NULL unless links and anisotropy */
   float *matrix;        /* a_ij of the pressure equation, m^3 * m^3 s/kg / m^2 */
   size_t wall_count, wall_capacity;
   uint32_t *wall; /* boundary particle | image << PAIR_BITS */
@@ -188,7 +174,6 @@ struct isph {
   double *own_field[ISPH_OWN_FIELDS]; /* of the active effects: isph_own_field */
   double *work[4];                    /* r, z, p, q of CG */
   void *scratch;                      /* 3 doubles a particle */
-  struct isph_bed *beds;              /* [regions]; NULL without anisotropic soil */
   struct isph_ground *grounds; /* [1 + regions], by `ground`: isph/link.h; NULL without links */
   struct isph_multigrid *multigrid;
   struct isph_petsc *petsc;

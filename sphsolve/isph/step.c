@@ -7,7 +7,6 @@
 #include "common/log.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
-#include "sphsolve/isph/anisotropy.h"
 #include "sphsolve/isph/biharmonic.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/calm.h"
@@ -107,9 +106,7 @@ static void predict(struct isph *s, double dt) {
       s->mobility[i] = left * t / s->density;
       double *to = s->predicted[i];
       for (int a = 0; a < 3; a++) to[a] = left * (v[a] - own[a] + t * force[a]);
-      if (s->anisotropy != NULL)
-        symmetric_times(s->anisotropy[i].relative, to, to);
-      else if (s->interface != NULL)
+      if (s->interface != NULL)
         isph_interface_turn(&s->interface[i], s->interface[i].drag_factor / left, to);
       if (s->ground != NULL) {
         const double u[3] = {v[0] - own[0], v[1] - own[1], v[2] - own[2]};
@@ -165,10 +162,8 @@ static void correct(struct isph *s) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
       const double *xi = s->position[i];
-      const bool tensor =
-          s->anisotropy != NULL && s->ground != NULL && s->ground[i] == GROUND_MIXED;
-      const bool edges = !tensor && (s->ground != NULL ? s->ground[i] == GROUND_MIXED
-                                                       : s->porosity != NULL && s->surface == NULL);
+      const bool edges = s->ground != NULL ? s->ground[i] == GROUND_MIXED
+                                           : s->porosity != NULL && s->surface == NULL;
       double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
       double flux[3] = {0};
       /* share of the moment present along each axis, walls left out */
@@ -185,7 +180,6 @@ static void correct(struct isph *s) {
       } else {
         ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL, NULL);
       }
-      if (tensor) isph_anisotropy_edge(s, chunk, i, f, reduced);
       for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
         uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
         double r[3];
@@ -207,16 +201,13 @@ static void correct(struct isph *s) {
         for (int a = 0; a < 3; a++)
           reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
       }
-      if (s->anisotropy != NULL) isph_anisotropy_present(s, chunk, i, present);
       for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
       if (s->linear != NULL) isph_linear_correct(s, i, reduced), isph_linear_correct(s, i, own);
       double whole = s->surface != NULL ? surface_close(s, i, reduced, own) : 1;
       double change[3];
       for (int a = 0; a < 3; a++)
         change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
-      if (s->anisotropy != NULL)
-        symmetric_times(s->anisotropy[i].relative, change, change);
-      else if (s->interface != NULL)
+      if (s->interface != NULL)
         isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
       for (int a = 0; a < 3; a++) {
         double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);

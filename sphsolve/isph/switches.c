@@ -29,8 +29,7 @@ enum status isph_switches_of(const struct plan *plan, struct isph_switches *on) 
   }
   on->interfaces = isph_soils_differ(scene);
   on->links = isph_links_wanted(scene, on->surface) && on->soil;
-  on->mean_of_ends = on->surface && !on->anisotropy && !on->links;
-  on->own_mobilities = !on->surface && !on->links && !on->anisotropy;
-  on->fading = on->interfaces && !on->anisotropy;
+  on->mean_of_ends = on->surface && !on->links;
+  on->own_mobilities = !on->surface && !on->links;
   return STATUS_OK;
 }

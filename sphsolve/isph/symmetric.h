@@ -22,17 +22,6 @@ static inline double symmetric_along(const double t[6], const double n[3]) {
          2 * (t[1] * n[0] * n[1] + t[2] * n[0] * n[2] + t[4] * n[1] * n[2]);
 }
 
-/* Inverse of a positive definite t. */
-static inline void symmetric_inverse(const double t[6], double inverse[6]) {
-  const double xx = t[3] * t[5] - t[4] * t[4], xy = t[2] * t[4] - t[1] * t[5],
-               xz = t[1] * t[4] - t[2] * t[3];
-  const double scale = 1 / (t[0] * xx + t[1] * xy + t[2] * xz);
-  const double yy = t[0] * t[5] - t[2] * t[2], yz = t[1] * t[2] - t[0] * t[4],
-               zz = t[0] * t[3] - t[1] * t[1];
-  inverse[0] = xx * scale, inverse[1] = xy * scale, inverse[2] = xz * scale;
-  inverse[3] = yy * scale, inverse[4] = yz * scale, inverse[5] = zz * scale;
-}
-
 /* The least eigenvalue of t, or a lower bound for it that is at least `enough` (by Gershgorin's
  * circles, which suffice in most neighbourhoods). The roots of the cubic are after Smith (1961,
  * Commun. ACM 4). In 2-D the component yy, out of the plane, is set to the mean of the two others.
@@ -49,34 +38,6 @@ static inline double symmetric_least(const double t[6], bool plane, double enoug
       a * b * c + 2 * t[1] * t[2] * t[4] - a * t[4] * t[4] - b * t[2] * t[2] - c * t[1] * t[1];
   const double angle = acos(fmax(-1, fmin(1, 0.5 * determinant / (size * size * size)))) / 3;
   return mean + 2 * size * cos(angle + 2 * M_PI / 3);
-}
-
-/* Square root of a positive definite t, by X <- (X + t X^-1)/2, in which X stays a function of t.
- */
-static inline void symmetric_root(const double t[6], double root[6]) {
-  for (int k = 0; k < 6; k++) root[k] = 0.5 * (t[k] + (k == 0 || k == 3 || k == 5));
-  for (int round = 0; round < 12; round++) {
-    double inverse[6], column[3], next[6] = {0};
-    symmetric_inverse(root, inverse);
-    for (int b = 0, k = 0; b < 3; b++) { /* upper triangle of t inverse, which is symmetric */
-      static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-      for (int a = 0; a < 3; a++) column[a] = inverse[at[a][b]];
-      symmetric_times(t, column, column);
-      for (int a = b; a < 3; a++, k++) next[k] = column[a];
-    }
-    for (int k = 0; k < 6; k++) root[k] = 0.5 * (root[k] + next[k]);
-  }
-}
-
-/* to = m e m */
-static inline void symmetric_between(const double m[6], const double e[6], double to[6]) {
-  static const int at[3][3] = {{0, 1, 2}, {1, 3, 4}, {2, 4, 5}};
-  for (int b = 0, k = 0; b < 3; b++) {
-    double column[3] = {m[at[0][b]], m[at[1][b]], m[at[2][b]]};
-    symmetric_times(e, column, column);
-    symmetric_times(m, column, column);
-    for (int a = b; a < 3; a++, k++) to[k] = column[a];
-  }
 }
 
 #endif

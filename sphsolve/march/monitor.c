@@ -48,12 +48,6 @@ bool monitor_settled(struct monitor_settling *settling, double tolerance, double
   return false;
 }
 
-/* The mean of exp(-t/T) from t = time/2 to time. */
-double monitor_relaxation_deficit(double time, double relaxation) {
-  const double half = 0.5 * time / relaxation;
-  return (exp(-half) - exp(-2 * half)) / half;
-}
-
 /* Noise: standard deviation of 8 batch means of rows [begin, end) about their regression line (the
  * trend counts as remaining change). It is not divided by the square root of their number, since a
  * slow oscillation, which a longer run would not average out, looks the same. */

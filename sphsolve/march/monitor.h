@@ -41,8 +41,4 @@ struct monitor_settling {
 bool monitor_settled(struct monitor_settling *settling, double tolerance, double time,
                      const double velocity[3]);
 
-/* Relative difference between the limit of a value that relaxes as 1 - exp(-t / relaxation) and its
- * mean over the second half of `time` (s). */
-double monitor_relaxation_deficit(double time, double relaxation);
-
 #endif

@@ -12,7 +12,6 @@
 #include "common/output_guard.h"
 #include "common/provenance.h"
 #include "common/ranks.h"
-#include "common/statistics.h"
 #include "sphsolve/output/checkpoint_file.h"
 #include "sphsolve/output/image.h"
 #include "sphsolve/output/recorder_state.h"
@@ -144,50 +143,6 @@ static enum status reserve_row(struct recorder *recorder, size_t count) {
   enum status status = memory_resize(&recorder->rows, capacity,
                                      (size_t)recorder->width * sizeof(double), "the history");
   if (status == STATUS_OK) recorder->row_capacity = capacity;
-  return status;
-}
-
-static double mean_of(const struct recorder *recorder, int column, double from, double to) {
-  double sum = 0, n = 0;
-  for (size_t r = 0; r < recorder->row_count; r++) {
-    const double *row = recorder->rows + r * (size_t)recorder->width;
-    if (row[0] < from || row[0] > to) continue;
-    n++, sum += row[column];
-  }
-  return n > 0 ? sum / n : NAN;
-}
-
-void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
-                            double velocity[3]) {
-  const int first = recorder_first_of(recorder, "darcy_velocity");
-  for (int a = 0; a < 3; a++) velocity[a] = mean_of(recorder, first + a, from, to);
-}
-
-double recorder_mean(const struct recorder *recorder, const char *name, double from, double to) {
-  const int first = recorder_first_of(recorder, name);
-  return first < 0 ? NAN : mean_of(recorder, first, from, to);
-}
-
-enum status recorder_sampling(const struct recorder *recorder, const char *name,
-                              const double direction[3], double from, double to, double *error95) {
-  enum status status = STATUS_OK;
-  double *values = NULL, mean, error = NAN;
-  size_t n = 0, c = 0;
-  *error95 = NAN;
-  while (c < recorder->column_count && strcmp(recorder->columns[c].name, name) != 0) c++;
-  if (c == recorder->column_count) return STATUS_OK;
-  TRY(memory_allocate(&values, recorder->row_count, sizeof *values, "the history's rows"));
-  for (size_t r = 0; r < recorder->row_count; r++) {
-    const double *row = recorder->rows + r * (size_t)recorder->width;
-    if (row[0] < from || row[0] > to) continue;
-    for (int i = 0; i < recorder->columns[c].components; i++)
-      values[n] += direction[i] * row[recorder->columns[c].first + i];
-    n++;
-  }
-  if (n >= 4) batch_means(values, n, &mean, &error);
-  *error95 = student_t95(floor(sqrt((double)n)) - 1) * error;
-cleanup:
-  memory_free(&values);
   return status;
 }
 

@@ -79,15 +79,6 @@ enum status recorder_row(struct recorder *recorder, const struct history_row *ro
                          const double *extra);
 /* Removes the last row. */
 enum status recorder_drop_row(struct recorder *recorder);
-/* Mean Darcy velocity of the rows at times from .. to, s; NAN if there are none. */
-void recorder_mean_velocity(const struct recorder *recorder, double from, double to,
-                            double velocity[3]);
-/* The same for a registered column of one component. */
-double recorder_mean(const struct recorder *recorder, const char *name, double from, double to);
-/* 95 % error of such a mean, in its unit, of the column's projection on `direction` (for one
- * component: times its first element), by batch means; NAN for fewer than four rows. */
-enum status recorder_sampling(const struct recorder *recorder, const char *name,
-                              const double direction[3], double from, double to, double *error95);
 /* Interval of history rows requested by the scene, s; NAN: the method chooses. */
 double recorder_row_interval(const struct recorder *recorder);
 /* Time of the next snapshot by output.interval (INFINITY: none; the final one is always

@@ -46,13 +46,20 @@ static enum status refuse_displacement(const struct scene *scene) {
   return STATUS_OK;
 }
 
+static bool has_field(const struct method *method, const char *name) {
+  for (size_t k = 0; method->fields != NULL && method->fields[k] != NULL; k++)
+    if (!strcmp(name, method->fields[k])) return true;
+  return false;
+}
+
 static enum status refuse_fields(const struct scene *scene, const struct method *method) {
-  for (size_t i = 0; i < scene->output_field_count; i++)
-    for (size_t m = 0; methods_all[m] != NULL; m++)
-      for (size_t k = 0; methods_all[m]->fields != NULL && methods_all[m]->fields[k] != NULL; k++)
-        if (methods_all[m] != method && !strcmp(scene->output_fields[i], methods_all[m]->fields[k]))
-          return scene_error(scene, AT_FIELDS, "\"%s\" is a field of method %s; leave it out",
-                             methods_all[m]->fields[k], methods_all[m]->name);
+  for (size_t i = 0; i < scene->output_field_count; i++) {
+    const char *name = scene->output_fields[i];
+    for (size_t m = 0; methods_all[m] != NULL && !has_field(method, name); m++)
+      if (has_field(methods_all[m], name))
+        return scene_error(scene, AT_FIELDS, "\"%s\" is a field of method %s; leave it out", name,
+                           methods_all[m]->name);
+  }
   return STATUS_OK;
 }
 

@@ -31,3 +31,17 @@ double reynolds_inertia_gradient(double permeability, double porosity, double ki
   const double v = INERTIA_SHARE / (1.0 - INERTIA_SHARE) * viscous / beta;
   return (viscous * v + beta * v * v) / GRAVITY_STANDARD;
 }
+
+double reynolds_of_soil(const struct scene *scene, double nu, const double darcy[3]) {
+  const struct region *coarsest = NULL;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type == REGION_POROUS &&
+        (coarsest == NULL || region->grain_size > coarsest->grain_size))
+      coarsest = region;
+  }
+  if (coarsest == NULL || !(nu > 0)) return NAN;
+  const double porosity = coarsest->porosity;
+  return reynolds_number(darcy, porosity,
+                         hydraulic_diameter_of_grains(coarsest->grain_size, porosity), nu);
+}

@@ -26,5 +26,7 @@ double reynolds_number(const double darcy[3], double porosity, double diameter,
  * beta v^2,   beta = ERGUN_INERTIAL / sqrt(150 k n^3)     (Ergun 1952) NAN without flow. An
  * estimate: beta differs by a factor of two between materials. */
 double reynolds_inertia_gradient(double permeability, double porosity, double kinematic_viscosity);
+/* Of the coarsest soil of a scene, in a fluid of kinematic viscosity nu; NAN without soil. */
+double reynolds_of_soil(const struct scene *scene, double nu, const double darcy[3]);
 
 #endif

@@ -45,48 +45,45 @@ void richards_share_wells(struct richards *s) {
   }
 }
 
-/* Limits an inward flux to `most`, m/s. */
-static void limit(struct flux *flux, double most) {
-  if (flux->q > most) *flux = (struct flux){most, 0, 0};
-}
-
-/* Inward flux through a boundary face. A well holds atmospheric pressure where it takes less than
- * its rate: nothing is sucked out of unsaturated soil. A face to the air lets out what comes under
- * pressure and takes in nothing but rain, as much of it as soil without ponding takes. Evaporation
- * is limited to what air-dry soil at the face draws. */
-static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
-                    struct flux *flux) {
-  double given;
+/* Without gravity a head is a pressure head. A well holds atmospheric pressure where it takes less
+ * than its rate: nothing is sucked out of unsaturated soil. A face to the air lets out what comes
+ * under pressure and takes in nothing but rain, as much of it as soil without ponding takes.
+ * Evaporation is limited to what air-dry soil at the face draws. */
+struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
+                                    double time) {
+  const struct region *region = edge->region;
+  const double pull = -s->pull[2];
+  double given = 0;
   switch (edge->kind) {
   case EDGE_AIR:
-    from_head(s, edge, 0, flux);
-    limit(flux, richards_rain_at(edge, time));
-    return;
+    return (struct richards_law){0, -INFINITY, richards_rain_at(edge, time)};
   case EDGE_HEAD:
-    given = given_at(edge->region, edge->region->head, time);
-    from_head(s, edge, -s->pull[2] * fmax(given - edge->z, 0), flux);
-    if (given < edge->z - 1e-9 * s->spacing) limit(flux, 0);
-    return;
+    given = given_at(region, region->head, time);
+    if (pull == 0) return (struct richards_law){given, -INFINITY, INFINITY};
+    return (struct richards_law){pull * fmax(given - edge->z, 0), -INFINITY,
+                                 given < edge->z - 1e-9 * s->spacing ? 0 : INFINITY};
   case EDGE_PRESSURE:
-    from_head(s, edge, given_at(edge->region, edge->region->head, time), flux);
-    return;
+    return (struct richards_law){given_at(region, region->head, time), -INFINITY, INFINITY};
   case EDGE_FLUX:
-    given = edge->share * given_at(edge->region, edge->region->flux, time);
-    from_head(s, edge, s->soils[s->soil[edge->site]].driest, flux);
-    if (given >= 0 || flux->q < given) *flux = (struct flux){given, 0, 0};
-    return;
+    given = edge->share * given_at(region, region->flux, time);
+    return (struct richards_law){s->soils[s->soil[edge->site]].driest, given,
+                                 given < 0 ? INFINITY : given};
   case EDGE_WELL:
     given = -richards_well_at(s, edge, time);
-    from_head(s, edge, 0, flux);
-    if (flux->q < given) *flux = (struct flux){given, 0, 0};
-    limit(flux, 0);
-    return;
+    return (struct richards_law){0, given, s->full ? given : 0};
   case EDGE_DRAIN:
-    given = given_at(edge->region, edge->region->head, time);
-    from_head(s, edge, -s->pull[2] * fmax(given - edge->z, 0), flux);
-    limit(flux, 0);
-    return;
+    given = given_at(region, region->head, time);
+    return (struct richards_law){pull == 0 ? given : pull * fmax(given - edge->z, 0), -INFINITY, 0};
   }
+  return (struct richards_law){0, 0, 0};
+}
+
+static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
+                    struct flux *flux) {
+  const struct richards_law law = richards_law_at(s, edge, time);
+  from_head(s, edge, law.head, flux);
+  if (flux->q < law.least) *flux = (struct flux){law.least, 0, 0};
+  if (flux->q > law.most) *flux = (struct flux){law.most, 0, 0};
 }
 
 void richards_edge_fluxes(struct richards *s, double time) {

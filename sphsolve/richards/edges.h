@@ -4,6 +4,13 @@
 
 #include "sphsolve/richards/state.h"
 
+/* What holds at an edge: a pressure head outside, m, as far as the inward flux that it drives lies
+ * between `least` and `most`, m/s; otherwise that of the two which it exceeds. */
+struct richards_law {
+  double head, least, most;
+};
+struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
+                                    double time);
 /* Fluxes through the boundary faces at a time, from the states of the sites. */
 void richards_edge_fluxes(struct richards *s, double time);
 /* Distributes the rates of wells for a step, evenly over their sites under pressure. */

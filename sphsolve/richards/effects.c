@@ -1,18 +1,36 @@
 #include <stdio.h>
 
 #include "sphsolve/plan/plan.h"
+#include "sphsolve/richards/domain.h"
 #include "sphsolve/richards/method.h"
 
 static bool richards_storage_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  (void)context;
-  snprintf(why, EFFECT_WHY, "the soil has a retention curve");
-  return true;
+  const bool holds_air = !domain_is_full(context->scene);
+  snprintf(why, EFFECT_WHY,
+           holds_air ? "the soil has a retention curve" : "the soil stays full of water");
+  return holds_air;
 }
 
 static bool richards_suction_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  (void)context;
-  snprintf(why, EFFECT_WHY, "the soil has a retention curve");
-  return true;
+  return richards_storage_wanted(context, why);
+}
+
+static bool richards_pressure_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  return !richards_storage_wanted(context, why);
+}
+
+static bool richards_forchheimer_wanted(const struct effect_context *context,
+                                        char why[EFFECT_WHY]) {
+  bool drags = false;
+  for (size_t r = 0; r < context->scene->region_count; r++)
+    drags = drags || (context->scene->regions[r].type == REGION_POROUS &&
+                      context->scene->regions[r].beta > 0);
+  const bool on = drags && domain_is_full(context->scene);
+  snprintf(why, EFFECT_WHY,
+           on      ? "soil has a grain size, and beta is not 0"
+           : drags ? "soil that is not full follows Darcy's law"
+                   : "no soil has a grain size and a beta above 0");
+  return on;
 }
 
 static bool richards_gravity_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
@@ -30,7 +48,8 @@ static bool richards_layers_wanted(const struct effect_context *context, char wh
     if (first == NULL) first = region;
     const struct retention_curve *a = &first->retention, *b = &region->retention;
     differ = differ || region->porosity != first->porosity ||
-             region->permeability != first->permeability || a->alpha != b->alpha || a->n != b->n ||
+             region->permeability != first->permeability || region->alpha != first->alpha ||
+             region->grain_size != first->grain_size || a->alpha != b->alpha || a->n != b->n ||
              a->theta_r != b->theta_r || a->l != b->l;
   }
   snprintf(why, EFFECT_WHY, differ ? "soils differ" : "one soil");

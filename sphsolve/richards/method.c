@@ -7,15 +7,17 @@
 #include "common/log.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/output/step_log.h"
+#include "sphsolve/richards/confined.h"
 #include "sphsolve/richards/constants.h"
 #include "sphsolve/richards/edges.h"
 #include "sphsolve/richards/output.h"
+#include "sphsolve/richards/permeameter.h"
 #include "sphsolve/richards/sites.h"
 #include "sphsolve/richards/step.h"
 
 /* The next time at which a step has to end: where a table has a point, a snapshot is due, or the
- * run ends. */
-static double next_instant(const struct richards *s, const struct recorder *recorder) {
+ * run ends; and where a row is due, if no other step ends before it. */
+static double next_instant(const struct richards *s, const struct recorder *recorder, double row) {
   const struct scene *scene = s->scene;
   double next = fmin(scene->end_time, recorder_next_snapshot(recorder));
   for (size_t r = 0; r < scene->region_count; r++)
@@ -23,6 +25,7 @@ static double next_instant(const struct richards *s, const struct recorder *reco
       const double time = scene->regions[r].table.time[k];
       if (time > s->time * (1 + 1e-12)) next = fmin(next, time);
     }
+  if (s->full && row > s->time) next = fmin(next, row);
   return next > s->time ? next : scene->end_time;
 }
 
@@ -31,6 +34,7 @@ static double next_instant(const struct richards *s, const struct recorder *reco
  * would change by more than the tolerance. Or nothing has moved. */
 static bool is_steady(const struct richards *s) {
   const struct scene *scene = s->scene;
+  if (s->full && !isfinite(scene->end_time)) return s->step > 0;
   if (!(scene->steady_tolerance > 0) || s->step == 0) return false;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct time_table *table = &scene->regions[r].table;
@@ -47,17 +51,22 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* Warns, once, of a well whose rate the soil does not yield. */
+/* Warns, once, of a well whose rate the soil does not yield, or yields by suction alone. */
 static void warn_of_wells(const struct richards *s, bool *warned) {
   for (size_t r = 0; r < s->scene->region_count && !*warned; r++) {
     const struct region *well = &s->scene->regions[r];
-    double asked = 0, given = 0;
+    double asked = 0, given = 0, least = INFINITY;
     if (well->type != REGION_WELL || well->first != r) continue;
     for (size_t e = 0; e < s->edge_count; e++)
       if (s->edges[e].region == well)
-        asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q;
-    *warned = given < WELL_RATE_SHARE * asked;
-    if (*warned)
+        asked += richards_well_at(s, &s->edges[e], s->time), given -= s->edge_flux[e].q,
+            least = fmin(least, s->h[s->edges[e].site]);
+    *warned = s->full ? least < 0 : given < WELL_RATE_SHARE * asked;
+    if (*warned && s->full)
+      log_warning("%s:%d: t = %.4g s: the pressure head in this well is %.3g m: air would come in, "
+                  "and the soil not stay full; give a lower rate, or a drain of a head",
+                  s->scene->path, well->line, s->time, least);
+    else if (*warned)
       log_warning("%s:%d: t = %.4g s: the soil brings %.0f %% of this well's rate: the water table "
                   "has come down to it; give a lower one, or a drain of a head",
                   s->scene->path, well->line, s->time, 100 * given / asked);
@@ -70,6 +79,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
   double interval = recorder_row_interval(recorder), dt = 0;
   bool warned = false;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
+  if (isnan(interval) && s->full && !s->changes) interval = scene->end_time;
   if (isnan(interval)) interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, interval) : 0;
   result->status = "end_time";
@@ -90,7 +100,7 @@ static enum status march(struct richards *s, struct recorder *recorder, struct r
     if (stopped)
       TRY_FAIL(STATUS_INTERRUPTED, "interrupted at t = %.4g s; go on with --resume", s->time);
     if (last) break;
-    TRY(richards_advance(s, next_instant(s, recorder), &dt));
+    TRY(richards_advance(s, next_instant(s, recorder, next_row), &dt));
     step_log_limit(recorder_step_log(recorder), "water content");
     warn_of_wells(s, &warned);
     char note[96];
@@ -122,6 +132,7 @@ cleanup:
         (struct conservation){.known = true,
                               .no_particles = true,
                               .passed = {.entered = density * s->in, .left = density * s->out}};
+    if (s->full) richards_find_k(s, result);
     recorder_set_fact(recorder, "newton_iterations", (double)s->iterations_total);
     recorder_set_fact(recorder, "linear_iterations", (double)s->linear_total);
     recorder_set_fact(recorder, "steps_refused", (double)s->refused);
@@ -131,13 +142,23 @@ cleanup:
   return status;
 }
 
-static bool takes(const struct effect_context *context, char why[EFFECT_WHY]) {
+/* Whether a soil of the scene can hold air. */
+static bool takes_curves(const struct effect_context *context, char why[EFFECT_WHY]) {
   for (size_t r = 0; r < context->scene->region_count; r++)
     if (context->scene->regions[r].retention.given) {
       snprintf(why, EFFECT_WHY, "soil has %s: it need not be full of water",
                retention_name(&context->scene->regions[r].retention));
       return true;
     }
+  return false;
+}
+
+/* Whether soil stays full of water, and nothing else moves. */
+static bool takes_full(const struct effect_context *context, char why[EFFECT_WHY]) {
+  bool confined = false;
+  if (context->lattice == NULL) return false;
+  if (richards_confined(context, &confined, why) == STATUS_OK) return confined;
+  error_clear(); /* without memory to look: the run asks for it again */
   return false;
 }
 
@@ -153,8 +174,22 @@ const struct method method_richards = {.name = "richards",
                                        .constants = richards_constants,
                                        .marches = true,
                                        .fields = fields,
-                                       .takes = takes,
+                                       .takes = takes_curves,
                                        .scales = richards_scales,
                                        .cost = richards_cost,
                                        .wall_name = wall_name,
                                        .run = run};
+
+static const char *const fields_full[] = {"head", "porosity", NULL};
+
+/* The same for soil that stays full (richards/saturated.h). */
+const struct method method_darcy = {.name = "darcy",
+                                    .effects = richards_effects,
+                                    .constants = richards_constants,
+                                    .marches = true,
+                                    .fields = fields_full,
+                                    .takes = takes_full,
+                                    .scales = richards_scales,
+                                    .cost = richards_cost,
+                                    .wall_name = wall_name,
+                                    .run = run};

@@ -39,10 +39,33 @@ static int around(const struct richards *s, const double point[3], uint32_t site
   return n;
 }
 
-/* Interpolates the total head, which is uniform where water is at rest. */
+/* Number of the site that counts most at a point; -1: no soil is near. */
+static int64_t nearest(const struct richards *s, const double point[3]) {
+  uint32_t site[8];
+  double weight[8];
+  const int n = around(s, point, site, weight);
+  int most = 0;
+  for (int k = 1; k < n; k++)
+    if (weight[k] > weight[most]) most = k;
+  return n > 0 ? (int64_t)site[most] : -1;
+}
+
+/* Interpolates the total head, which is uniform where water is at rest. In soil that is full it is
+ * that of the nearest site and of its gradient p - (A + b |v|) v, also beside another soil. */
 double richards_head_at(const struct richards *s, const double point[3]) {
   uint32_t site[8];
   double weight[8], total = 0;
+  if (s->full) {
+    const int64_t i = nearest(s, point);
+    double x[3], fall[3];
+    if (i < 0) return NAN;
+    richards_place(s, (size_t)i, x);
+    richards_fall(s, (size_t)i, fall);
+    total = s->h[i];
+    for (int a = 0; a < 3; a++)
+      if (s->lattice->size[a] > 1) total += (s->pull[a] - fall[a]) * (point[a] - x[a]);
+    return total;
+  }
   const int n = around(s, point, site, weight);
   for (int k = 0; k < n; k++) {
     double x[3];
@@ -69,21 +92,6 @@ double richards_level_at(const struct richards *s, const double point[3]) {
     below = h;
   }
   return pull > 0 && !isnan(below) ? at[2] - l->spacing[2] + below / pull : NAN;
-}
-
-/* Darcy velocities of the sites: the mean of the fluxes through both faces along each axis. */
-static void velocities(const struct richards *s, double (*velocity)[3]) {
-  memset(velocity, 0, s->count * sizeof *velocity);
-  for (size_t f = 0; f < s->face_count; f++) {
-    const struct richards_face *face = &s->faces[f];
-    velocity[face->i][face->axis] += 0.5 * s->face_flux[f].q;
-    velocity[face->j][face->axis] += 0.5 * s->face_flux[f].q;
-  }
-  for (size_t e = 0; e < s->edge_count; e++) {
-    const struct richards_edge *edge = &s->edges[e];
-    if (!richards_is_face(edge)) continue;
-    velocity[edge->site][edge->axis] += (edge->low ? 0.5 : -0.5) * s->edge_flux[e].q;
-  }
 }
 
 /* Flux through a plane, m^3/s along the axis, interpolated linearly between the layers of faces
@@ -133,15 +141,10 @@ static double flow_of(const struct richards *s, size_t r) {
 
 /* Water content at a point with the given pressure head, for the soil of the nearest site. */
 static double water_content_at(const struct richards *s, const double point[3], double head) {
-  uint32_t site[8];
-  double weight[8];
   struct retention_state state;
-  const int n = around(s, point, site, weight);
-  int most = 0;
-  if (n == 0) return NAN;
-  for (int k = 1; k < n; k++)
-    if (weight[k] > weight[most]) most = k;
-  retention_at(&s->soils[s->soil[site[most]]], head, &state);
+  const int64_t i = nearest(s, point);
+  if (i < 0) return NAN;
+  retention_at(&s->soils[s->soil[i]], head, &state);
   return state.theta;
 }
 
@@ -189,6 +192,13 @@ static void walk_columns(struct history_columns *columns, const void *state) {
     const double *at = scene->gauges[k].at, h = richards_head_at(s, at);
     history_number(columns, "Pa", weight * h, "pressure_%s", name);
     history_number(columns, "m", total_head(s, h, at[2]), "head_%s", name);
+    if (s->full) {
+      const int64_t i = nearest(s, at);
+      double v[3] = {NAN, NAN, NAN};
+      if (i >= 0) richards_velocity(s, (size_t)i, v);
+      history_column(columns, "m/s", 3, v, "velocity_%s", name);
+      continue;
+    }
     history_number(columns, "1", water_content_at(s, at, h), "water_content_%s", name);
     history_number(columns, "m", richards_level_at(s, at), "level_%s", name);
   }
@@ -202,7 +212,6 @@ enum status richards_add_columns(const struct richards *s, struct recorder *reco
 }
 
 enum status richards_write_row(struct richards *s, struct recorder *recorder, double dt) {
-  enum status status = STATUS_OK;
   const double density = s->scene->fluid.density;
   struct history_row row = {.time = s->time,
                             .step = s->step,
@@ -210,17 +219,14 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
                             .reynolds = NAN,
                             .density_max = density,
                             .density_mean = density};
-  double(*velocity)[3] = NULL;
-  TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a row of the history"));
   richards_evaluate(s, s->time);
-  velocities(s, velocity);
   row.mass = density * richards_water(s);
-  for (size_t i = 0; i < s->count; i++)
-    for (int a = 0; a < 3; a++) row.darcy_velocity[a] += velocity[i][a] / s->lattice->bulk_count;
-  status = history_columns_row(recorder, &row, walk_columns, s);
-cleanup:
-  memory_free(&velocity);
-  return status;
+  for (size_t i = 0; i < s->count; i++) {
+    double v[3];
+    richards_velocity(s, i, v);
+    for (int a = 0; a < 3; a++) row.darcy_velocity[a] += v[a] / s->lattice->bulk_count;
+  }
+  return history_columns_row(recorder, &row, walk_columns, s);
 }
 
 enum status richards_write_snapshot(struct richards *s, struct recorder *recorder) {
@@ -232,9 +238,9 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
   for (int k = 0; k < 4; k++)
     TRY(memory_allocate(&values[k], s->count, sizeof(double), "a snapshot"));
   richards_evaluate(s, s->time);
-  velocities(s, velocity);
   for (size_t i = 0; i < s->count; i++) {
     richards_place(s, i, place[i]);
+    richards_velocity(s, i, velocity[i]);
     values[0][i] = weight * s->h[i];
     values[1][i] = total_head(s, s->h[i], place[i][2]);
     values[2][i] = s->now[i].theta;
@@ -247,12 +253,18 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
                                   {"pressure", "Pa", "pressure, below 0 where soil draws water",
                                    H5_F64, 1, values[0], NULL, NULL},
                                   {"head", "m", "total head", H5_F64, 1, values[1], NULL, NULL},
+                                  {"porosity", "1", "porosity; 1 in free water", H5_F64, 1,
+                                   values[2], NULL, NULL},
                                   {"water_content", "1", "water over bulk volume", H5_F64, 1,
                                    values[2], NULL, NULL},
                                   {"saturation", "1", "water content over that of full soil",
                                    H5_F64, 1, values[3], NULL, NULL}};
-  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, sizeof fields / sizeof *fields,
-                        fields));
+  /* `porosity` ends those of soil that is full, and the others do not have it. */
+  struct snapshot_field shown[6];
+  size_t count = 0;
+  for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
+    if (s->full ? k < 4 : k != 3) shown[count++] = fields[k];
+  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, count, shown));
 cleanup:
   for (int k = 0; k < 4; k++) memory_free(&values[k]);
   memory_free(&velocity);

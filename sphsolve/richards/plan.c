@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "sphsolve/richards/constants.h"
+#include "sphsolve/richards/domain.h"
 #include "sphsolve/richards/method.h"
 #include "sphsolve/richards/state.h"
 
@@ -23,16 +24,31 @@ enum status richards_cost(struct plan *plan, int threads) {
     used += lattice->size[a] > 1;
   }
   plan->dt = NAN;
-  plan->dt_by = "the error of the water content";
+  const bool full = domain_is_full(plan->context.scene);
+  plan->dt_by = full ? "what is given in time" : "the error of the water content";
   plan->bytes_fluid = 10 * sizeof(double) + SNAPSHOT_BYTES + 2 * sizeof(struct retention_state) +
                       6 + faces * (double)(sizeof(struct richards_face) + sizeof(struct flux)) +
-                      (1 + 2 * faces) * 20 + 9 * sizeof(double);
+                      (1 + 2 * faces) * 20 + 9 * sizeof(double) + 6 * sizeof(uint32_t);
   plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
   plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
   plan->seconds = plan->steps * n *
                   (used > 2   ? SECONDS_PER_STEP_3D
                    : used > 1 ? SECONDS_PER_STEP_2D
                               : SECONDS_PER_STEP_1D);
+  if (full) {
+    const struct scene *scene = plan->context.scene;
+    double solves = 1, rows = scene->end_time / scene->history_interval;
+    for (size_t r = 0; r < scene->region_count; r++)
+      if (scene->regions[r].table.count > 0) solves = ROWS_USUAL;
+    plan->steps = isfinite(rows) ? ceil(rows) : solves;
+    if (solves > 1) solves = plan->steps;
+    plan->seconds = solves * n * (SECONDS_FULL + SECONDS_FULL_ROUND * longest);
+    plan->bytes_fluid += sizeof(double);
+    plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
+    snprintf(plan->expected.why, sizeof plan->expected.why,
+             "layers between sites are exact; halve the spacing for corners and walls");
+    return STATUS_OK;
+  }
   (void)threads; /* the linear solver runs on one */
   snprintf(plan->expected.why, sizeof plan->expected.why,
            "no k is asked for; halve the spacing to see what is left in a front");

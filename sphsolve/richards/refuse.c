@@ -3,6 +3,8 @@
 #include <math.h>
 
 #include "common/ranks.h"
+#include "sphsolve/richards/confined.h"
+#include "sphsolve/richards/domain.h"
 #include "sphsolve/richards/method.h"
 
 static enum status check_soil(const struct scene *scene, const struct region *region) {
@@ -11,8 +13,7 @@ static enum status check_soil(const struct scene *scene, const struct region *re
     return FAIL(STATUS_INPUT,
                 "%s:%d: this soil has no van_genuchten or haverkamp, and others have: all of a "
                 "scene has one, or none; give its curve, or take the others' away for soil that is "
-                "full or dry "
-                "(method isph)",
+                "full or dry, and leave the method out",
                 scene->path, region->line);
   if (v[0] != 0 || v[1] != 0 || v[2] != 0)
     return FAIL(STATUS_INPUT,
@@ -83,26 +84,18 @@ static enum status check_well(const struct effect_context *context, const struct
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {
-        const size_t at[3] = {i, j, k};
+        const double x[3] = {l->origin[0] + (double)i * l->spacing[0],
+                             l->origin[1] + (double)j * l->spacing[1],
+                             l->origin[2] + (double)k * l->spacing[2]};
         bool inside = false;
-        for (const struct region *part = whole; part < scene->regions + whole->end; part++) {
-          bool here = true;
-          for (int a = 0; a < 3; a++) {
-            const double x = l->origin[a] + (double)at[a] * l->spacing[a];
-            if (!(l->dimensions == 2 && a == 1))
-              here = here && x >= part->box[a] && x < part->box[a + 3];
-          }
-          inside = inside || here;
-        }
+        for (const struct region *part = whole; part < scene->regions + whole->end; part++)
+          inside = inside || domain_holds(scene, part->box, x);
         held += inside;
         if (inside && l->kind[site] != SITE_FLUID)
           return FAIL(STATUS_INPUT,
                       "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
                       "it within a porous region",
-                      scene->path, whole->line, region_type_names[whole->type],
-                      l->origin[0] + (double)i * l->spacing[0],
-                      l->origin[1] + (double)j * l->spacing[1],
-                      l->origin[2] + (double)k * l->spacing[2]);
+                      scene->path, whole->line, region_type_names[whole->type], x[0], x[1], x[2]);
       }
   if (held > 0) return STATUS_OK;
   return FAIL(STATUS_INPUT,
@@ -111,11 +104,32 @@ static enum status check_well(const struct effect_context *context, const struct
               scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
 }
 
+/* Soil without a curve has to stay full of water. */
+static enum status check_full(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  bool confined;
+  char why[EFFECT_WHY];
+  enum status status = richards_confined(context, &confined, why);
+  if (status == STATUS_OK && !confined)
+    status = scene_error(scene, AT_METHOD,
+                         "method darcy is for seepage through soil that stays full of water, but "
+                         "%s; leave the method out",
+                         why);
+  for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
+      status = check_well(context, region);
+  }
+  return status;
+}
+
 enum status richards_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   if (ranks_count() > 1)
-    TRY(scene_error(scene, AT_METHOD, "method richards runs in one process; leave out mpirun"));
+    TRY(scene_error(scene, AT_METHOD, "method %s runs in one process; leave out mpirun",
+                    context->method->name));
+  if (context->method == &method_darcy) return check_full(context);
   if (scene->driving[0] != 0 || scene->driving[1] != 0 || scene->driving[2] > 0)
     TRY(scene_error(scene, AT_FORCE,
                     "in method richards gravity is along -z, or absent: heads are heights"));

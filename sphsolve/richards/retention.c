@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "common/memory.h"
+#include "common/units.h"
 #include "sphsolve/richards/constants.h"
 
 /* ln(1 + e^t), exact for large t of either sign. */
@@ -89,13 +90,29 @@ cleanup:
   return status;
 }
 
+/* The drag of Morimoto et al. 2015, eqs. 9c and 9d: g i = a v + b v |v|. */
+bool retention_full(const struct region *region, double nu, struct retention *soil) {
+  const double e = region->porosity, d = region->grain_size, cube = e * e * e;
+  const double a = region->alpha * nu * (1 - e) * (1 - e) / (cube * d * d);
+  const double *shape = region->anisotropy, k = GRAVITY_STANDARD / a;
+  const bool beds = region->anisotropic;
+  *soil = (struct retention){
+      .theta_s = e,
+      .conductivity = {beds ? k * shape[0] : k, beds ? k * shape[3] : k, beds ? k * shape[5] : k},
+      .shear = beds ? k * shape[2] : 0,
+      .forchheimer = region->beta * (1 - e) / (cube * d * GRAVITY_STANDARD),
+      .driest = -INFINITY};
+  return a > 0;
+}
+
 void retention_free(struct retention *soil) {
   memory_free(&soil->table);
 }
 
 bool retention_is_same(const struct retention *a, const struct retention *b) {
   bool same = a->alpha == b->alpha && a->n == b->n && a->l == b->l && a->k_alpha == b->k_alpha &&
-              a->k_n == b->k_n && a->theta_r == b->theta_r && a->theta_s == b->theta_s;
+              a->k_n == b->k_n && a->theta_r == b->theta_r && a->theta_s == b->theta_s &&
+              a->shear == b->shear && a->forchheimer == b->forchheimer;
   for (int i = 0; i < 3; i++) same = same && a->conductivity[i] == b->conductivity[i];
   return same;
 }

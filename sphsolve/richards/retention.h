@@ -20,6 +20,9 @@ struct retention {
   double theta_r, theta_s; /* residual and saturated water content */
   double conductivity[3];  /* m/s along x, y, z, of saturated soil */
   double driest;           /* m, lowest h: drier soil is not distinguished */
+  /* Soil that stays full of water (richards/saturated.h): component xz of its conductivity, m/s; b
+   * of i = v/K + b v |v|, s^2/m^2 (Forchheimer 1901). */
+  double shear, forchheimer;
   /* ln F, ln (F(0) - F) and their slopes at equal steps of ln(alpha |h|). */
   size_t count;
   double first, step, full; /* full: F(0) */
@@ -37,6 +40,9 @@ struct retention_state {
 /* Tabulates the soil of a region with a retention curve. Free with retention_free. */
 enum status retention_make(const struct region *region, struct retention *soil);
 void retention_free(struct retention *soil);
+/* The soil of a region that stays full of water, in a fluid of kinematic viscosity nu, m^2/s; false
+ * if it has no drag. It has no table. */
+bool retention_full(const struct region *region, double nu, struct retention *soil);
 /* Difference of F, i minus j; for wet soil from the differences to F(0), so that no digits are
  * lost. */
 static inline double retention_fall(const struct retention_state *i,

@@ -29,14 +29,13 @@ void rows_free(struct rows *r) {
   for (int v = 0; v < 7; v++) memory_free(&r->vector[v]);
 }
 
-/* Index of the entry of a row and column; the end of the row if there is none. */
-static size_t entry(const struct rows *r, size_t row, size_t column) {
+size_t rows_entry(const struct rows *r, size_t row, size_t column) {
   size_t k = r->start[row];
   while (k < r->start[row + 1] && r->column[k] != column) k++;
   return k;
 }
 
-static bool factorise(struct rows *r) {
+static bool factorise(struct rows *r, double share) {
   memcpy(r->factor, r->value, r->start[r->count] * sizeof *r->factor);
   for (size_t row = 0; row < r->count; row++) {
     const size_t first = r->diagonal[row] + 1, end = r->start[row + 1];
@@ -44,13 +43,13 @@ static bool factorise(struct rows *r) {
     if (!(fabs(pivot) > 0)) return false;
     for (size_t k = first; k < end; k++) {
       const size_t below = r->column[k];
-      const double l = r->factor[entry(r, below, row)] /= pivot;
+      const double l = r->factor[rows_entry(r, below, row)] /= pivot;
       for (size_t u = first; u < end; u++) {
-        const size_t at = entry(r, below, r->column[u]);
+        const size_t at = rows_entry(r, below, r->column[u]);
         if (at < r->start[below + 1])
           r->factor[at] -= l * r->factor[u];
         else
-          r->factor[r->diagonal[r->column[u]]] -= FILL_IN_SHARE * l * r->factor[u];
+          r->factor[r->diagonal[r->column[u]]] -= share * l * r->factor[u];
       }
     }
   }
@@ -89,13 +88,14 @@ static double dot(size_t n, const double *x, const double *y) {
 
 /* Right-preconditioned, so that all scalar products are of residuals, which are water contents;
  * heads of dry soil may be 1e40 times larger than those of wet soil. */
-bool rows_solve(struct rows *r, const double *b, double tolerance, double *x, int64_t *iterations) {
+bool rows_solve(struct rows *r, double share, const double *b, double tolerance, double *x,
+                int64_t *iterations) {
   const size_t n = r->count;
   double *residual = r->vector[0], *shadow = r->vector[1], *p = r->vector[2], *v = r->vector[3],
          *t = r->vector[4], *y = r->vector[5], *z = r->vector[6];
   const double wanted = tolerance * sqrt(dot(n, b, b));
   double rho = 1, alpha = 1, omega = 1;
-  if (!factorise(r)) return false;
+  if (!factorise(r, share)) return false;
   memset(x, 0, n * sizeof *x);
   memset(p, 0, n * sizeof *p);
   memset(v, 0, n * sizeof *v);

@@ -28,9 +28,12 @@ struct rows {
  * by the caller. Free with rows_free. */
 enum status rows_allocate(size_t count, size_t entries, struct rows *rows);
 void rows_free(struct rows *rows);
-/* Solves A x = b to a residual of `tolerance` times the norm of b; adds the number of iterations to
- * *iterations. Returns false if it does not converge. */
-bool rows_solve(struct rows *rows, const double *b, double tolerance, double *x,
+/* Index of the entry of a row and column; the end of the row if there is none. */
+size_t rows_entry(const struct rows *rows, size_t row, size_t column);
+/* With the given share of dropped fill-in added to the diagonal: solves A x = b to a residual of
+ * `tolerance` times the norm of b; adds the number of iterations to *iterations. Returns false if
+ * it does not converge. */
+bool rows_solve(struct rows *rows, double share, const double *b, double tolerance, double *x,
                 int64_t *iterations);
 
 #endif

@@ -8,18 +8,33 @@
 #include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/richards/balance.h"
 #include "sphsolve/richards/constants.h"
+#include "sphsolve/richards/domain.h"
 #include "sphsolve/richards/edges.h"
+#include "sphsolve/richards/saturated.h"
 #include "sphsolve/scene/scene.h"
+
+#define NO_SOIL UINT16_MAX /* in of_region: free water, or soil without drag */
 
 static const struct region *region_of(const struct richards *s, size_t site) {
   return &s->scene->regions[s->lattice->region[site] - 1];
+}
+
+/* Free water beside soil that is full: its flow has no resistance to speak of. */
+static void make_water(struct retention *water, const struct retention *soils, size_t count) {
+  double most = 0;
+  for (size_t k = 0; k < count; k++)
+    for (int a = 0; a < 3; a++) most = fmax(most, soils[k].conductivity[a]);
+  most *= WATER_CONDUCTIVITY;
+  *water =
+      (struct retention){.theta_s = 1, .conductivity = {most, most, most}, .driest = -INFINITY};
 }
 
 /* Builds the soils; regions with the same properties share one. */
 static enum status find_soils(struct richards *s, uint16_t *of_region) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
-  TRY(memory_allocate(&s->soils, scene->region_count, sizeof *s->soils, "soils"));
+  const double nu = scene->fluid.viscosity / scene->fluid.density;
+  TRY(memory_allocate(&s->soils, scene->region_count + 1, sizeof *s->soils, "soils"));
   for (size_t r = 0; r < scene->region_count; r++) {
     if (scene->regions[r].type != REGION_POROUS) continue;
     if (scene->regions[r].first != r) {
@@ -27,57 +42,26 @@ static enum status find_soils(struct richards *s, uint16_t *of_region) {
       continue;
     }
     struct retention *soil = &s->soils[s->soil_count];
-    status = retention_make(&scene->regions[r], soil);
+    if (s->full && !retention_full(&scene->regions[r], nu, soil)) {
+      of_region[r] = NO_SOIL;
+      continue;
+    }
+    if (!s->full) status = retention_make(&scene->regions[r], soil);
     s->soil_count++;
     if (status != STATUS_OK) goto cleanup;
+    s->turned = s->turned || soil->shear != 0;
     size_t same = 0;
     while (!retention_is_same(&s->soils[same], soil)) same++;
     if (same + 1 < s->soil_count) retention_free(soil), s->soil_count--;
     of_region[r] = (uint16_t)same;
   }
+  if (s->full) make_water(&s->soils[s->soil_count], s->soils, s->soil_count), s->soil_count++;
 cleanup:
   return status;
 }
 
-/* The site beyond a face of site `at`, or the lattice's count if there is none. */
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
-  const struct lattice *l = s->lattice;
-  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const size_t n = l->size[axis], here = at / stride[axis] % n;
-  if (low ? here > 0 : here + 1 < n) return low ? at - stride[axis] : at + stride[axis];
-  if (!s->scene->periodic[axis] || n == 1) return l->count;
-  return low ? at + (n - 1) * stride[axis] : at - (n - 1) * stride[axis];
-}
-
-/* Share of the face of a site at `x`, normal to `axis`, that lies in a box. */
-static double share_of(const struct richards *s, const double x[3], int axis, const double box[6]) {
-  double share = 1;
-  for (int a = 0; a < 3; a++) {
-    if (a == axis || (s->lattice->dimensions == 2 && a == 1)) continue;
-    const double low = fmax(x[a] - 0.5 * s->spacing, box[a]),
-                 high = fmin(x[a] + 0.5 * s->spacing, box[a + 3]);
-    share *= fmax(0, high - low) / s->spacing;
-  }
-  return share;
-}
-
-/* The inflow region at a boundary face on a side of the domain: the one that covers its centre or,
- * for given fluxes, most of it. */
-static const struct region *inflow_at(const struct richards *s, const double x[3], int axis,
-                                      bool low, double *share) {
-  const struct region *found = NULL;
-  for (size_t r = 0; r < s->scene->region_count; r++) {
-    const struct region *region = &s->scene->regions[r];
-    bool at_low;
-    if (region->type != REGION_INFLOW || scene_inflow_axis(s->scene, region, &at_low) != axis ||
-        at_low != low)
-      continue;
-    const double covered = share_of(s, x, axis, region->box);
-    if (region->boundary == BOUNDARY_FLUX ? !(covered > *share) : covered < COVERED_HALF) continue;
-    found = region;
-    *share = region->boundary == BOUNDARY_FLUX ? covered : 1;
-  }
-  return found;
+  return domain_beyond(s->scene, s->lattice, at, axis, low);
 }
 
 /* The rain on an upper face, if nothing is above it. */
@@ -90,7 +74,7 @@ static const struct region *rain_at(const struct richards *s, size_t at, const d
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *region = &s->scene->regions[r];
     if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
-    const double covered = share_of(s, x, 2, region->box);
+    const double covered = domain_share(s->lattice, x, 2, region->box);
     if (covered > *share) found = region, *share = covered;
   }
   return found;
@@ -106,12 +90,17 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
     if (low || next == at) return; /* each only once */
-    if (!count)
-      s->faces[s->face_count] =
-          (struct richards_face){.i = (uint32_t)i, .j = s->number[next], .axis = (uint8_t)axis};
+    if (!count) {
+      const uint32_t f = (uint32_t)s->face_count, j = s->number[next];
+      s->faces[f] = (struct richards_face){.i = (uint32_t)i, .j = j, .axis = (uint8_t)axis};
+      if (s->full)
+        s->beside[6 * i + 2 * (size_t)axis + 1] = s->beside[6 * j + 2 * (size_t)axis] = f;
+    }
     s->face_count++;
     return;
   }
+  /* The surface of free water is at the level that its windows hold. */
+  if (s->full && next != l->count && s->soil[i] + 1u == s->soil_count) return;
   richards_place(s, i, x);
   struct richards_edge edge = {.site = (uint32_t)i,
                                .axis = (uint8_t)axis,
@@ -121,7 +110,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
                                             : low     ? -0.5
                                                       : 0.5) *
                                                s->spacing};
-  if (next == l->count) edge.region = inflow_at(s, x, axis, low, &share);
+  if (next == l->count) edge.region = domain_inflow_at(s->scene, l, x, axis, low, &share);
   if (edge.region != NULL) {
     static const enum richards_edge_kind kinds[] = {[BOUNDARY_NONE] = EDGE_AIR,
                                                     [BOUNDARY_HEAD] = EDGE_HEAD,
@@ -135,6 +124,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
     if (edge.region == NULL && next == l->count) return; /* a closed side */
   }
   if (!count) s->edges[s->edge_count] = edge;
+  if (!count) s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
   s->edge_count++;
 }
 
@@ -144,11 +134,10 @@ static void add_well(struct richards *s, size_t i, bool count) {
   richards_place(s, i, x);
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *part = &s->scene->regions[r];
-    bool inside = part->type == REGION_WELL || part->type == REGION_DRAIN;
-    for (int a = 0; a < 3; a++)
-      if (!(s->lattice->dimensions == 2 && a == 1))
-        inside = inside && x[a] >= part->box[a] && x[a] < part->box[a + 3];
-    if (!inside) continue;
+    if ((part->type != REGION_WELL && part->type != REGION_DRAIN) ||
+        !domain_holds(s->scene, part->box, x))
+      continue;
+    if (s->full) s->soil[i] = (uint16_t)(s->soil_count - 1); /* free water stands in it */
     if (!count)
       s->edges[s->edge_count] =
           (struct richards_edge){.site = (uint32_t)i,
@@ -170,10 +159,12 @@ static void add_faces(struct richards *s, bool count) {
         if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, i, a, side == 0, count);
 }
 
-static size_t entry_of(const struct rows *rows, size_t row, uint32_t column) {
-  size_t k = rows->start[row];
-  while (rows->column[k] != column) k++;
-  return k;
+/* The two sites of pair p: those of a face, or of a corner. */
+static void pair_at(const struct richards *s, size_t p, uint32_t pair[2]) {
+  if (p < s->face_count)
+    pair[0] = s->faces[p].i, pair[1] = s->faces[p].j;
+  else
+    memcpy(pair, s->corners[p - s->face_count], 2 * sizeof *pair);
 }
 
 /* Sets up the matrix: a row for each site, with entries for itself and each neighbouring site, in
@@ -181,27 +172,32 @@ static size_t entry_of(const struct rows *rows, size_t row, uint32_t column) {
 static enum status make_rows(struct richards *s) {
   enum status status = STATUS_OK;
   struct rows *rows = &s->rows;
-  TRY(rows_allocate(s->count, s->count + 2 * s->face_count, rows));
+  const size_t pairs = s->face_count + s->corner_count;
+  uint32_t pair[2];
+  TRY(rows_allocate(s->count, s->count + 2 * pairs, rows));
   for (size_t i = 0; i < s->count; i++) rows->start[i + 1] = 1;
-  for (size_t f = 0; f < s->face_count; f++)
-    rows->start[s->faces[f].i + 1]++, rows->start[s->faces[f].j + 1]++;
+  for (size_t p = 0; p < pairs; p++) {
+    pair_at(s, p, pair);
+    rows->start[pair[0] + 1]++, rows->start[pair[1] + 1]++;
+  }
   for (size_t i = 0; i < s->count; i++) rows->start[i + 1] += rows->start[i];
   for (size_t i = 0; i < s->count; i++) rows->column[rows->start[i]] = (uint32_t)i;
   /* end of the entries so far */
   for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows->start[i] + 1;
-  for (size_t f = 0; f < s->face_count; f++)
+  for (size_t p = 0; p < pairs; p++) {
+    pair_at(s, p, pair);
     for (int side = 0; side < 2; side++) {
-      const uint32_t i = side ? s->faces[f].j : s->faces[f].i,
-                     j = side ? s->faces[f].i : s->faces[f].j;
+      const uint32_t i = pair[side], j = pair[1 - side];
       size_t k = rows->diagonal[i]++;
       for (; k > rows->start[i] && rows->column[k - 1] > j; k--)
         rows->column[k] = rows->column[k - 1];
       rows->column[k] = j;
     }
-  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = entry_of(rows, i, (uint32_t)i);
+  }
+  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows_entry(rows, i, (uint32_t)i);
   for (size_t f = 0; f < s->face_count; f++) {
-    s->faces[f].ij = entry_of(rows, s->faces[f].i, s->faces[f].j);
-    s->faces[f].ji = entry_of(rows, s->faces[f].j, s->faces[f].i);
+    s->faces[f].ij = rows_entry(rows, s->faces[f].i, s->faces[f].j);
+    s->faces[f].ji = rows_entry(rows, s->faces[f].j, s->faces[f].i);
     s->faces[f].soils_differ = s->soil[s->faces[f].i] != s->soil[s->faces[f].j];
   }
 cleanup:
@@ -230,8 +226,11 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   *s = (struct richards){.scene = scene,
                          .lattice = lattice,
                          .spacing = lattice->spacing[0],
+                         .full = domain_is_full(scene),
                          .tolerance = STEP_TOLERANCE};
   for (int a = 0; a < 3; a++) s->pull[a] = scene->driving[a] / GRAVITY_STANDARD;
+  for (size_t r = 0; r < scene->region_count; r++)
+    s->changes = s->changes || scene->regions[r].table.count > 0;
   TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
   TRY(find_soils(s, of_region));
   for (size_t at = 0; at < lattice->count; at++) s->count += lattice->kind[at] == SITE_FLUID;
@@ -242,14 +241,25 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   for (size_t at = 0; at < lattice->count; at++) {
     s->number[at] = SITE_NONE;
     if (lattice->kind[at] != SITE_FLUID) continue;
-    s->soil[s->count] = of_region[lattice->region[at] - 1];
     s->site[s->count] = (uint32_t)at;
     s->number[at] = (uint32_t)s->count++;
   }
+  for (size_t i = 0; i < s->count; i++) {
+    double x[3];
+    richards_place(s, i, x);
+    const size_t r = s->full ? domain_soil_at(scene, x) : (size_t)(lattice->region[s->site[i]] - 1);
+    s->soil[i] = r < scene->region_count ? of_region[r] : NO_SOIL;
+    if (s->soil[i] == NO_SOIL) s->soil[i] = (uint16_t)(s->soil_count - 1);
+  }
+  TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
+  memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
   add_faces(s, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   add_faces(s, false);
+  s->turned = s->turned || (s->full && s->soil_count > 2);
+  if (s->full) TRY(richards_saturated_bodies(s));
+  if (s->turned) TRY(richards_saturated_corners(s));
   TRY(make_rows(s));
   double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
                              &s->second, &s->residual, &s->term_size, &s->change};
@@ -260,12 +270,17 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->face_flux, s->face_count, sizeof *s->face_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_flux, s->edge_count, sizeof *s->edge_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_first, s->edge_count, sizeof *s->edge_first, "fluxes"));
+  if (s->full) TRY(memory_allocate(&s->speed, s->count, sizeof *s->speed, "fluxes"));
+  if (s->full) TRY(memory_allocate(&s->limited, s->edge_count, sizeof *s->limited, "fluxes"));
   double **const sums[] = {&s->entered, &s->rained, &s->ran_off};
   for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
     TRY(memory_allocate(sums[k], scene->region_count, sizeof(double), "what came and went"));
-  for (size_t i = 0; i < s->count; i++) s->h[i] = head_at_start(s, i);
+  for (size_t i = 0; i < s->count && !s->full; i++) s->h[i] = head_at_start(s, i);
   richards_share_wells(s);
-  richards_evaluate(s, 0);
+  if (s->full)
+    TRY(richards_saturated_solve(s, 0));
+  else
+    richards_evaluate(s, 0);
   for (size_t i = 0; i < s->count; i++) s->water[i] = s->now[i].theta;
   s->start = richards_water(s);
   for (size_t k = 0; k < s->soil_count; k++)
@@ -291,6 +306,11 @@ void richards_free(struct richards *s) {
                              &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,
                              &s->edge_first, &s->ran_off,  &s->term_size};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
+  memory_free(&s->beside);
+  memory_free(&s->corners);
+  memory_free(&s->body);
+  memory_free(&s->speed);
+  memory_free(&s->limited);
   memory_free(&s->now);
   memory_free(&s->from);
   memory_free(&s->face_flux);

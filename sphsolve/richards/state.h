@@ -16,6 +16,7 @@
 #include "sphsolve/richards/rows.h"
 
 #define SITE_NONE UINT32_MAX
+#define BESIDE_EDGE 0x80000000u
 #define RICHARDS_SERIAL_MAX 1000 /* up to so many sites are processed by one thread */
 
 /* A face between two sites, i the lower along its axis. */
@@ -58,6 +59,8 @@ struct richards {
   uint16_t *soil;   /* [count]: index of its soil */
   struct richards_face *faces;
   struct richards_edge *edges;
+  uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
+                     * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
 
   /* [count]: pressure head, m; water content from the balance of fluxes, m^3/m^3 */
   double *h, *water;
@@ -78,9 +81,17 @@ struct richards {
   double *edge_first;     /* [edges]: m/s inwards in the first stage */
   double *residual,
       *term_size;   /* [count]: residual of Newton's method; size of the terms that make it up */
-  struct rows rows; /* the matrix of Newton's method */
+  struct rows rows; /* the matrix of Newton's method, and of soil that is full */
   double *change;   /* [count]: Newton step */
-  int iterations;   /* Newton iterations of the last step */
+  /* Soil that is full of water and stays so (richards/saturated.h), else not allocated. */
+  /* It is full; a permeability has a component xz; heads, fluxes or rates change in time. */
+  bool full, turned, changes;
+  size_t corner_count;
+  uint32_t (*corners)[2]; /* sites that share an edge along y, and no face, with i < j */
+  uint32_t *body;         /* [count]: the least number of a site that is connected to it */
+  double *speed;          /* [count]: |v| of Forchheimer's term, m/s */
+  uint8_t *limited;       /* [edges]: 0, or 1 and 2 where the least or most flux of its law holds */
+  int iterations;         /* Newton iterations of the last step */
   /* `short_steps`: number of consecutive very short steps */
   int64_t iterations_total, linear_total, refused, short_steps;
   double tolerance; /* of a step's error in water content */

@@ -8,6 +8,7 @@
 #include "sphsolve/richards/balance.h"
 #include "sphsolve/richards/constants.h"
 #include "sphsolve/richards/edges.h"
+#include "sphsolve/richards/saturated.h"
 
 /* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
 static void sum_fluxes(const struct richards *s, double *rate, double *size) {
@@ -119,7 +120,8 @@ static bool solve(struct richards *s, double dt, double time, double *rate) {
     assemble(s, dt);
     const double linear =
         fmin(fmax(LINEAR_TOLERANCE_SHARE / most, LINEAR_TOLERANCE_MIN), LINEAR_TOLERANCE_MAX);
-    if (!rows_solve(&s->rows, s->residual, linear, s->change, &s->linear_total)) return false;
+    if (!rows_solve(&s->rows, FILL_IN_SHARE, s->residual, linear, s->change, &s->linear_total))
+      return false;
     memcpy(s->from, s->now, s->count * sizeof *s->from);
     last = squares;
     for (int halving = 0;; halving++) {
@@ -147,14 +149,13 @@ static double error_of(const struct richards *s, double dt) {
   return (1 - SDIRK_GAMMA) * dt * most / s->tolerance;
 }
 
-/* Adds the flow through the boundary faces to the balance, with the weights of the stages; for
- * rates that are linear in time these are exact. */
-static void update_balance(struct richards *s, double from, double dt) {
+/* Adds the flow through the boundary faces to the balance, with the weights of the stages, `last`
+ * that of the second; for rates that are linear in time these are exact. */
+static void update_balance(struct richards *s, double from, double dt, double last) {
   const double area = s->spacing * s->spacing;
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
-    const double came =
-        area * dt * ((1 - SDIRK_GAMMA) * s->edge_first[e] + SDIRK_GAMMA * s->edge_flux[e].q);
+    const double came = area * dt * ((1 - last) * s->edge_first[e] + last * s->edge_flux[e].q);
     const size_t r = edge->region != NULL ? edge->region->first : 0;
     *(came > 0 ? &s->in : &s->out) += fabs(came);
     if (edge->region == NULL) {
@@ -194,7 +195,22 @@ static enum status no_step_found(const struct richards *s, double dt) {
               s->time, dt, x[0], x[1], x[2], s->before[worst]);
 }
 
+/* Soil that is full has no storage: the flow at the end of a step does not depend on its length. */
+static enum status advance_full(struct richards *s, double until, double *taken) {
+  *taken = isfinite(until) ? until - s->time : 0;
+  for (size_t e = 0; e < s->edge_count; e++) s->edge_first[e] = s->edge_flux[e].q;
+  s->step++;
+  if (s->changes) {
+    const enum status status = richards_saturated_solve(s, s->time + *taken);
+    if (status != STATUS_OK) return status;
+  }
+  update_balance(s, s->time, *taken, 0.5);
+  s->time += *taken;
+  return STATUS_OK;
+}
+
 enum status richards_advance(struct richards *s, double until, double *taken) {
+  if (s->full) return advance_full(s, until, taken);
   const double left = until - s->time;
   double dt = fmin(s->next_dt, left);
   if (dt < left && dt > 0.5 * left) dt = 0.5 * left;
@@ -221,7 +237,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
   s->short_steps =
       dt < SHORT_STEP * fmax(s->time, 1 / s->fastest) && dt < left ? s->short_steps + 1 : 0;
   if (s->short_steps > SHORT_STEPS_MAX) return no_step_found(s, 2 * dt);
-  update_balance(s, s->time, dt);
+  update_balance(s, s->time, dt, SDIRK_GAMMA);
   s->rate = 0;
   for (size_t i = 0; i < s->count; i++) {
     const struct retention *soil = &s->soils[s->soil[i]];

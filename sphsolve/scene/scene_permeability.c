@@ -6,8 +6,8 @@
 #include "common/units.h"
 #include "sphsolve/scene/keys.h"
 
-/* Largest ratio of the principal permeabilities; beyond it the weights of isph/anisotropy.c do not
- * represent the tensor. */
+/* Largest ratio of the principal permeabilities; beyond it the multi-point fluxes of
+ * richards/saturated.c may let h overshoot. */
 #define RATIO_MAX 30.0
 
 /* Drag of soil of permeability k (m/s, of the scene's fluid at standard gravity g). Darcy's law a v
@@ -78,7 +78,7 @@ static enum status read_tensor(struct config *config, config_node *group, const 
   if (most > RATIO_MAX * least * (1 + 1e-6))
     return config_error(config, node,
                         "%g times as large along one axis as along another; method "
-                        "isph can do %g",
+                        "darcy can do %g",
                         most / least, RATIO_MAX);
   if (region->grain_size > 0)
     return config_error(config, config_child(group, "grain_size"),

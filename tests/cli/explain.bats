@@ -65,7 +65,8 @@ END
 still-tank.cfg --set isph.dt=auto --set scene.end_time=1s
 dam-break.cfg --set domain.spacing=1.46cm
 seepage-dam.cfg --set scene.end_time=1.5s
-seepage-heads.cfg --set isph.dt=auto --set scene.end_time=1s
+seepage-heads.cfg --set scene.method=isph --set isph.dt=auto --set scene.end_time=1s
+seepage-heads.cfg
 seepage-column.cfg
 gate.cfg
 END

@@ -96,11 +96,12 @@ assert porosity[(x > 0.08) & (x < 0.1) & (z < 0.188)].max() < 0.45
 END
 }
 
-@test "no verdict on an error too small to name; of one without its resolution the verdict says so" {
+@test "no verdict on an error too small to name; without its resolution that is said" {
   sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column > said
-  grep -q "^k .* under 0.001 % (resolution not counted)" said && ! grep verdict said
-  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column --set 'scene.end_time="0.1 s"' > said
-  grep -q "^verdict    known to .* %, resolution not counted; most of it" said || { cat said; false; }
+  grep -q "^k .* under 0.001 % (of one lattice alone)" said && ! grep verdict said
+  sphsolve run "$ROOT/data-samples/scenes/seepage-column.cfg" -o column --set 'regions=({ type = "porous"; box = ["0", "0", "8 cm", "12 cm"]; porosity = 0.4; grain_size = "5 mm"; },
+    { type = "porous"; box = ["0", "0", "4 cm", "5 cm"]; porosity = 0.3; grain_size = "5 mm"; })' > said
+  grep -q "^k .* under 0.001 % (resolution not counted)" said || { cat said; false; }
 }
 
 @test "fronts in dry soil of low porosity are announced as not to be trusted" {
@@ -189,7 +190,7 @@ END
 @test "the +- of a plane's flux holds the exact flux, in free water, too" {
   for size in "5 mm" "1 cm"; do
     sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set "regions.[0].grain_size=\"$size\"" \
-      --set 'scene.end_time="2 s"' -o planes --quiet
+      --set scene.method=isph --set 'scene.end_time="2 s"' -o planes --quiet
     analyze seepage planes.hdf --json > "planes-${size% *}.json"
   done
   /usr/bin/python3 - <<'END'
@@ -219,7 +220,7 @@ END
 @test "water faster than anything can drive it: told with the speed, the place and the reason, and the step is not halved to nothing" {
   # Without shifting particles clump and one is flung away; steps chosen by its speed alone would shrink without end.
   run sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'regions.[0].porosity=0.3' --set 'isph.dt="auto"' \
-    --set 'scene.end_time="60 s"' --set 'effects.shifting="off"' -o flung --quiet
+    --set scene.method=isph --set 'scene.end_time="60 s"' --set 'effects.shifting="off"' -o flung --quiet
   [ "$status" -eq 4 ]
   last=${lines[-1]}
   [[ "$last" == *"where forces, heads and walls give "*" m/s at most, in free water, after 3 halvings"* ]]
@@ -228,18 +229,21 @@ END
   awk -v dt="${BASH_REMATCH[1]}" 'BEGIN { exit !(dt > 1e-9) }'
 }
 
-@test "explain knows the ends of soil round a periodic box, and the spacing that would do" {
+@test "explain knows the ends of soil between two heads, and the spacing that would do" {
   cat > layer.cfg <<'END'
 scene = { name = "layer"; method = "isph"; end_time = "1 s"; };
-domain = { size = ["0.08 m", "0.4 m"]; spacing = "1 cm"; periodic = [true, true]; };
+domain = { size = ["0.4 m", "0.1 m"]; spacing = "1 cm"; periodic = [false, false]; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
-regions = ( { type = "water"; box = ["0", "0", "0.08 m", "0.4 m"]; },
-  { type = "porous"; box = ["0", "0.1 m", "0.08 m", "0.3 m"]; porosity = 0.1; grain_size = "1 cm"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.4 m", "0.1 m"]; },
+  { type = "porous"; box = ["0.1 m", "0", "0.3 m", "0.1 m"]; porosity = 0.1; grain_size = "1 cm"; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; head = "0.3 m"; }, { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.1 m"]; head = "0.2 m"; } );
 force = { gravity = ["0", "-9.80665 m/s^2"]; };
 END
   sphsolve explain layer.cfg > layer.txt
   grep -q '^error  *about 5.5 %: the ends of soil 6.32 particles of its own long' layer.txt
   grep -q 'domain.spacing = "5.4 mm" for 3 %' layer.txt
+  # By finite volumes they are exact.
+  sphsolve explain layer.cfg --set scene.method=auto --set 'scene.end_time="10 s"' | grep -q '^error .* layers between sites are exact'
 }
 
 # bats test_tags=long
@@ -456,12 +460,12 @@ END
   page fills.html 'page["headline"]["value"] is None and page["headline"]["text"] == "No steady flow through the soil"'
   said fills.html -q 'The soil still fills with'
   # Nor has water between two heads that is still getting under way.
-  sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o starts --set 'scene.end_time="4 ms"' --set 'output.history_interval="2 ms"' \
+  sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" -o starts --set 'scene.end_time="4 ms"' --set 'output={history_interval="2 ms"; interval="1 ms";}' \
     > starts.txt 2>&1
   analyze seepage starts.hdf | grep -q "^unsteady .*still go one way"
   analyze report starts.hdf -o starts.html > /dev/null
   page starts.html 'page["headline"]["text"] == "No steady flow through the soil"'
-  # Without that column the snapshots tell; free water that still moves does not count.
+  # Free water that still moves does not count.
   sphsolve run "$ROOT/data-samples/scenes/excavation.cfg" -o sloshes --quiet --set 'scene.end_time="2 s"' > sloshes.txt
   run ! grep unsteady <(analyze seepage sloshes.hdf)
   /usr/bin/python3 - <<'END'
@@ -507,9 +511,9 @@ END
 
 # bats test_tags=long
 @test "a weir: the +- of flux and gauges hold what Darcy's law gives, and a foot too shallow for the spacing is told" {
-  weir() { # NAME PERMEABILITY
+  weir() { # NAME PERMEABILITY METHOD
     cat > "$1.cfg" <<END
-scene = { name = "$1"; method = "isph"; end_time = "6 s"; };
+scene = { name = "$1"; method = "$3"; end_time = "6 s"; };
 domain = { size = ["12 m", "6.5 m"]; spacing = "10 cm"; periodic = [false, false]; };
 fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 regions = ( { type = "porous"; box = ["0", "0", "12 m", "4 m"]; porosity = 0.4; permeability = $2; },
@@ -525,8 +529,8 @@ END
     sphsolve run "$1.cfg" -o "$1" --quiet
     analyze seepage "$1.hdf" --json > "$1.json"
   }
-  weir even '"5e-4 m/s"'
-  weir beds '[ "1e-3 m/s", "2e-4 m/s" ]'
+  weir even '"5e-4 m/s"' isph
+  weir beds '[ "1e-3 m/s", "2e-4 m/s" ]' auto
   analyze seepage even.hdf > even.txt
   grep -q "^head  *heel: .*; Darcy's law on cells: 5.72" even.txt
   grep -q '^coarse .* domain.spacing = "0.032 m" resolves them' even.txt
@@ -541,7 +545,10 @@ for name, flux, heads in (("even", 4.023e-4, {"heel": 5.7215, "toe": 4.7785}), (
     run = json.load(open(name + ".json"))
     mid = run["fluxes_m2_per_s"]["mid"]
     assert abs(mid["darcy"] / flux - 1) < 0.008, (mid, flux) # of the heads that the run has
-    assert 0.01 * flux < abs(mid["mean"] - flux) < mid["error95"] < 0.08 * flux, (mid, flux)
+    if name == "even": # the +- is needed
+        assert 0.01 * flux < abs(mid["mean"] - flux) < mid["error95"] < 0.08 * flux, (mid, flux)
+    else: # by finite volumes
+        assert abs(mid["mean"] - flux) < mid["error95"] < 0.02 * flux, (mid, flux)
     exit, heave = run["exit"], run["heave"][0]
     assert 0.03 < exit["spacing_that_resolves_m"] < 0.033
     if name == "even": # the same at this place and depth, in this prism, and under the weir
@@ -643,7 +650,7 @@ output = { interval = "2 s"; };
 END
   sphsolve run strip.cfg -o strip --quiet
   analyze seepage strip.hdf --json > strip.json
-  sed -e 's/1.99 m", "0", "2 m", "1 m"\]; head = "1.5 m"/1.99 m", "0", "2 m", "1 m"]; head = "1.4 m"/' -e '/pipe/s/.*/  { type = "water"; box = ["0", "0", "2 m", "1 m"]; } );/' -e 's/"12 s"/"1 s"/' strip.cfg > between.cfg
+  sed -e 's/1.99 m", "0", "2 m", "1 m"\]; head = "1.5 m"/1.99 m", "0", "2 m", "1 m"]; head = "1.4 m"/' -e '/pipe/s/.*/  { type = "water"; box = ["0", "0", "2 m", "1 m"]; } );/' -e 's/"12 s"/"1 s"/' -e 's/ method = "isph";//' strip.cfg > between.cfg
   sphsolve run between.cfg -o between --quiet
   analyze seepage between.hdf --json > between.json
   # On one page: what has a k, and that the other has none takes nothing from it.

@@ -1,5 +1,5 @@
-/* A scene of method richards, read from text as a user would write it, and marched by hand; for
- * test and verification programs. */
+/* A scene of methods richards or darcy, read from text as a user would write it, and marched by
+ * hand; for test and verification programs. */
 #ifndef TOSUI_TESTS_UNIT_RICHARDS_SCENE_H
 #define TOSUI_TESTS_UNIT_RICHARDS_SCENE_H
 
@@ -12,6 +12,7 @@
 
 #include "common/error.h"
 #include "sphsolve/richards/balance.h"
+#include "sphsolve/richards/domain.h"
 #include "sphsolve/richards/method.h"
 #include "sphsolve/richards/output.h"
 #include "sphsolve/richards/sites.h"
@@ -46,7 +47,8 @@ __attribute__((format(printf, 2, 3))) static inline void start(struct run *run, 
   must_be_well(scene_read(path, NULL, 0, &run->scene));
   unlink(path);
   must_be_well(lattice_build(&run->scene, 0, &run->lattice));
-  must_be_well(plan_make(&run->scene, &run->lattice, &method_richards, "test", 1, &run->plan));
+  const struct method *method = domain_is_full(&run->scene) ? &method_darcy : &method_richards;
+  must_be_well(plan_make(&run->scene, &run->lattice, method, "test", 1, &run->plan));
   must_be_well(richards_create(&run->scene, &run->lattice, &run->s));
 }
 

@@ -174,7 +174,7 @@ static int64_t solve_grid(uint32_t side, double rest) {
   r.start[all] = k;
   for (k = 0; k < r.start[all]; k++)
     if (r.value[k] < 0) r.value[r.diagonal[r.column[k]]] -= r.value[k];
-  assert_true(rows_solve(&r, b, 1e-10, x, &iterations));
+  assert_true(rows_solve(&r, 0.98, b, 1e-10, x, &iterations));
   double size = 0;
   for (uint32_t i = 0; i < all; i++) size += b[i] * b[i];
   for (uint32_t i = 0; i < all; i++) {
