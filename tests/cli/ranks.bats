@@ -385,8 +385,7 @@ with_petsc() { # SCENE RANKS...: one step, against method isph's own solver
 }
 
 memory_of_ranks() { # N...: on so many, and on one
-  # Blur and noise are in every part of a scan: for memory they may stay.
-  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 --blur keep -q -o middle.hdf > /dev/null
+  ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 -q -o middle.hdf > /dev/null
   cat > tank.cfg << 'END'
 scene = { name = "tank"; method = "isph"; end_time = "1 ms"; };
 domain = { size = ["2 m", "0.486 m", "1.189 m"]; spacing = "0.027 m"; periodic = [false, false, false]; };
