@@ -193,10 +193,10 @@ END
   [ "$status" -eq 2 ]
   advised=$(sed -n 's/.*--size \([0-9x]*\) would make cubes.*/\1/p' <<< "$stderr")
   [ "$advised" = 5x5x2 ]
-  run_ct build spheres.raw $RAW --crop 0,0,0,48,48,21 --threshold 70 --size "$advised" -o flat2.hdf
+  run_ct build spheres.raw $RAW --crop 0,0,0,48,48,21 --threshold 70 --size "$advised" --blur keep -o flat2.hdf
   [ "$status" -eq 0 ]
   [ ! -e flat.hdf ]
-  run_ct build spheres.raw ${RAW/ --quiet/} --void-ratio 3.959 --size 24x24x32 -o tall.hdf
+  run_ct build spheres.raw ${RAW/ --quiet/} --void-ratio 3.959 --size 24x24x32 --blur keep -o tall.hdf
   [ "$status" -eq 0 ]
   [[ "$output" == *"24x24x63 voxels of 20 um x 20 um x 15 um"* ]]
 }
@@ -253,7 +253,7 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
 @test "the uncertainty of the void ratio becomes one of the threshold" {
   cd "$WORK"
   for e in 3.959+-0.04 3.959±0.04; do
-    run_ct build spheres.raw $RAW --void-ratio $e --size 24x24x24 --json -o u.hdf
+    run_ct build spheres.raw $RAW --void-ratio $e --size 24x24x24 --blur keep --json -o u.hdf
     [ "$status" -eq 0 ]
     slope=$(echo "$output" | value dthreshold_dvoid_ratio)
     near "$(echo "$output" | value threshold_uncertainty)" "$(awk "BEGIN { print 0.04 * $slope }")" 1e-4
@@ -270,7 +270,7 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
   head -c 2304 mask.raw > one.raw
   printf 'ObjectType = Image\nNDims = 2\nDimSize = 48 48\nElementType = MET_UCHAR\nElementDataFile = one.raw\n' > one.mhd
   for roi in cylinder:24,24,22 mask:one.mhd; do
-    run_ct build tube.raw $RAW --void-ratio $e --roi $roi --crop 10,10,4,28,28,40 --size 14x14x20 --json -o roi.hdf
+    run_ct build tube.raw $RAW --void-ratio $e --roi $roi --crop 10,10,4,28,28,40 --size 14x14x20 --blur keep --json -o roi.hdf
     [ "$status" -eq 0 ]
     near "$(echo "$output" | value threshold_original)" 70 1.5
     near "$(echo "$output" | value void_ratio)" "$(echo "$output" | value void_ratio_original)" 0.02
@@ -315,7 +315,7 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
   # A disc of radius 70 of stripes (grey 40 and 110) in air of grey 3.
   awk 'BEGIN { for (z = 0; z < 4; z++) for (y = 0; y < 160; y++) for (x = 0; x < 160; x++)
     printf "%c", ((x - 79.5)^2 + (y - 79.5)^2 > 4900 ? 3 : (x + y) % 10 < 4 ? 40 : 110) }' > disc.raw
-  run --separate-stderr "$CT" build disc.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto \
+  run --separate-stderr "$CT" build disc.raw --raw 160x160x4:u8 --voxel-size 1um --void-ratio 0.6667 --crop auto --blur keep \
     --json -o disc.hdf
   [ "$status" -eq 0 ]
   crop=$(echo "$stderr" | sed -n 's/.*--crop \([0-9,]*\)$/\1/p')
@@ -324,7 +324,7 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
     for (i = 0; i < 4; i++) { x = $1 + (i % 2) * $4 - 80; y = $2 + int(i / 2) * $5 - 80; ok = ok && x^2 + y^2 < 71^2 }
     exit !ok }'
   near "$(echo "$output" | value void_ratio)" 0.6667 0.02
-  run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto -o s.hdf
+  run --separate-stderr "$CT" build spheres.raw --raw 48x48x48:u8 --voxel-size 1um --void-ratio 3.959 --crop auto --blur keep -o s.hdf
   [ "$status" -eq 0 ]
   [[ "$stderr" == *"whole stack"* ]]
 }
@@ -431,11 +431,11 @@ P
     done
   done
   # Sizes count in the model's axes, walls follow.
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror y --json -o y.hdf
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror y --blur keep --json -o y.hdf
   [ "$status" -eq 0 ]
   [ "$(echo "$output" | value size)" = "[24, 35, 12]" ]
   [ "$(echo "$output" | value size_original)" = "[48, 36, 24]" ]
-  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror z -o z.hdf
+  run_ct build spheres.raw $RAW --void-ratio 3.959 --crop 0,0,0,48,36,24 --size 24x18x12 --mirror z --blur keep -o z.hdf
   /usr/bin/python3 - <<'P'
 import h5py, numpy as np
 a = ((np.arange(120) * 37 % 120 + 1).reshape(4, 5, 6) > 60.5).astype(np.uint8)  # [z][y][x]
@@ -541,12 +541,12 @@ open("felt.raw", "wb").write(bytes(min(max(round(r.gauss(182, 20) if blocks[x //
                                    for z in range(24) for y in range(48) for x in range(48)))
 P
   for e in 0.4 0.5; do
-    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e -o felt.hdf
+    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e --blur keep -o felt.hdf
     [ "$status" -eq 0 ]
     [[ "$stderr" == *"lies beyond the histogram's two peaks"*"the void ratio or the region"* ]] || { echo "$e: $stderr"; false; }
   done
   for e in 5 6 8; do
-    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e -o felt.hdf
+    run_ct build felt.raw --raw 48x48x24:u8 --voxel-size 1um -e $e --blur keep -o felt.hdf
     [[ "$stderr" != *"lies beyond"* ]] || { echo "$e: $stderr"; false; }
   done
 }

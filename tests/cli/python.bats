@@ -25,7 +25,8 @@ setup_file() {
 }
 
 @test "python: make install puts the module where Python finds it" {
-  make -s -C "$ROOT" BUILD="$(dirname "$TOSUI_BIN")" install PREFIX=/usr DESTDIR="$BATS_TEST_TMPDIR/root" > "$BATS_TEST_TMPDIR/made"
+  # The instruction sets that make check built are enough here: others would be compiled under the tests beside this one.
+  make -s -C "$ROOT" BUILD="$(dirname "$TOSUI_BIN")" ISAS="$(cat "$(dirname "$TOSUI_BIN")/isas")" install PREFIX=/usr DESTDIR="$BATS_TEST_TMPDIR/root" > "$BATS_TEST_TMPDIR/made"
   # Other tests run what was built: installing builds nothing anew.
   run ! grep -E "^ *(CC|LINK|MPICC) " "$BATS_TEST_TMPDIR/made"
   cd "$BATS_TEST_TMPDIR"

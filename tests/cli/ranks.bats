@@ -66,9 +66,10 @@ stokes() { # NAME [options]
   done
 }
 
-@test "stokes: k, history and snapshot of a run on 1, 2, 4 ranks" {
-  sphsolve $(stokes serial) > /dev/null
-  for n in 1 2 4; do
+# RANKS...
+same_stokes() {
+  [ -e serial.hdf ] || sphsolve $(stokes serial) > /dev/null
+  for n in "$@"; do
     on $n sphsolve-mpi $(stokes "run$n" | sed 's/ --quiet//') > "out$n"
     [ "$(grep -c '^k ' "out$n")" -eq 1 ]
     $AGREE serial.hdf "run$n.hdf" 1e-6 run@k history/darcy_velocity history/kinetic_energy
@@ -76,9 +77,12 @@ stokes() { # NAME [options]
     $AGREE serial-0000.hdf "run$n-0000.hdf" 0 VTKHDF/Points VTKHDF/PointData/id VTKHDF/Connectivity VTKHDF/Offsets
   done
   # What a clock measured stands under /run/timing alone.
-  /usr/bin/python3 -c 'import h5py; run = h5py.File("run2.hdf")["run"]
-assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "waiting_seconds" not in run.attrs'
+  /usr/bin/python3 -c 'import h5py, sys; run = h5py.File(sys.argv[1])["run"]
+assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "waiting_seconds" not in run.attrs' run$n.hdf
 }
+@test "stokes: k, history and snapshot of a run on 3 ranks" { same_stokes 3; }
+# bats test_tags=long
+@test "stokes: k, history and snapshot of a run on 1, 2, 4 ranks" { same_stokes 1 2 4; }
 
 @test "stokes: a rank killed on 3, finished on 4 and without MPI" {
   rm -f cut*
@@ -92,18 +96,27 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
   $AGREE serial.hdf two.hdf 1e-6 run@k
 }
 
-@test "solute: closure problem and walk on 3 ranks, bit for bit; ended on 2 and resumed on one" {
+# What runs `carried` takes; the run on one.
+carried_alone() {
   cat > carried.cfg <<'END'
 scene  = { name = "carried"; };
 flow   = { file = "slit.hdf"; };
 solute = { peclet = [30.0]; length = "1 mm"; way = "both"; };
 checkpoint = { interval = "1 us"; };
 END
-  local given="run carried.cfg --error 30%"
+  given="run carried.cfg --error 30%"
+  [ ! -e alone.hdf ] || return 0
   sphsolve run "$ROOT/tests/cli/slit.cfg" -o slit --quiet
   sphsolve $given -o alone --quiet --set checkpoint.interval='"1 h"'
+}
+@test "solute: closure problem and walk on 3 ranks, bit for bit" {
+  carried_alone
   on 3 sphsolve-mpi $given -o carried --quiet --set checkpoint.interval='"1 h"'
   /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf carried.hdf @
+}
+# bats test_tags=long
+@test "solute: ended on 2 ranks and resumed on one, bit for bit" {
+  carried_alone
   on 2 sphsolve-mpi $given -o ended --quiet > log 2>&1 &
   killed ended $!
   sphsolve $given -o ended --quiet --resume --set checkpoint.interval='"1 h"'
@@ -191,18 +204,23 @@ same() { # SERIAL OTHER [NAME...]: bit for bit but for these (same_run.py), snap
   /usr/bin/python3 "$ROOT/tests/cli/same_run.py" "${pairs[@]}" run/levels @ "${@:3}"
 }
 
-@test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {
-  local ranks="2 4"
-  for walls in subvoxel adami frozen; do
+# WALLS:RANKS...
+same_wcsph() {
+  local walls n
+  for walls in "$@"; do
+    n=${walls#*:} walls=${walls%:*}
     local pull=9.8 # as much as the walls bear; the more, the more often particles are ordered anew
-    [ $walls != adami ] || pull=3 ranks=3
-    [ $walls != frozen ] || pull=98 ranks="1 4"
-    sphsolve $(wcsph "w$walls" --set wcsph.wall=$walls) > /dev/null
-    for n in $ranks; do
-      on $n sphsolve-mpi $(wcsph "w$walls$n" --set wcsph.wall=$walls) > /dev/null
-      same "w$walls" "w$walls$n"
-    done
+    [ $walls != adami ] || pull=3
+    [ $walls != frozen ] || pull=98
+    [ -e "w$walls.hdf" ] || sphsolve $(wcsph "w$walls" --set wcsph.wall=$walls) > /dev/null
+    on $n sphsolve-mpi $(wcsph "w$walls$n" --set wcsph.wall=$walls) > /dev/null
+    same "w$walls" "w$walls$n"
   done
+}
+@test "wcsph: every bit of histories and snapshots on 3 and 4 ranks, whatever the walls" { same_wcsph subvoxel:3 frozen:4; }
+# bats test_tags=long
+@test "wcsph: every bit of histories and snapshots on 1, 2, 3, 4 ranks, whatever the walls" {
+  same_wcsph subvoxel:2 subvoxel:4 adami:3 frozen:1
 }
 
 @test "wcsph: a step too long is halved on all ranks at once" {
@@ -229,7 +247,7 @@ same() { # SERIAL OTHER [NAME...]: bit for bit but for these (same_run.py), snap
 @test "the same inputs on 2 ranks give the same bytes but for what a clock measured" {
   for d in one two; do
     mkdir -p $d && cp s06.cfg dense.hdf $d
-    (cd $d && on 2 sphsolve-mpi $(stokes creep) > /dev/null && on 2 sphsolve-mpi $(wcsph flow) > /dev/null)
+    (cd $d && on 2 sphsolve-mpi $(stokes creep) > /dev/null && on 2 sphsolve-mpi $(wcsph flow --set scene.end_time=2ms --set output.interval=1ms) > /dev/null)
   done
   /usr/bin/python3 "$ROOT/tests/cli/blank_clock.py" {one,two}/{creep,flow}.hdf
   for f in creep creep-0000 flow flow-0000 flow-0001 flow-0002; do cmp one/$f.hdf two/$f.hdf; done
@@ -240,25 +258,31 @@ isph() { # SCENE END NAME [options]
   echo run "$ROOT/data-samples/scenes/$scene.cfg" --set scene.method=isph --set scene.end_time="$end" -o "$name" --quiet "$@"
 }
 
-@test "isph: every bit of histories and snapshots of the sample scenes on 1, 2, 3, 4 ranks" {
+# SCENE:END:RANKS...
+same_isph() {
   local scene n
-  for scene in dam-break:0.05s:3 gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-embankment:0.02s:3 seepage-heads:0.05s:4 still-tank:0.02s:1; do
+  for scene in "$@"; do
     n=${scene##*:} end=${scene#*:} scene=${scene%%:*}
     sphsolve $(isph "$scene" "${end%:*}" "serial-$scene") > /dev/null
     on "$n" sphsolve-mpi $(isph "$scene" "${end%:*}" "$scene") > /dev/null
     same "serial-$scene" "$scene"
   done
 }
+@test "isph: every bit of histories and snapshots of two sample scenes on 3 and 4 ranks" { same_isph dam-break:0.05s:3 seepage-heads:0.05s:4; }
+# bats test_tags=long
+@test "isph: every bit of histories and snapshots of the other sample scenes on 1, 2, 3, 4 ranks" {
+  same_isph gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-embankment:0.02s:3 still-tank:0.02s:1
+}
 
-same_on_ranks() { # SCENE.cfg of isph
+same_on_ranks() { # SCENE.cfg of isph; RANKS...
   sphsolve run "$1.cfg" -o "serial-$1" --quiet > /dev/null
-  for n in 2 3; do
+  for n in "${@:2}"; do
     on "$n" sphsolve-mpi run "$1.cfg" -o "$1" --quiet > /dev/null
     same "serial-$1" "$1"
   done
 }
 
-@test "isph: coarse soil beside finer soil and water, the same bits on 1, 2, 3 ranks" {
+beds_on() { # RANKS...
   cat > beds.cfg << 'END'
 scene = { method = "isph"; end_time = "0.03 s"; };
 domain = { size = ["0.3 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
@@ -270,10 +294,11 @@ regions = ( { type = "water"; box = ["0", "0", "0.3 m", "0.2 m"]; },
   { type = "inflow"; box = ["0.29 m", "0", "0.3 m", "0.2 m"]; head = "0.3 m"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  same_on_ranks beds
+  same_on_ranks beds "$@"
 }
+@test "isph: soil in beds at an angle, beside other soil and water, the same bits on 1 and 3 ranks" { beds_on 3; }
 
-@test "isph: rain on water, a roof and soil, the same bits on 1, 2, 3 ranks" {
+rain_on() { # RANKS...
   cat > rain.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
 domain = { size = ["0.3 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
@@ -284,10 +309,11 @@ regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.1 m"]; },
   { type = "rain"; box = ["0", "0.15 m", "0.3 m", "0.2 m"]; rate = "3 cm/s"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  same_on_ranks rain
+  same_on_ranks rain "$@"
 }
+@test "isph: rain on water, a roof and soil, the same bits on 1 and 3 ranks" { rain_on 3; }
 
-@test "isph: calm free water, stirred and not, the same bits on 1, 2, 3 ranks" {
+calm_on() { # RANKS...
   cat > calm.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
 domain = { size = ["0.4 m", "0.3 m"]; spacing = "1 cm"; periodic = [false, false]; };
@@ -296,10 +322,11 @@ regions = ( { type = "water"; box = ["0", "0", "0.1 m", "0.15 m"]; velocity = ["
   { type = "water"; box = ["0.1 m", "0", "0.4 m", "0.15 m"]; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  same_on_ranks calm
+  same_on_ranks calm "$@"
 }
+@test "isph: calm free water, stirred and not, the same bits on 1 and 3 ranks" { calm_on 3; }
 
-@test "isph: wells and a drain across the cut between ranks, the same bits on 1, 2, 3 ranks" {
+wells_on() { # RANKS...
   cat > wells.cfg << 'END'
 scene = { method = "isph"; end_time = "0.1 s"; };
 domain = { size = ["0.6 m", "0.2 m"]; spacing = "1 cm"; periodic = [false, false]; };
@@ -311,8 +338,13 @@ regions = ( { type = "water"; box = ["0", "0", "0.6 m", "0.18 m"]; },
   { type = "well"; name = "c"; box = ["0.4 m", "2 cm", "0.5 m", "0.1 m"]; rate = "0.005 m^2/s"; } );
 force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
-  same_on_ranks wells
+  same_on_ranks wells "$@"
   /usr/bin/python3 -c 'import h5py; h = h5py.File("wells.hdf")["history"]; taken = [h["taken_" + w][-1] for w in "abc"]; assert min(taken) > 0, taken'
+}
+@test "isph: wells and a drain across the cut between ranks, the same bits on 1 and 3 ranks" { wells_on 3; }
+# bats test_tags=long
+@test "isph: beds, rain, calm water, wells and a drain: the same bits on 1 and 2 ranks" {
+  for scene in beds rain calm wells; do ${scene}_on 2; done
 }
 
 @test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
@@ -352,7 +384,7 @@ with_petsc() { # SCENE RANKS...: one step, against method isph's own solver
   done
 }
 
-@test "the memory of a rank falls with their number, as explain --ranks predicts" {
+memory_of_ranks() { # N...: on so many, and on one
   ct2model build "$ROOT/data-samples/small" --void-ratio 0.725 --voxel-size 8.745um --size 40x40x18 -q -o middle.hdf > /dev/null
   cat > tank.cfg << 'END'
 scene = { name = "tank"; method = "isph"; end_time = "1 ms"; };
@@ -371,7 +403,7 @@ regions = ( { type = "water"; box = ["0", "0", "0", "3.2 m", "0.18 m", "0.18 m"]
 wcsph = { sound_speed = "20 m/s"; };
 END
   local n tank=tank.cfg sand="s06.cfg --set model.file=middle.hdf --set scene.method=stokes --set stokes.tolerance=1e-2"
-  for n in 1 2 4; do
+  for n in 1 "$@"; do
     sphsolve explain $tank --ranks $n --threads 1 --json > tank$n.json
     sphsolve explain $sand --ranks $n --threads 1 --json > sand$n.json
     sphsolve explain lid.cfg --ranks $n --threads 1 --json > lid$n.json
@@ -379,13 +411,14 @@ END
     on $n sphsolve-mpi run $sand -o sand$n --quiet > /dev/null
     on $n sphsolve-mpi run lid.cfg -o lid$n --quiet > /dev/null
   done
-  /usr/bin/python3 - << 'END'
-import h5py, json
+  /usr/bin/python3 - "$@" << 'END'
+import h5py, json, sys
+ON = (1, *map(int, sys.argv[1:]))
 PROGRAM, HELD_BESIDE = 9e6, 1.065  # predicted, not counted
 for name in "tank", "sand", "lid":
-    said = {n: json.load(open(f"{name}{n}.json"))["ranks"]["memory_bytes"] for n in (1, 2, 4)}
+    said = {n: json.load(open(f"{name}{n}.json"))["ranks"]["memory_bytes"] for n in ON}
     said = {n: (whole - PROGRAM) / HELD_BESIDE for n, whole in said.items()}
-    clock = {n: h5py.File(f"{name}{n}.hdf")["run/timing"].attrs for n in (1, 2, 4)}
+    clock = {n: h5py.File(f"{name}{n}.hdf")["run/timing"].attrs for n in ON}
     peak = {n: max(clock[n]["memory_peak_bytes"], clock[n]["memory_peak_bytes_all"] / n) for n in clock}
     for n in peak:
         print(f"{name} on {n}: {peak[n] / 1e6:.2f} MB, predicted {said[n] / 1e6:.2f}, of one process {peak[n] / peak[1]:.3f}")
@@ -393,3 +426,6 @@ for name in "tank", "sand", "lid":
         assert peak[n] < peak[1] * (1 / n + 1 / 8)
 END
 }
+@test "the memory of a rank falls with their number, as explain --ranks predicts, to 4" { memory_of_ranks 4; }
+# bats test_tags=long
+@test "the memory of a rank falls with their number, as explain --ranks predicts, on 2" { memory_of_ranks 2; }

@@ -4,11 +4,6 @@
 #include "fuzz_input.h"
 #include "sphsolve/scene/scene_read.h"
 
-/* libconfig 1.5 loses the strings of a text that a syntax error cuts off; not ours to free. */
-const char *__lsan_default_suppressions(void) {
-  return "leak:libconfig\n";
-}
-
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
   const uint8_t *end = size > 0 ? memchr(data, '\0', size) : NULL;
   size_t length = end != NULL ? (size_t)(end - data) : size, n = 0;

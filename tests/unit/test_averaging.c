@@ -42,6 +42,28 @@ static void test_drift_is_not_steady(void **state) {
   assert_false(average.without_drift);
 }
 
+/* The error is the larger of Student's t of the batches, less one, times the standard error, and of
+ * the drift. */
+static void test_error_of_the_mean(void **state) {
+  (void)state;
+  static const double t95[3] = {2.1098, 2.1009, 2.0930}; /* of 17, 18 and 19 degrees of freedom */
+  uint64_t seed = 1;
+  struct average average;
+  for (int i = 0; i < ROWS; i++) {
+    times[i] = i;
+    values[i] = 2.0 + noise(&seed);
+  }
+  assert_int_equal(average_record(times, values, ROWS, &average), STATUS_OK);
+  const int batches = (int)floor(sqrt((double)average.rows));
+  assert_in_range(batches, 18, 20);
+  assert_true(fabs(average.drift) < average.error95);
+  assert_true(fabs(average.error95 / average.standard_error - t95[batches - 18]) < 2e-3);
+  for (int i = 0; i < ROWS; i++) values[i] = 2.0 + 1e-4 * i;
+  assert_int_equal(average_record(times, values, ROWS, &average), STATUS_OK);
+  assert_true(fabs(average.drift - 0.5e-4 * (double)average.rows) < 2e-4);
+  assert_true(average.error95 >= average.drift);
+}
+
 /* Rows that crowd where the value is high must not pull the mean. */
 static void test_uneven_rows_are_weighted_by_time(void **state) {
   (void)state;
@@ -70,7 +92,8 @@ static void test_few_rows(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_start_up_is_dropped), cmocka_unit_test(test_drift_is_not_steady),
+      cmocka_unit_test(test_start_up_is_dropped), cmocka_unit_test(test_error_of_the_mean),
+      cmocka_unit_test(test_drift_is_not_steady),
       cmocka_unit_test(test_uneven_rows_are_weighted_by_time), cmocka_unit_test(test_few_rows)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -86,9 +86,24 @@ static void test_one_and_two_runs(void **state) {
   assert_true(fabs(fit.free_slope - 1.02e-3) < 1e-12);
 }
 
+/* The slope of a line through the origin is sum g v / sum g^2: errors of its points are in it as
+ * sqrt(sum g^2 e^2) / sum g^2, their scatter, of n - 1 degrees of freedom, by Student's t. */
+static void test_errors_of_a_line(void **state) {
+  (void)state;
+  struct darcy_fit fit;
+  const double g[2] = {1.0, 3.0}, on_line[2] = {1e-3, 3e-3}, error[2] = {1e-5, 2e-5};
+  assert_int_equal(darcy_fit(g, on_line, error, 2, nu, GRAVITY_STANDARD, &fit), STATUS_OK);
+  assert_true(fabs(fit.k_error / (sqrt(1.0 + 9.0 * 4.0) / 10.0 * 1e-5) - 1.0) < 1e-9);
+  /* off by (0.02, -0.01) k, which is across g: a standard error of 0.01 k, and t is 12.706 */
+  const double h[2] = {1.0, 2.0}, off[2] = {1.02e-3, 1.99e-3}, none[2] = {0.0, 0.0};
+  assert_int_equal(darcy_fit(h, off, none, 2, nu, GRAVITY_STANDARD, &fit), STATUS_OK);
+  assert_true(fabs(fit.k_error / (0.12706 * 1e-3) - 1.0) < 1e-4);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_line), cmocka_unit_test(test_forchheimer_when_called_for),
-      cmocka_unit_test(test_forchheimer_of_three_runs), cmocka_unit_test(test_one_and_two_runs)};
+      cmocka_unit_test(test_forchheimer_of_three_runs), cmocka_unit_test(test_one_and_two_runs),
+      cmocka_unit_test(test_errors_of_a_line)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -233,6 +233,42 @@ static double rough(const struct deblur *deblur, const float *truth) {
   return sqrt(square / N);
 }
 
+/* The iterations suffice: what more of them change of the shares of grain is less than a tenth of
+ * what is off in them, with one phase or two. */
+static void test_converged(void **state) {
+  (void)state;
+  static const double more[2] = {4.0, 2.0};
+  for (int two = 0; two < 2; two++) {
+    const struct deblur_scanner scanner = {.blur = {1.6, 1.6, 1.6},
+                                           .fringe = 0.3,
+                                           .power = 0.02,
+                                           .stretch = {1.0, 1.0, 1.0},
+                                           .surface = 1.0,
+                                           .two_phases = two};
+    float *usual = NULL;
+    double off = 0.0;
+    for (int run = 0; run < 2; run++) {
+      struct deblur deblur;
+      float *truth = scan(touching, &scanner, &deblur);
+      if (run == 1) deblur.iterations = (int)(more[two] * deblur.iterations);
+      deblur.beyond[2][0] = 1;
+      assert_int_equal(deblur_run(&deblur), STATUS_OK);
+      if (run == 0) {
+        off = rough(&deblur, truth);
+        usual = deblur.share, deblur.share = NULL;
+      } else {
+        const double changed = rough(&deblur, usual);
+        print_message("%d phases: shares are %.4f off, of which iterations %.4f\n", two + 1, off,
+                      changed);
+        assert_true(changed < 0.1 * off);
+      }
+      deblur_end(&deblur);
+      memory_free(&truth);
+    }
+    memory_free(&usual);
+  }
+}
+
 /* Noise on the wall of a ball: less of it is left where walls are known to be smooth. */
 static void test_smooth_walls(void **state) {
   (void)state;
@@ -336,6 +372,6 @@ int main(void) {
       cmocka_unit_test(test_grains),       cmocka_unit_test(test_turned),
       cmocka_unit_test(test_wedge),        cmocka_unit_test(test_fine),
       cmocka_unit_test(test_smooth_walls), cmocka_unit_test(test_face),
-      cmocka_unit_test(test_hidden_pores)};
+      cmocka_unit_test(test_hidden_pores), cmocka_unit_test(test_converged)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

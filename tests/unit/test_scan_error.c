@@ -74,8 +74,21 @@ static void test_smooth(void **state) {
   assert_float_equal(scan_error(&scan, 0.0, 100e-6), hypot(0.035, 0.05), 1e-9);
 }
 
+/* Before anything is solved the change by another blur is expected to go with the square of the
+ * blur's width over that of the pores. */
+static void test_expected(void **state) {
+  (void)state;
+  struct scan_quality scan = {.resolution = 24e-6};
+  const double change = scan_change_expected(&scan, 50e-6);
+  assert_true(change > 0.0);
+  assert_true(fabs(scan_change_expected(&scan, 100e-6) / change - 0.25) < 1e-9);
+  scan.resolution *= 2.0;
+  assert_true(fabs(scan_change_expected(&scan, 100e-6) / change - 1.0) < 1e-9);
+}
+
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_error), cmocka_unit_test(test_drawn),
-                                     cmocka_unit_test(test_noise), cmocka_unit_test(test_smooth)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_expected), cmocka_unit_test(test_error),
+                                     cmocka_unit_test(test_drawn), cmocka_unit_test(test_noise),
+                                     cmocka_unit_test(test_smooth)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
