@@ -6,14 +6,19 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/constants.h"
 
-/* Adds L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. */
+/* Adds L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. In laminar
+ * flow velocities behind a closed side that holds the water have the opposite sign, so that shear
+ * at the side is none of its curvature; a turbulent boundary layer is thinner than particles. */
 ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
                    size_t i, double (*u)[3], double sum[3]) {
+  const bool held = s->on.no_slip && !s->on.turbulence && !s->wall_boxes[0].slip;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
     const double weight = 2 * s->volume[j] * (double)chunk->slope[p];
     double uj[3];
     isph_turn(images, s, chunk->pair[p], u[j], uj);
+    if (held && isph_is_reflected(images, s, chunk->pair[p]))
+      for (int a = 0; a < 3; a++) uj[a] = -u[j][a];
     for (int a = 0; a < 3; a++) sum[a] -= weight * (u[i][a] - uj[a]);
   }
 }

@@ -41,6 +41,22 @@ static inline double isph_calm_surface(const struct isph *s, size_t i) {
   return s->calm != NULL ? s->thick[i] * s->calm[i] : 0;
 }
 
+/* Rate, 1/s, at which calm water has to expand in order to keep its volume. In a step each particle
+ * moves along a straight line, x + dt v, which changes volumes by
+ *   det(1 + dt grad v) - 1 = dt div v - dt^2/2 tr((grad v)^2) + ...   (div v small):
+ * without divergence a wave shrinks in every step, by as much as 1e-4 of its depth in a period, and
+ * the pressure does work on it. So div v = dt/2 tr((grad v)^2), the constraint of the places to
+ * second order (that of SHAKE: Ryckaert, Ciccotti, Berendsen 1977, J. Comput. Phys. 23), with which
+ * the step is symplectic (Leimkuhler, Skeel 1994, J. Comput. Phys. 112). In stirred water grad v is
+ * that of single particles, and means nothing for the volume. */
+static inline double isph_calm_expansion(const struct isph *s, size_t i) {
+  const float *g = s->gradient[i];
+  double trace = 0;
+  for (int a = 0; a < 3; a++)
+    for (int b = 0; b < 3; b++) trace += (double)g[3 * a + b] * (double)g[3 * b + a];
+  return s->calm[i] * s->dt / 2 * trace;
+}
+
 /* Whether the scene can have calm water; otherwise s->calm is NULL. */
 bool isph_has_calm(const struct isph *s);
 /* Collective: finds the thickness factor s of all own particles, s->thick, from s->surface and

@@ -163,6 +163,9 @@ cleanup:
                                                  .passed = s->passed};
     memcpy(result->conservation.losses, s->losses, sizeof s->losses);
     isph_budget_end(s);
+    const double *f = s->force, row = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]) * s->spacing;
+    const double mass = s->density * s->room * s->thickness;
+    budget_warn(&s->budget, WORK_GIVEN, WORK_LEAST * mass * row);
     result->conservation.budget = s->budget;
   }
   h5_close(file);

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/state.h"
@@ -19,21 +20,39 @@ enum status isph_scales(struct plan *plan) {
   context->kernel = scene->isph.kernel;
   context->support = scene->isph.support_ratio * context->spacing;
   context->smoothing_length = context->support / kernel_support_ratio(scene->isph.kernel);
-  return STATUS_OK;
+  return isph_reynolds_predict(context, &context->surface_reynolds);
 }
 
 /* Number of steps as isph_stable_dt will choose them, while the water is fast and after that. */
-static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds) {
+static double steps_at(const struct plan *plan, const struct isph_speed_forecast *speeds,
+                       double dt_limit) {
   const struct effect_context *context = &plan->context;
   const double dx = context->spacing, time = context->scene->end_time;
   const double driving = fmax(context->driving, isph_head_drive(context->scene));
   const double force = driving > 0 ? 0.25 * sqrt(dx / driving) : INFINITY;
-  const double least = fmin(fmin(force, plan->dt_limit), time / 2);
+  const double least = fmin(fmin(force, dt_limit), time / 2);
   if (!(least > 0)) return INFINITY; /* a force that is not finite */
   const double displacement = (context->has_surface ? DT_ADVECTION_SURFACE : DT_ADVECTION) * dx;
   const double fast = fmin(time, speeds->lasts);
   return fast / fmin(least, displacement / speeds->speed) +
          (time - fast) / fmin(least, displacement / speeds->speed_after);
+}
+
+/* Refuses a scene that the explicit viscosity makes hopeless, as in 10 cm of tar: more than
+ * VISCOUS_STEPS steps, and VISCOUS_RATIO times as many as the other limits need. */
+static enum status check_viscosity(const struct plan *plan,
+                                   const struct isph_speed_forecast *speeds) {
+  const struct effect_context *context = &plan->context;
+  const double ratio = plan->steps / steps_at(plan, speeds, INFINITY) / VISCOUS_RATIO;
+  if (!(plan->steps > VISCOUS_STEPS && ratio > 1) || plan->dt_limited_by == NULL ||
+      strcmp(plan->dt_limited_by, "isph_viscosity") != 0)
+    return STATUS_OK;
+  return scene_error(context->scene, AT_VISCOSITY,
+                     "this viscosity allows no step above %g s, %g spacing^2/nu, and asks for %.2g "
+                     "steps; take a viscosity below %.2g Pa s, or a domain.spacing above %.2g m",
+                     plan->dt_limit, DT_VISCOSITY, plan->steps,
+                     context->scene->fluid.viscosity / ratio,
+                     context->spacing * cbrt(ratio * ratio));
 }
 
 /* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the
@@ -156,8 +175,11 @@ enum status isph_cost(struct plan *plan, int threads) {
   struct isph_speed_forecast speeds;
   status = isph_speed_predict(context, &speeds);
   if (status != STATUS_OK) return status;
-  plan->steps = isnan(plan->dt) ? steps_at(plan, &speeds) : scene->end_time / plan->dt;
+  plan->steps =
+      isnan(plan->dt) ? steps_at(plan, &speeds, plan->dt_limit) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
+  status = check_viscosity(plan, &speeds);
+  if (status != STATUS_OK) return status;
   plan->seconds = plan->steps * n * (context->lattice->dimensions == 2 ? SECONDS_2D : SECONDS_3D) /
                   isph_threads(scene, n, threads < 8 ? threads : 8);
   expect_isph(plan);

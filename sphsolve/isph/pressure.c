@@ -117,6 +117,7 @@ void isph_assemble(struct isph *s) {
         diagonal += coefficient, tied += coefficient;
         source += load;
       }
+      if (s->calm != NULL && sources) source += vol * isph_calm_expansion(s, i);
       if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, s->relaxation_time);
       struct effect_row row = {diagonal, source, tied};
       for (size_t k = 0; k < s->on.row_count; k++) s->on.rows[k]->row(s, i, &row);

@@ -4,7 +4,9 @@
 
 #include <math.h>
 
+#include "common/log.h"
 #include "sphsolve/isph/effects/rain.h"
+#include "sphsolve/isph/speed_forecast.h"
 
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
@@ -161,6 +163,73 @@ static enum status check_moving_soil(const struct effect_context *context) {
   return STATUS_OK;
 }
 
+/* Moments of the run at which the places of walls are checked. */
+#define MOMENTS 256
+
+/* The box of a wall, `box` at the start, at time t. */
+static void wall_at(const struct region *wall, const double start[6], double t, double box[6]) {
+  for (int e = 0; e < 6; e++) {
+    const int a = e % 3;
+    box[e] = start[e] + (wall->table.count > 0 ? time_table_integral(&wall->table, 0, t, a)
+                                               : wall->velocity[a] * t);
+  }
+}
+
+/* Whether two boxes overlap by more than rounding. */
+static bool overlap(const struct effect_context *context, const double a[6], const double b[6]) {
+  const double near = 1e-6 * context->spacing;
+  for (int c = 0; c < 3; c++)
+    if (isph_scene_uses_axis(context, c) && (a[c] > b[c + 3] - near || b[c] > a[c + 3] - near))
+      return false;
+  return true;
+}
+
+/* Whether a box reaches out of a closed side by more than rounding. */
+static bool reaches_out(const struct effect_context *context, const double box[6]) {
+  const struct scene *scene = context->scene;
+  const double near = 1e-6 * context->spacing;
+  for (int a = 0; a < 3; a++)
+    if (isph_scene_uses_axis(context, a) && !scene->periodic[a] &&
+        (box[a] < -near || box[a + 3] > scene->domain_size[a] + near))
+      return true;
+  return false;
+}
+
+/* Walls must not move through each other; of one that leaves the domain is told when. */
+static enum status check_moving_walls(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  for (size_t w = 0; w < scene->region_count && context->has_moving_wall; w++) {
+    const struct region *wall = &scene->regions[w];
+    if (wall->type != REGION_WALL || isph_region_speed(scene, wall) == 0) continue;
+    bool out = reaches_out(context, wall->extent) || wall->first != w;
+    for (int n = 1; n <= MOMENTS; n++) {
+      const double t = scene->end_time * n / MOMENTS;
+      double box[6], other_box[6];
+      wall_at(wall, wall->extent, t, box);
+      if (!out && reaches_out(context, box)) {
+        log_warning("%s:%d: from %.3g s on this wall leaves the domain; what is outside does not "
+                    "act on the water",
+                    scene->path, wall->line, t);
+        out = true;
+      }
+      wall_at(wall, wall->box, t, box);
+      for (size_t k = 0; k < scene->region_count; k++) {
+        const struct region *other = &scene->regions[k];
+        if (other->type != REGION_WALL || other->first == wall->first ||
+            overlap(context, wall->box, other->box))
+          continue;
+        wall_at(other, other->box, t, other_box);
+        if (overlap(context, box, other_box))
+          return FAIL(STATUS_INPUT,
+                      "%s:%d: this wall moves into that of line %d at %.3g s; end before that, or "
+                      "let it stop",
+                      scene->path, wall->line, other->line, t);
+      }
+    }
+  }
+  return STATUS_OK;
+}
+
 /* A run without an end time ends when its flow is steady. Water with a surface never comes quite to
  * rest, and if nothing drives the water there is no velocity that could become steady. */
 static enum status check_end(const struct effect_context *context) {
@@ -211,6 +280,7 @@ enum status isph_refuse(const struct effect_context *context) {
   if (isfinite(context->scene->end_time)) {
     TRY(check_inflows(context));
     TRY(check_moving_soil(context));
+    TRY(check_moving_walls(context));
   }
 cleanup:
   return status;

@@ -5,6 +5,7 @@
 #include "common/memory.h"
 #include "common/units.h"
 #include "sphsolve/isph/constants.h"
+#include "sphsolve/isph/method.h"
 
 /* Drag of layers in series on the Darcy velocity v, f = a v + b v^2, as means over their length: a
  * (1/s) of M15 eq. 9c, b (1/m) of eq. 9d (M15: Morimoto et al. 2015); and the least porosity. */
@@ -72,16 +73,40 @@ double isph_head_drive(const struct scene *scene) {
   return high > low ? gravity_of_heads(scene) * (high - low) / length : 0;
 }
 
-/* Speed in a periodic box: through its soil in layers along the force or in columns beside each
- * other, or of free water between walls, which is at most that of free fall. */
+/* Whether a wall or a closed side is next to site p along axis a, `stride` sites apart. */
+static bool is_walled(const struct effect_context *context, size_t p, int a, size_t stride,
+                      bool up) {
+  const struct lattice *l = context->lattice;
+  const size_t n = l->size[a], at = p / stride % n, around = (n - 1) * stride;
+  const bool end = at == (up ? n - 1 : 0);
+  if (end && !context->scene->periodic[a]) return true;
+  return l->kind[up ? (end ? p - around : p + stride) : (end ? p + around : p - stride)] ==
+         SITE_WALL;
+}
+
+/* Hydraulic radius of the water, m: its volume over the area of the walls and closed sides that it
+ * wets, which is the depth of a film and half the width of a slit. INFINITY: it wets none. */
+static double hydraulic_radius(const struct effect_context *context) {
+  const struct lattice *l = context->lattice;
+  double area = 0; /* per volume of a site */
+  size_t stride = 1;
+  for (int a = 0; a < 3; stride *= l->size[a++])
+    for (size_t p = 0; p < l->count && isph_scene_uses_axis(context, a); p++)
+      if (l->kind[p] == SITE_FLUID)
+        area += (is_walled(context, p, a, stride, false) + is_walled(context, p, a, stride, true)) /
+                l->spacing[a];
+  return (double)l->fluid_count / area;
+}
+
+/* Speed along a periodic axis: through its soil in layers along the force or in columns beside each
+ * other, or of the fastest free water, in laminar flow over or between walls, f R^2/(2 nu) with R
+ * the hydraulic radius, and at most that of free fall. */
 static double periodic_speed(const struct effect_context *context, int axis) {
   const struct scene *scene = context->scene;
+  const double driving = fabs(scene->driving[axis]), radius = hydraulic_radius(context);
   struct layers all = {0, 0, 1};
-  double volume = 1, fastest = 0, width = INFINITY;
-  for (int a = 0; a < 3; a++) {
-    volume *= scene->domain_size[a];
-    if (!scene->periodic[a]) width = fmin(width, scene->domain_size[a]);
-  }
+  double volume = 1, fastest = 0;
+  for (int a = 0; a < 3; a++) volume *= scene->domain_size[a];
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *r = &scene->regions[k];
     struct layers own = {0, 0, 1};
@@ -91,12 +116,11 @@ static double periodic_speed(const struct effect_context *context, int axis) {
     add_layer(context, r, share, &all);
     add_layer(context, r, 1, &own);
     if (r->extent[axis + 3] - r->extent[axis] > SPANS * scene->domain_size[axis])
-      fastest = fmax(fastest, pore_speed(&own, context->driving));
+      fastest = fmax(fastest, pore_speed(&own, driving));
   }
-  if (all.a + all.b > 0) return fmax(fastest, pore_speed(&all, context->driving));
-  const double fall = context->driving * scene->end_time;
-  const double slit = context->driving * width * width / (8 * context->kinematic_viscosity);
-  return fmin(fall, slit);
+  if (all.a + all.b > 0) return fmax(fastest, pore_speed(&all, driving));
+  return fmin(driving * scene->end_time,
+              driving * radius * radius / (2 * context->kinematic_viscosity));
 }
 
 /* Speed between the highest and the lowest of the heads and the water's surface: through the soil
@@ -227,8 +251,9 @@ enum status isph_speed_predict(const struct effect_context *context,
   double *water = NULL, *room = NULL, surface = NAN, steady = isph_prescribed_speed(scene);
   uint8_t *reached = NULL;
   *speeds = (struct isph_speed_forecast){.lasts = INFINITY};
-  if (context->driving > 0 && scene->periodic[axis])
-    steady = fmax(steady, periodic_speed(context, axis));
+  for (int a = 0; a < 3; a++)
+    if (scene->driving[a] != 0 && scene->periodic[a])
+      steady = fmax(steady, periodic_speed(context, a));
   if (context->has_surface && context->driving > 0 && !scene->periodic[axis]) {
     const size_t n = context->lattice->size[axis];
     TRY(memory_allocate(&reached, context->lattice->count, sizeof *reached, "the forecast"));
@@ -251,5 +276,20 @@ cleanup:
   memory_free(&reached);
   memory_free(&water);
   memory_free(&room);
+  return status;
+}
+
+enum status isph_reynolds_predict(const struct effect_context *context, double *reynolds) {
+  const struct scene *scene = context->scene;
+  struct isph_speed_forecast speeds;
+  const enum status status = isph_speed_predict(context, &speeds);
+  double length = context->lattice->fluid_count > 0 ? hydraulic_radius(context) : 0;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *r = &scene->regions[k];
+    for (int a = 0; a < 3 && r->type == REGION_INFLOW; a++)
+      if (isph_scene_uses_axis(context, a)) length = fmax(length, r->extent[a + 3] - r->extent[a]);
+  }
+  const double speed = fmax(speeds.speed, speeds.speed_after);
+  *reynolds = speed > 0 ? speed * length / context->kinematic_viscosity : 0;
   return status;
 }

@@ -1,4 +1,5 @@
-/* Forecast of the speed of the water in a scene, for the forecast of its time steps. */
+/* Forecast of the speed of the water in a scene, for the forecast of its time steps, and of its
+ * Reynolds number. */
 #ifndef TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
 #define TOSUI_SPHSOLVE_ISPH_SPEED_FORECAST_H
 
@@ -24,5 +25,9 @@ double isph_head_drive(const struct scene *scene);
  * memory. */
 enum status isph_speed_predict(const struct effect_context *context,
                                struct isph_speed_forecast *speeds);
+/* Reynolds number U R/nu of the free water, at most: U the largest of these speeds, R the hydraulic
+ * radius of the water at the start or, if that is more, the largest length of a window. 0: still.
+ */
+enum status isph_reynolds_predict(const struct effect_context *context, double *reynolds);
 
 #endif

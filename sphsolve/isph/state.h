@@ -153,7 +153,7 @@ struct isph {
   double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
   double relaxation_excess, crowd_factor; /* its share beyond friction's work; factor for crowds */
   double friction;             /* kinetic energy that v* lost in the last step, J (J/m in 2-D) */
-  double relaxation_time;      /* s, of the present step */
+  double relaxation_time, dt;  /* s, of the present step */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
   int64_t step;
@@ -223,6 +223,7 @@ struct isph {
   double *own_numbers[ISPH_EFFECTS]; /* of the active effects: isph_own_numbers */
   double pair_interactions;
   struct watchdog dog;
+  bool lid_reached;       /* it has been said that water strikes the lid: isph/watch.c */
   double kernel_sum_peak; /* largest kernel sum since a warning of it; 0: none */
   int64_t stable_from;    /* step of the watchdog's last trip or return to a longer step */
   struct monitor_settling settling;

@@ -303,6 +303,7 @@ static bool changes(struct isph *s) {
 enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
+  s->dt = dt;
   /* alpha refers to the scene's dt, if it gives one, also for a shorter last step. */
   s->relaxation_time = scene->isph.relaxation_time;
   if (!isnan(scene->isph.alpha))

@@ -59,7 +59,29 @@ struct leader {
   uint64_t id;
 };
 
-enum { DENSEST, FASTEST, PRESSED, LEADERS }; /* PRESSED: the densest away from windows */
+/* PRESSED: the densest away from windows; HIGHEST: the nearest to the lid. */
+enum { DENSEST, FASTEST, PRESSED, HIGHEST, LEADERS };
+
+/* The side that is the lid of the domain: the axis along which the force acts, whose side against
+ * it is closed and holds no water at the start; -1 if there is none. */
+static int lid_axis(const struct isph *s) {
+  const int a = scene_axis_along(s->force);
+  const bool up = s->force[a] < 0;
+  if (!s->on.surface || s->periodic[a] || s->force[a] == 0) return -1;
+  for (size_t k = 0; k < s->scene->region_count; k++) {
+    const struct region *r = &s->scene->regions[k];
+    const double gap = up ? s->high[a] - r->box[a + 3] : r->box[a] - s->low[a];
+    if ((r->type == REGION_WATER || r->type == REGION_INFLOW) && gap < s->spacing) return -1;
+  }
+  return a;
+}
+
+/* How near a place is to the lid, in spacings: 1 where they touch, 0 from a spacing on. */
+static double near_lid(const struct isph *s, int axis, const double x[3]) {
+  if (axis < 0) return 0;
+  const double gap = s->force[axis] < 0 ? s->high[axis] - x[axis] : x[axis] - s->low[axis];
+  return fmax(0, 1 - gap / s->spacing);
+}
 
 static enum status find_leaders(struct leader leaders[LEADERS]) {
   enum status status = STATUS_OK;
@@ -78,6 +100,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
   struct watch_reading reading = {{0}};
   const double *f = s->force;
   struct leader leaders[LEADERS] = {{0}};
+  const int lid = s->lid_reached ? -1 : lid_axis(s);
   double squares;
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
@@ -87,7 +110,7 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
       double square = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / (eps * eps);
       const double dense = s->kernel_sum[i];
       const bool pressed = dense > leaders[PRESSED].value && !isph_window_is_near(s, x);
-      const double values[LEADERS] = {dense, square, pressed ? dense : 0};
+      const double values[LEADERS] = {dense, square, pressed ? dense : 0, near_lid(s, lid, x)};
       sum += square;
       for (int k = 0; k < LEADERS; k++)
         if (values[k] > leaders[k].value)
@@ -112,6 +135,13 @@ enum status isph_check_bounds(struct isph *s, double dt, double *used, struct is
         leaders[PRESSED].position[2]);
   if (leaders[PRESSED].value > KERNEL_SUM_WARN)
     s->kernel_sum_peak = fmax(s->kernel_sum_peak, leaders[PRESSED].value);
+  if (leaders[HIGHEST].value >= 0.5) {
+    const double *x = leaders[HIGHEST].position;
+    s->lid_reached = true;
+    log_warning("t = %.4g s: water strikes the top of the domain at (%.4g, %.4g, %.4g) m, a closed "
+                "lid; make domain.size larger unless a lid is meant",
+                s->time, x[0], x[1], x[2]);
+  }
   reading.used[WATCH_DENSITY] = (leaders[DENSEST].value - 1) / (KERNEL_SUM_MAX - 1);
   reading.used[WATCH_VELOCITY] = fastest * dt / s->spacing;
   if (fastest > SPEED_RATIO_MAX * most && most > 0) reading.used[WATCH_VELOCITY] = INFINITY;
@@ -199,7 +229,8 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
   enum status status = STATUS_OK;
   const double time = s->time;
   const char *remedy = remedy_of(s, trip);
-  const bool go_on = watchdog_trip(&s->dog, time);
+  const size_t backs = recorder_step_log(recorder)->back_count;
+  const bool go_on = watchdog_trip(&s->dog, time, backs);
   const struct region *piston = piston_of(s);
   char saved[4200] = "", place[96] = "", pushed[192] = "";
   if (piston != NULL)
@@ -226,10 +257,10 @@ enum status isph_step_back(struct isph *s, const struct isph_copy *copy, double 
              recorder_checkpoint_name(recorder), copy->time);
   }
   status = FAIL(STATUS_NUMERIC,
-                "step %lld, t = %.4g s: %s%s%s, after %d halvings of the time step "
+                "step %lld, t = %.4g s: %s%s%s, after %zu halvings of the time step "
                 "(now %.3g s): %s%s%s",
-                (long long)s->step, time, trip->what, *place ? ", " : "", place, s->dog.halvings,
-                dt, pushed, remedy, saved);
+                (long long)s->step, time, trip->what, *place ? ", " : "", place, backs, dt, pushed,
+                remedy, saved);
 cleanup:
   return status;
 }

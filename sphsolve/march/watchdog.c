@@ -41,10 +41,10 @@ void watchdog_keep(struct watchdog *dog, int64_t step, double used) {
   dog->kept_used = used;
 }
 
-bool watchdog_trip(struct watchdog *dog, double time) {
+bool watchdog_trip(struct watchdog *dog, double time, size_t backs) {
   dog->trip_time = time;
   dog->seen = false; /* no energy is known for the restored state */
-  if (!dog->kept || dog->halvings == WATCH_HALVINGS) return false;
+  if (!dog->kept || backs >= WATCH_BACKS) return false;
   dog->halvings++;
   return true;
 }

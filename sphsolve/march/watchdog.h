@@ -1,17 +1,19 @@
 /* Detects that a time integration has exceeded its bounds and decides how to continue: from the
- * last good state with half the step, three times at most. It knows the used fraction of each
- * bound, not the particles: the method measures that at least every WATCH_STEPS steps, keeps the
- * copy of the state and restores it. While no bound is exceeded, the run is bitwise unchanged. */
+ * last good state with half the step, three times at most in all of a run, with its restarts. It
+ * knows the used fraction of each bound, not the particles: the method measures that at least every
+ * WATCH_STEPS steps, keeps the copy of the state and restores it. While no bound is exceeded, the
+ * run is bitwise unchanged. */
 #ifndef TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 #define TOSUI_SPHSOLVE_MARCH_WATCHDOG_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
 #include "common/error.h"
 
-#define WATCH_STEPS 8    /* between checks: a trip is found within ten steps */
-#define WATCH_HALVINGS 3 /* of the step, before a run is given up */
+#define WATCH_STEPS 8 /* between checks: a trip is found within ten steps */
+#define WATCH_BACKS 3 /* steps back before a run is given up */
 
 enum watch_bound { WATCH_DENSITY, WATCH_VELOCITY, WATCH_ENERGY, WATCH_RESIDUAL, WATCH_COUNT };
 
@@ -43,8 +45,9 @@ enum watch_bound watchdog_worst(const struct watch_reading *reading, double *use
 bool watchdog_wants(const struct watchdog *dog, int64_t step, double used);
 /* Records that the state of `step` was kept, with its used fraction of the bounds. */
 void watchdog_keep(struct watchdog *dog, int64_t step, double used);
-/* Counts a trip. Returns false if there is no good state, or if three halvings have not helped. */
-bool watchdog_trip(struct watchdog *dog, double time);
+/* Counts a trip of a run that has had `backs` steps back (output/step_log.h). Returns false if
+ * there is no good state, or if there were WATCH_BACKS already. */
+bool watchdog_trip(struct watchdog *dog, double time, size_t backs);
 const char *watchdog_name(enum watch_bound bound);
 
 #endif

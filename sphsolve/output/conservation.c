@@ -71,6 +71,27 @@ double budget_energy_open(const struct budget *budget, double *open) {
   return largest > 0 ? fabs(*open) / largest : 0;
 }
 
+bool budget_warn(const struct budget *budget, double share, double least) {
+  double given = 0, most = 0;
+  int first = -1;
+  for (int t = 0; t < BUDGET_TERMS; t++) {
+    const double work = budget->sums.work[t];
+    if (!budget_is_on(budget, t)) continue;
+    if (t >= BUDGET_OWN || !terms[t].numerical) {
+      least = fmax(least, fabs(work));
+      continue;
+    }
+    given += work;
+    if (work > most) most = work, first = t;
+  }
+  if (first < 0 || !(given > share * least)) return false;
+  log_warning(
+      "%.2g J, %.2g %% of the work of forces and walls, came to the water by what no equation "
+      "contains, most by %s; use a smaller domain.spacing or time step",
+      given, 100 * given / least, words_of(budget, first));
+  return true;
+}
+
 void budget_add(struct budget_sums *to, const struct budget_sums *sums) {
   for (int t = 0; t < BUDGET_TERMS; t++) {
     for (int a = 0; a < 3; a++) to->impulse[t][a] += sums->impulse[t][a];

@@ -107,6 +107,10 @@ static inline bool budget_is_on(const struct budget *budget, int term) {
   return budget->on >> term & 1;
 }
 const char *budget_name(const struct budget *budget, int term);
+/* Warns where the numerical terms together have given the water more than `share` of the largest
+ * work of the others or, if that is more, of `least` (J), and names the largest. Returns whether.
+ */
+bool budget_warn(const struct budget *budget, double share, double least);
 /* Error of the balance: end - start - sum of the terms. Returned relative to the largest of the
  * terms and of the change (0 if all are 0), and as `open` in SI units. */
 double budget_momentum_open(const struct budget *budget, double open[3]);

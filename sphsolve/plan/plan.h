@@ -30,6 +30,7 @@ struct effect_context {
   double driving;             /* |g + a - grad P / rho|, m/s^2 */
   double velocity_scale;      /* m/s, estimated */
   double reynolds;            /* estimated from Kozeny-Carman and Ergun; 0: unknown */
+  double surface_reynolds;    /* of free water, at most; isph */
   double inertia;             /* fraction of the force balanced by inertia, likewise */
   char sound_why[EFFECT_WHY]; /* what decides the sound speed */
   bool has_porous, has_surface, has_wall, has_moving_wall, has_inflow, has_rain, has_absorbing;

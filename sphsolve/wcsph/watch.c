@@ -53,7 +53,8 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
   struct wcsph_state *state = &run->state;
   struct step_back back = {.time = time};
   const struct plan *plan = run->plan;
-  bool go_on = watchdog_trip(&state->dog, time), kept = state->dog.kept;
+  const size_t backs = recorder_step_log(run->recorder)->back_count;
+  bool go_on = watchdog_trip(&state->dog, time, backs), kept = state->dog.kept;
   if (kept) {
     TRY(wcsph_go_back(&run->copy, state));
     TRY(recorder_go_back(run->recorder, run->copy.time));
@@ -88,10 +89,10 @@ enum status wcsph_step_back(struct wcsph_run *run, double time, const char *what
   }
   status =
       FAIL(STATUS_NUMERIC,
-           "step %lld, t = %g s: %s, after %d halvings of the time step: %s (dt %g s, limit %g "
+           "step %lld, t = %g s: %s, after %zu halvings of the time step: %s (dt %g s, limit %g "
            "s, sound speed %g m/s)%s",
-           (long long)state->step, time, what, state->dog.halvings, cause,
-           state->engine.settings.dt, plan->dt_limit, state->engine.settings.sound_speed, saved);
+           (long long)state->step, time, what, backs, cause, state->engine.settings.dt,
+           plan->dt_limit, state->engine.settings.sound_speed, saved);
 cleanup:
   return status;
 }

@@ -296,7 +296,7 @@ force = { gravity = ["0", "-9.81 m/s^2"]; };
 END
   same_on_ranks beds "$@"
 }
-@test "isph: soil in beds at an angle, beside other soil and water, the same bits on 1 and 3 ranks" { beds_on 3; }
+@test "isph: coarse soil beside finer soil and water, the same bits on 1 and 3 ranks" { beds_on 3; }
 
 rain_on() { # RANKS...
   cat > rain.cfg << 'END'

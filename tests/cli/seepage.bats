@@ -900,3 +900,19 @@ END
   run ! grep -E "\bnan\b|\([0-9.]+\) &times;" under.txt under/seepage.gp
   page under.html 'page["headline"]["value"] > 0'
 }
+
+@test "water that strikes the domain's top, and a wall that leaves the domain, are told once each" {
+  cat > lid.cfg <<'END'
+scene = { name = "lid"; method = "isph"; end_time = "0.1 s"; };
+domain = { size = ["0.2 m", "0.3 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0.08 m", "0.1 m", "0.12 m", "0.2 m"]; velocity = ["0", "3 m/s"]; },
+  { type = "wall"; box = ["0", "0", "3 cm", "0.3 m"]; velocity = ["-0.1 m/s", "0"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  sphsolve run lid.cfg -o lid 2> told.txt > /dev/null
+  [ "$(grep -c "water strikes the top of the domain at (.* m, a closed lid" told.txt)" -eq 1 ]
+  [ "$(grep -c "lid.cfg:5: from .* s on this wall leaves the domain" told.txt)" -eq 1 ]
+  sphsolve run lid.cfg --set 'regions.[0].velocity=["0", "0.5 m/s"]' -o low 2> told.txt > /dev/null
+  run ! grep -q "strikes the top" told.txt
+}

@@ -295,6 +295,20 @@ static void samples_change_nothing(void **state) {
 #endif
 }
 
+/* Work that no equation contains is told where it is more than a share of the rest: what shifting
+ * gives and the time step takes again is none. */
+static void work_of_no_equation_is_told(void **state) {
+  (void)state;
+  struct budget budget = {.on = 1u << BUDGET_WALL_PRESSURE | 1u << BUDGET_SHIFTING |
+                                1u << BUDGET_TIME_STEP};
+  budget.sums.work[BUDGET_WALL_PRESSURE] = 10;
+  budget.sums.work[BUDGET_SHIFTING] = 2;
+  assert_true(budget_warn(&budget, .05, 0));
+  assert_false(budget_warn(&budget, .05, 100)); /* little beside what counts at least */
+  budget.sums.work[BUDGET_TIME_STEP] = -1.6;
+  assert_false(budget_warn(&budget, .05, 0));
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(floor_carries_the_weight),
@@ -305,6 +319,7 @@ int main(void) {
       cmocka_unit_test(walls_take_the_force_of_a_slit),
       cmocka_unit_test(a_step_does_what_its_budget_says),
       cmocka_unit_test(samples_change_nothing),
+      cmocka_unit_test(work_of_no_equation_is_told),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

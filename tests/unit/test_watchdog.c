@@ -45,17 +45,19 @@ static void test_energy(void **state) {
 static void test_three_halvings(void **state) {
   (void)state;
   struct watchdog dog = {0};
-  assert_false(watchdog_trip(&dog, 1)); /* nothing to go back to */
+  assert_false(watchdog_trip(&dog, 1, 0)); /* nothing to go back to */
   assert_true(watchdog_wants(&dog, 0, 0.5));
   assert_false(watchdog_wants(&dog, 0, 1.0));
   watchdog_keep(&dog, 0, 0.5);
   assert_false(watchdog_wants(&dog, 8, 0.7)); /* on its way out */
   assert_true(watchdog_wants(&dog, 8, 0.1));
-  for (int k = 1; k <= WATCH_HALVINGS; k++) {
-    assert_true(watchdog_trip(&dog, k));
+  for (int k = 1; k <= WATCH_BACKS; k++) {
+    assert_true(watchdog_trip(&dog, k, (size_t)k - 1));
     assert_int_equal(dog.halvings, k);
   }
-  assert_false(watchdog_trip(&dog, 9));
+  assert_false(watchdog_trip(&dog, 9, WATCH_BACKS));
+  dog.halvings = 0; /* the step has recovered: the count is the run's */
+  assert_false(watchdog_trip(&dog, 9, WATCH_BACKS));
 }
 
 static void test_log_round_trip(void **state) {

@@ -427,11 +427,36 @@ static void drop_period(void) {
   }
 }
 
+/* A laminar film of 1 mm that runs down a plane, Re 40: its mean velocity is g_x h^2/(3 nu)
+ * (Nusselt 1916). */
+static void nusselt_film(void) {
+  for (int rows = 10; rows <= 20; rows += 10) {
+    struct run run = {0};
+    const double started = clock_seconds(), h = 1e-3, nu = 1e-6,
+                 along = 3 * 40 * nu * nu / (h * h * h);
+    const double dx = h / rows;
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"3 s\"; };\n"
+          "domain = { size = [\"%g m\", \"1.5 mm\"]; spacing = \"%g m\"; periodic = [true, "
+          "false]; };\n"
+          "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"%g m\", \"%g m\"]; } );\n"
+          "force = { gravity = [\"%g m/s^2\", \"-9.81 m/s^2\"]; };\n",
+          12 * dx, dx, 12 * dx, h, along);
+    advance(&run, 3);
+    double mean = 0;
+    for (size_t i = 0; i < run.s.count; i++) mean += run.s.velocity[i][0] / (double)run.s.count;
+    snprintf(name, sizeof name, "film: mean velocity over Nusselt's, Re 40, %d rows", rows);
+    report(name, 1, mean / (along * h * h / (3 * nu)), rows == 10 ? .03 : .015, started);
+    finish(&run);
+  }
+}
+
 int main(int argc, char **argv) {
   static const struct verify_case cases[] = {
       {"hydrostatic", hydrostatic}, {"rest", rest},          {"taylor", taylor_green_decay},
       {"fall", free_fall},          {"dam", dam_break},      {"gate", gated_dam},
       {"rock", crushed_rock},       {"wave", standing_wave}, {"drop", drop_pressure},
-      {"period", drop_period}};
+      {"period", drop_period},      {"film", nusselt_film}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

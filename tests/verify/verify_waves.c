@@ -1,6 +1,9 @@
-/* Waves before an absorbing side by method isph against the linear equations of long waves. Usage:
- * verify_waves RESULTS.json [CASE...]     all cases, or those whose names start with CASE */
+/* Waves by method isph: before an absorbing side against the linear equations of long waves; what
+ * they keep of their energy, standing and made by a piston. Usage: verify_waves RESULTS.json
+ * [CASE...]     all cases, or those whose names start with CASE */
 #include "tests/verify/isph_rig.h"
+
+#include "sphsolve/isph/energy.h"
 
 /* A hump and a trough, each .96 m long and HEIGHT high, at the closed side of a tank DEPTH deep,
  * become a wave some 2 m long. PROBE: where its velocity is read, beyond them and before the
@@ -100,7 +103,93 @@ static void absorbing(void) {
   }
 }
 
+/* Half a standing wave between walls a metre apart, a metre deep: by how much the energy of 1 J/m
+ * that it has at a height of 2 cm changes a period; that of an ideal fluid stays as it is. */
+static void standing(void) {
+  static const struct {
+    int rows, periods;
+    double bound;
+  } tanks[] = {{20, 20, .005}, {40, 10, .002}};
+  const double k = M_PI, omega = sqrt(9.81 * k * tanh(k)), period = 2 * M_PI / omega;
+  for (size_t n = 0; n < sizeof tanks / sizeof *tanks; n++) {
+    const double started = clock_seconds(), speed = .02 * omega / sinh(k);
+    double first = 0, most = 0;
+    struct run run = {0};
+    char name[96];
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"100 s\"; };\n"
+          "domain = { size = [\"1 m\", \"1.2 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+          "};\nisph = { wall = { slip = true; }; };\n"
+          "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; velocity = "
+          "[\"1 mm/s\", \"0\"]; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+          1.0 / tanks[n].rows);
+    for (size_t i = 0; i < run.s.count; i++) {
+      const double *x = run.s.position[i];
+      run.s.velocity[i][0] = -speed * cosh(k * x[2]) * sin(k * x[0]);
+      run.s.velocity[i][2] = speed * sinh(k * x[2]) * cos(k * x[0]);
+    }
+    for (int p = 0; p <= tanks[n].periods; p++) {
+      most = 0;
+      while (run.s.time < (p + 1) * period) {
+        const char *limit;
+        if (isph_advance(&run.s, isph_stable_dt(&run.s, &limit))) give_up();
+        most = fmax(most, isph_kinetic_energy(&run.s));
+      }
+      if (p == 0) first = most;
+    }
+    snprintf(name, sizeof name, "standing wave: change of energy a period, %d rows", tanks[n].rows);
+    report(name, 0, pow(most / first, 1.0 / tanks[n].periods) - 1, tanks[n].bound, started);
+    finish(&run);
+  }
+}
+
+/* A piston makes a solitary wave of .3 of the depth h of 10 cm (Goring 1978: the wall has the
+ * velocity c eta/(h + eta) of the water before it). By how much the energy of the water changes
+ * while the wave runs a dozen depths, from a quarter of a second after the piston has stopped on;
+ * nothing acts on it. */
+static void piston_wave(void) {
+  enum { KNOTS = 41 };
+  const double h = .1, high = .03, k = sqrt(3 * high / (4 * h * h * h)),
+               c = sqrt(9.81 * (h + high));
+  const double lead = 3.8 + high / h, stop = 2 / (k * c) * lead;
+  for (int rows = 10; rows <= 20; rows += 10) {
+    const double started = clock_seconds();
+    double at = 0, energy[2];
+    char times[KNOTS * 16] = "", speeds[KNOTS * 32] = "", name[96];
+    size_t t = 0, v = 0;
+    struct run run = {0};
+    for (int n = 0; n < KNOTS; n++) {
+      const double time = stop * n / (KNOTS - 1),
+                   eta = high / pow(cosh(k * (c * time - at) - lead), 2);
+      const double speed = n == 0 || n == KNOTS - 1 ? 0 : c * eta / (h + eta);
+      at += speed * stop / (KNOTS - 1);
+      t += (size_t)snprintf(times + t, sizeof times - t, "%s\"%.5g s\"", n ? "," : "", time);
+      v += (size_t)snprintf(speeds + v, sizeof speeds - v, "%s\"%.5g m/s\",\"0\"", n ? "," : "",
+                            speed);
+    }
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+          "domain = { size = [\"4 m\", \"0.2 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
+          "};\nisph = { wall = { slip = true; }; };\n"
+          "regions = ( { type = \"water\"; box = [\"0.3 m\", \"0\", \"4 m\", \"0.1 m\"]; },\n"
+          "{ type = \"wall\"; box = [\"0.2 m\", \"0\", \"0.3 m\", \"0.2 m\"]; times = [%s]; "
+          "velocity = [%s]; } );\n"
+          "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+          h / rows, times, speeds);
+    const double rest = isph_potential_energy(&run.s);
+    for (int n = 0; n < 2; n++) {
+      advance(&run, stop + .25 + 1.2 * n);
+      energy[n] = isph_kinetic_energy(&run.s) + isph_potential_energy(&run.s) - rest;
+    }
+    snprintf(name, sizeof name, "wave by a piston: change of energy in 12 depths, %d rows", rows);
+    report(name, 0, energy[1] / energy[0] - 1, rows == 10 ? .005 : .002, started);
+    finish(&run);
+  }
+}
+
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {{"absorbing", absorbing}};
+  static const struct verify_case cases[] = {
+      {"absorbing", absorbing}, {"standing", standing}, {"piston", piston_wave}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

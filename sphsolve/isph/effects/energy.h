@@ -1,6 +1,8 @@
-/* Bound on the energy: if only a steady, uniform force can give the water energy, the sum of
- * kinetic and potential energy may not increase; an excess that a step has added is removed.
- * Equations and reasons: isph/energy.c. */
+/* Bound on the energy of water that lies on soil: if only a steady, uniform force can give it
+ * energy, the sum of kinetic and potential energy may not increase; an excess that a step has added
+ * is removed. Equations and reasons: isph/energy.c. Free water has no such bound: its steps are
+ * symplectic (isph/calm.h), the energy at a step swings about that which is conserved by omega dt/2
+ * of a wave's, and to take it at each crest lowered the water and made waves grow. */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_ENERGY_H
 
@@ -19,11 +21,12 @@ static inline bool isph_energy_wanted(const struct effect_context *context, char
   for (size_t i = 0; isph_effects[i] != NULL; i++)
     driven = driven || (isph_effects[i]->drives && isph_effects[i]->wanted(context, unused));
   for (int a = 0; a < 3; a++) round = round || (scene->periodic[a] && scene->driving[a] != 0);
-  bool on = isph_artificial_viscosity_wanted(context, unused) && !context->has_inflow &&
-            !context->has_moving_wall && !isph_any_soil(scene, isph_motion_of) && !round && !driven;
+  bool on = isph_artificial_viscosity_wanted(context, unused) && context->has_porous &&
+            !context->has_inflow && !context->has_moving_wall &&
+            !isph_any_soil(scene, isph_motion_of) && !round && !driven;
   snprintf(why, EFFECT_WHY,
-           on ? "a surface under a force, and nothing else drives the water"
-              : "no surface under a force, or something else drives the water");
+           on ? "a surface over soil under a force, and nothing else drives the water"
+              : "no surface over soil under a force, or something else drives the water");
   return on;
 }
 

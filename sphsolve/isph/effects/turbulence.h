@@ -1,6 +1,8 @@
 /* Eddy viscosity after Smagorinsky (M15 eq. 3): nu_T = (C_s he)^2 |S|, |S|^2 = 2 S_ab S_ab. It
  * decreases with the fraction of soil, whose Forchheimer term already contains the losses by eddies
- * between grains. */
+ * between grains. On where the Reynolds number U R/nu of the scene, R the hydraulic radius
+ * (isph/speed_forecast.h), exceeds 500: flow in open channels is laminar below and turbulent above
+ * 2000 (Chow 1959, Open-Channel Hydraulics, 1.3). */
 #ifndef TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 #define TOSUI_SPHSOLVE_ISPH_EFFECTS_TURBULENCE_H
 
@@ -46,9 +48,16 @@ static inline bool isph_turbulence_wanted(const struct effect_context *context,
     snprintf(why, EFFECT_WHY, "the scene says so");
     return scene->turbulence == SWITCH_ON;
   }
-  bool on = context->has_surface && context->driving > 0 && scene->isph.smagorinsky > 0;
-  snprintf(why, EFFECT_WHY, on ? "free-surface flow under gravity; C_s = %g" : "no surface flow",
-           scene->isph.smagorinsky);
+  const bool flows = context->has_surface && context->driving > 0 && scene->isph.smagorinsky > 0;
+  const bool on = flows && context->surface_reynolds > REYNOLDS_LAMINAR;
+  if (on)
+    snprintf(why, EFFECT_WHY, "free-surface flow under gravity of Re up to %.2g; C_s = %g",
+             context->surface_reynolds, scene->isph.smagorinsky);
+  else if (flows)
+    snprintf(why, EFFECT_WHY, "Re is at most %.2g: up to %g, flow is laminar",
+             context->surface_reynolds, REYNOLDS_LAMINAR);
+  else
+    snprintf(why, EFFECT_WHY, "no surface flow");
   return on;
 }
 
