@@ -332,6 +332,31 @@ cleanup:
   return status;
 }
 
+static size_t site_beside(const struct lattice *l, const size_t at[3], int axis, int step) {
+  size_t to[3] = {at[0], at[1], at[2]};
+  to[axis] = (to[axis] + l->size[axis] + (size_t)step) % l->size[axis];
+  return (to[2] * l->size[1] + to[1]) * l->size[0] + to[0];
+}
+
+/* Whether fluid sites lead around a wall site along an axis, in a row beside it: it is the tip of a
+ * grain then, no wall between two pores. */
+static bool leads_around(const struct lattice *l, const size_t at[3], int axis) {
+  for (int b = 0; b < 3; b++)
+    for (int side = -1; side <= 1 && b != axis && l->size[b] > 1; side += 2) {
+      bool open = true;
+      for (int along = -1; along <= 1; along++) {
+        size_t here[3] = {at[0], at[1], at[2]};
+        here[axis] = (here[axis] + l->size[axis] + (size_t)along) % l->size[axis];
+        const size_t row = site_beside(l, here, b, side);
+        const size_t below = side > 0 ? (here[2] * l->size[1] + here[1]) * l->size[0] + here[0] : row;
+        open = open && l->kind[row] == SITE_FLUID && (along == 1 || !thin_wall_on_face(l, row, axis)) &&
+               (along == 0 || !thin_wall_on_face(l, below, b));
+      }
+      if (open) return true;
+    }
+  return false;
+}
+
 enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
   enum status status = STATUS_OK;
   const size_t plane = l->size[0] * l->size[1];
@@ -352,7 +377,7 @@ enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
       const int step[3] = {a == 0 ? 2 : 0, a == 1 ? 2 : 0, a == 2 ? 2 : 0};
       from[a] = at[a] > 0 ? at[a] - 1 : l->size[a] - 1;
       if (l->kind[last] != SITE_FLUID || l->kind[next] != SITE_FLUID ||
-          !thin_wall_cuts(l, from, step, NULL, NULL))
+          leads_around(l, at, a) || !thin_wall_cuts(l, from, step, NULL, NULL))
         continue;
       (*closed)[last] |= (uint8_t)(1U << a);
       (*closed)[s] |= (uint8_t)(1U << a);

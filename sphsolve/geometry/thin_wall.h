@@ -37,7 +37,8 @@ enum status thin_wall_find_faces(struct lattice *lattice);
 
 /* Faces that no water passes, for finite volumes whose cells are cut by the walls: those of
  * lattice.cut, and the two of a wall site between fluid sites along an axis, where the wall is
- * thinner than two spacings and such a cell would be open on either side. Bits as in lattice.cut;
+ * thinner than two spacings and such a cell would be open on either side, unless fluid sites lead
+ * around it in the next row. Bits as in lattice.cut;
  * NULL if there are none. Free with memory_free. */
 enum status thin_wall_closed_faces(const struct lattice *lattice, uint8_t **closed);
 
