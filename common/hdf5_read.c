@@ -400,9 +400,42 @@ static enum status add_text(const char *from, size_t limit, char **to) {
   return STATUS_OK;
 }
 
+enum { TEXTS_MOST = 16 };
+
+/* Adds the last parts of the names of objects, to the first of which each list of an attribute
+ * refers. */
+static enum status add_names(hid_t id, hid_t stored, hid_t space, char **text) {
+  enum status status = STATUS_OK;
+  hvl_t lists[TEXTS_MOST] = {{0, NULL}};
+  const size_t count = (size_t)H5Sget_simple_extent_npoints(space);
+  const bool whole = H5Aread(id, stored, lists) >= 0;
+  for (size_t i = 0; i < count && whole; i++) {
+    char name[240] = "";
+    const hid_t object =
+        lists[i].len > 0 ? H5Rdereference2(id, H5P_DEFAULT, H5R_OBJECT, lists[i].p) : -1;
+    if (object >= 0) {
+      (void)H5Iget_name(object, name, sizeof name);
+      H5Oclose(object);
+    }
+    const char *slash = strrchr(name, '/');
+    TRY(add_text(slash != NULL ? slash + 1 : name, sizeof name, text));
+  }
+cleanup:
+  if (whole) H5Dvlen_reclaim(stored, space, H5P_DEFAULT, lists);
+  return status;
+}
+
+/* Whether a type is a list of references to objects, as of HDF5's dimension scales. */
+static bool holds_references(hid_t stored) {
+  if (H5Tget_class(stored) != H5T_VLEN) return false;
+  const hid_t of = H5Tget_super(stored);
+  const bool yes = H5Tequal(of, H5T_STD_REF_OBJ) > 0;
+  H5Tclose(of);
+  return yes;
+}
+
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                    char **text) {
-  enum { TEXTS_MOST = 16 };
   enum status status = STATUS_OK;
   hid_t id, stored = -1, space = -1;
   char *fixed = NULL, *variable[TEXTS_MOST] = {NULL};
@@ -411,8 +444,13 @@ enum status h5_read_attribute_text(struct h5_file *file, const char *name, const
   stored = H5Aget_type(id);
   space = H5Aget_space(id);
   const hssize_t points = H5Sget_simple_extent_npoints(space);
-  if (!holds_texts(stored) || points < 1 || points > TEXTS_MOST)
+  const bool refers = holds_references(stored);
+  if ((!refers && !holds_texts(stored)) || points < 1 || points > TEXTS_MOST)
     TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s is no text", file->path, attribute, name);
+  if (refers) {
+    status = add_names(id, stored, space, text);
+    goto cleanup;
+  }
   const bool varies = H5Tis_variable_str(stored) > 0;
   const size_t width = varies ? (size_t)1 << 40 : H5Tget_size(stored);
   if (!varies) TRY(memory_allocate(&fixed, (size_t)points, width, attribute));

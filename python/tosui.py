@@ -304,6 +304,9 @@ def _volume(image):
     if np.ma.isMaskedArray(image):
         raise TosuiError("the image is a masked array, and a mask is neither pore nor grain;"
                          " fill it (image.filled(label)) or cut it out")
+    named = [str(name).lower() for name in getattr(image, "dims", ())]  # of xarray
+    if sorted(named) == ["x", "y", "z"] and named != ["z", "y", "x"]:
+        raise TosuiError(f"the image's axes are {', '.join(named)}; give it as image.transpose('z', 'y', 'x')")
     try:
         image = np.asarray(image)
     except ValueError:

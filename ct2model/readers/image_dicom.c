@@ -25,9 +25,9 @@ struct dicom {
   bool white_is_zero, by_table; /* by_table: greys are to be looked up in one */
   double spacing[2], position[3], orientation[6], slope, intercept;
   double padding[2], tilt, aspect[2]; /* padding: stored values; tilt: of the gantry, degrees */
-  double number, thickness, distance; /* of the series; of slices, mm; NAN if not told */
-  bool placed, oriented, varied;      /* varied: frames are turned or scaled each in its own way */
-  bool in_time;                       /* frames follow one another in time */
+  double number, thickness, distance, location; /* of the series; of slices, mm; NAN: not told */
+  bool placed, oriented, varied; /* varied: frames are turned or scaled each in its own way */
+  bool in_time, in_several;      /* frames follow one another in time, or along several axes */
   char series[65];
   size_t places;  /* positions that were told: one a frame */
   double step[3]; /* from the first to the second of them, mm */
@@ -125,7 +125,7 @@ static bool read_decimals(const char *text, int count, double *values) {
     values[i] = strtod(text, &end);
     if (end == text || !isfinite(values[i])) return false;
     text = end + strspn(end, " ");
-    if (i + 1 < count && *text++ != '\\') return false;
+    if (i + 1 < count ? *text++ != '\\' : *text != '\0' && *text != '\\') return false;
   }
   return true;
 }
@@ -176,6 +176,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->padding[tag & 1] = dicom->is_signed ? (int16_t)value : (double)value;
     return STATUS_OK;
   }
+  dicom->in_several |= tag == 0x00280009 && element->length > 4;
   if (tag == 0x00280009 && element->length == 4) {
     uint32_t group, number;
     if (!read_number(dicom->file, 2, &group) || !read_number(dicom->file, 2, &number))
@@ -184,8 +185,8 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     return STATUS_OK;
   }
   static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
-                                   0x00200013, 0x00200032, 0x00200037, 0x00280004, 0x00280008,
-                                   0x00280030, 0x00280034, 0x00281052, 0x00281053};
+                                   0x00200013, 0x00200032, 0x00200037, 0x00201041, 0x00280004,
+                                   0x00280008, 0x00280030, 0x00280034, 0x00281052, 0x00281053};
   bool is_text = false;
   for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++) is_text |= tag == TEXTS[i];
   if (!is_text || element->length >= sizeof text)
@@ -218,11 +219,11 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   } else if (tag == 0x00200037) {
     double turned[6] = {0.0};
     const bool told = read_decimals(text, 6, turned);
-    for (int i = 0; i < 6; i++) {
+    for (int i = 0; i < 6 && told; i++) {
       dicom->varied |= dicom->oriented && turned[i] != dicom->orientation[i];
       dicom->orientation[i] = turned[i];
     }
-    dicom->oriented = told;
+    dicom->oriented |= told;
   } else if (tag == 0x00281052 || tag == 0x00281053) {
     double *factor = tag == 0x00281052 ? &dicom->intercept : &dicom->slope, value;
     if (!read_decimals(text, 1, &value)) return damaged(dicom);
@@ -232,6 +233,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     double *told = tag == 0x00200013   ? &dicom->number
                    : tag == 0x00180050 ? &dicom->thickness
                    : tag == 0x00181120 ? &dicom->tilt
+                   : tag == 0x00201041 ? &dicom->location
                                        : &dicom->distance;
     if (!read_decimals(text, 1, told)) *told = NAN;
   }
@@ -278,7 +280,9 @@ static enum status read_header(const char *path, struct dicom *dicom) {
                           .aspect = {NAN, NAN},
                           .number = NAN,
                           .thickness = NAN,
-                          .distance = NAN};
+                          .distance = NAN,
+                          .location = NAN,
+                          .orientation = {1, 0, 0, 0, 1, 0}}; /* where it is not told */
   TRY(input_open(path, &dicom->file));
   const bool marked = fread(head, 1, sizeof head, dicom->file) == sizeof head &&
                       memcmp(head + PREAMBLE, "DICM", 4) == 0;
@@ -392,7 +396,9 @@ static enum status dicom_open(const char *path, struct image *image) {
   image->plain = true;
   take_padding(&d, image);
   if (d.oriented) memcpy(image->axes, d.orientation, sizeof image->axes);
-  if (d.oriented && d.placed) along_axes(&d, d.position, image->at);
+  /* Where nothing but a position or a location puts slices in order, it is taken to be along z. */
+  if (d.placed && (d.oriented || isnan(d.number))) along_axes(&d, d.position, image->at);
+  if (!d.placed && isnan(d.number)) image->at[2] = d.location;
   for (int a = 0; a < 3; a++) image->at[a] *= 1e-3;
   image->number = d.number;
   memcpy(image->series, d.series, sizeof d.series);
@@ -408,6 +414,9 @@ static enum status dicom_open(const char *path, struct image *image) {
                d.aspect[0], d.aspect[1]);
   if (d.frames > 1 && d.in_time)
     image_note(image, "its frames follow one another in time, as it says: read as slices");
+  if (d.frames > 1 && d.in_several)
+    image_note(image, "its frames follow one another along several axes, as of windows, detectors "
+                      "or times (FrameIncrementPointer): read as slices");
   if (d.by_table) image_note(image, "greys as stored, before its table (Modality LUT Sequence)");
   if (d.slope != 1.0 || d.intercept != 0.0)
     image_note(image, "greys as stored, before its slope %g and intercept %g", d.slope,

@@ -169,28 +169,43 @@ static enum status check_slices(struct h5_file *file, const char *name, size_t p
   return STATUS_OK;
 }
 
-/* Tells where an attribute of the array or of its group names the axes, slowest first, in another
- * order than z, y, x: those of NeXus, the keys of vigra's tags, HDF5's labels. */
+/* The names of the axes in EMD: of dim1, dim2 ... beside the array, slowest first. */
+static enum status names_of_scales(struct h5_file *file, const char *group, char text[16]) {
+  enum status status = STATUS_OK;
+  char scale[240], *name = NULL;
+  text[0] = '\0';
+  for (int i = 1; i <= 3; i++) {
+    snprintf(scale, sizeof scale, "%.200s/dim%d", group, i);
+    if (!h5_exists(file, scale) || !h5_attribute_exists(file, scale, "name")) continue;
+    TRY(h5_read_attribute_text(file, scale, "name", &name));
+    if (strlen(name) == 1) strcat(strcat(text, name), ":");
+    memory_free(&name);
+  }
+cleanup:
+  return status;
+}
+
+/* Tells where the axes are named, slowest first, in another order than z, y, x: by attributes of
+ * the array or of its group (those of NeXus, the keys of vigra's tags, HDF5's labels and its
+ * scales, which are the dimensions of netCDF), or by the scales of EMD. */
 static void tell_axes(struct h5_file *file, const char *name, const char *group,
                       struct image *image) {
-  static const char *const NAMES[] = {"axes", "axistags", "DIMENSION_LABELS"};
-  static const char BETWEEN[] = " :,;[](){}\"'";
-  for (int i = 0; i < 4; i++) {
-    const char *of = i < 3 ? name : group, *attribute = NAMES[i % 3];
-    char *text = NULL, order[4] = "";
-    size_t count = 0;
+  static const char *const NAMES[] = {"axes", "axistags", "DIMENSION_LABELS", "DIMENSION_LIST"};
+  char order[4], scales[16];
+  for (int i = 0; i < 6; i++) {
+    const char *of = i < 4 ? name : group, *attribute = NAMES[i % 4];
+    char *text = NULL;
     if (!h5_attribute_exists(file, of, attribute)) continue;
     if (h5_read_attribute_text(file, of, attribute, &text) != STATUS_OK) error_clear();
-    for (const char *at = text; at != NULL && *at != '\0'; at += strspn(at, BETWEEN)) {
-      const size_t length = strcspn(at, BETWEEN), known = strspn(at, "xyz");
-      for (size_t k = 0; k < length && known == length && count < 3; k++) order[count++] = at[k];
-      at += length;
-    }
-    if (count > 1 && strcmp(order, count == 3 ? "zyx" : "yx") != 0)
+    if (text != NULL && image_names_other_order(text, false, order))
       image_note(image, "its axes are %s by its attribute %s: read as stored, as z, y, x", order,
                  attribute);
     memory_free(&text);
   }
+  if (names_of_scales(file, group, scales) != STATUS_OK) error_clear();
+  if (image_names_other_order(scales, false, order))
+    image_note(image, "its axes are %s by dim1, dim2 ... beside it: read as stored, as z, y, x",
+               order);
 }
 
 /* Tells of attributes by which other programs take the numbers for other greys (CF conventions,
@@ -206,6 +221,13 @@ static void tell_attributes(struct h5_file *file, const char *name, struct image
     if (value != CHANGING[i].idle)
       image_note(image, "greys as stored, not as its attribute %s says", CHANGING[i].name);
     if (i < 2) image->rescale[i] = value;
+  }
+  if (h5_attribute_exists(file, name, "DISPLAY_ORIGIN")) { /* HDF5 Image: "UL" is ours */
+    char *origin = NULL;
+    if (h5_read_attribute_text(file, name, "DISPLAY_ORIGIN", &origin) != STATUS_OK) error_clear();
+    if (origin != NULL && strcmp(origin, "UL") != 0)
+      image_note(image, "it is mirrored or turned by its attribute DISPLAY_ORIGIN: read as stored");
+    memory_free(&origin);
   }
   if (h5_attribute_exists(file, name, "MATLAB_class"))
     image_note(image, "of MATLAB, whose first index is x here: rows and columns are exchanged");

@@ -94,52 +94,61 @@ static enum status place_pixels(const char *value, FILE *file, int number,
 
 static enum status read_key(const char *path, const char *key, const char *value, int number,
                             struct meta_header *header, struct image *image) {
+  static const char *const TRUTHS[] = {"CompressedData", "BinaryData", "BinaryDataByteOrderMSB",
+                                       "ElementByteOrderMSB"};
   const bool truth = strchr("Tt1", value[0]) != NULL && value[0] != '\0'; /* as MetaIO reads it */
-  if (strcmp(key, "NDims") == 0) {
+  for (size_t i = 0; i < sizeof TRUTHS / sizeof *TRUTHS; i++)
+    if (strcasecmp(key, TRUTHS[i]) == 0 && !truth && strchr("Ff0", value[0]) == NULL)
+      return FAIL(STATUS_INPUT, "%s:%d: %s = %s is neither True nor False", path, number, key,
+                  value);
+  if (strcasecmp(key, "NDims") == 0) {
     header->dimensions = atoi(value);
     if (header->dimensions < 2 || header->dimensions > AXES_MOST)
       return FAIL(STATUS_INPUT, "%s:%d: NDims = %s; 2 or 3 are read: save one volume", path, number,
                   value);
-  } else if (strcmp(key, "DimSize") == 0) {
+  } else if (strcasecmp(key, "DimSize") == 0) {
+    if (header->sized)
+      return FAIL(STATUS_INPUT, "%s:%d: a second DimSize; one counts, and which is unclear", path,
+                  number);
     snprintf(header->sizes, sizeof header->sizes, "%s", value);
     header->sized = true;
-  } else if (strcmp(key, "ElementSpacing") == 0 || strcmp(key, "ElementSize") == 0) {
+  } else if (strcasecmp(key, "ElementSpacing") == 0 || strcasecmp(key, "ElementSize") == 0) {
     /* The format has no unit; ITK users mean millimetres, so it is only shown. */
     image_note(image, "%.40s = %.60s has no unit; --voxel-size decides", key, value);
-  } else if (strcmp(key, "ElementType") == 0) {
+  } else if (strcasecmp(key, "ElementType") == 0) {
     header->typed = element_type(value, image);
     if (!header->typed)
       return FAIL(STATUS_INPUT, "%s:%d: ElementType = %s is not read; save integers or floats",
                   path, number, value);
-  } else if (strcmp(key, "CompressedData") == 0) {
+  } else if (strcasecmp(key, "CompressedData") == 0) {
     header->compressed = truth;
-  } else if (strcmp(key, "BinaryData") == 0 && !truth) {
+  } else if (strcasecmp(key, "BinaryData") == 0 && !truth) {
     return FAIL(STATUS_INPUT, "%s:%d: pixels as text (BinaryData = %s) are not read; save binary",
                 path, number, value);
-  } else if (strcmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
+  } else if (strcasecmp(key, "ElementNumberOfChannels") == 0 && atoi(value) != 1) {
     return FAIL(STATUS_INPUT, "%s:%d: %s channels; one is read: save as grey", path, number, value);
-  } else if (strcmp(key, "BinaryDataByteOrderMSB") == 0 ||
-             strcmp(key, "ElementByteOrderMSB") == 0) {
+  } else if (strcasecmp(key, "BinaryDataByteOrderMSB") == 0 ||
+             strcasecmp(key, "ElementByteOrderMSB") == 0) {
     if (header->ordered && image->swap != truth)
       return FAIL(STATUS_INPUT,
                   "%s:%d: %s = %s, but another line has the other order; which is it?", path,
                   number, key, value);
     header->ordered = true;
     image->swap = truth;
-  } else if (strcmp(key, "ElementToIntensityFunctionSlope") == 0 ||
-             strcmp(key, "ElementToIntensityFunctionOffset") == 0) {
+  } else if (strcasecmp(key, "ElementToIntensityFunctionSlope") == 0 ||
+             strcasecmp(key, "ElementToIntensityFunctionOffset") == 0) {
     const bool slope = strstr(key, "Slope") != NULL;
     image->rescale[slope ? 0 : 1] = strtod(value, NULL);
     if (image->rescale[slope ? 0 : 1] != (slope ? 1.0 : 0.0))
       image_note(image, "greys as stored, before its %s %.30s", slope ? "slope" : "offset", value);
-  } else if (strcmp(key, "TransformMatrix") == 0 || strcmp(key, "Orientation") == 0 ||
-             strcmp(key, "Rotation") == 0) {
+  } else if (strcasecmp(key, "TransformMatrix") == 0 || strcasecmp(key, "Orientation") == 0 ||
+             strcasecmp(key, "Rotation") == 0) {
     if (image_is_turn(value, header->dimensions))
       image_note(image, "its axes are turned (%s): read as stored", key);
-  } else if (strcmp(key, "HeaderSizePerSlice") == 0 && atoi(value) != 0) {
+  } else if (strcasecmp(key, "HeaderSizePerSlice") == 0 && atoi(value) != 0) {
     return FAIL(STATUS_INPUT, "%s:%d: a header before every slice is not read; save one volume",
                 path, number);
-  } else if (strcmp(key, "HeaderSize") == 0) {
+  } else if (strcasecmp(key, "HeaderSize") == 0) {
     const long long bytes = atoll(value);
     if (bytes < -1)
       return FAIL(STATUS_INPUT, "%s:%d: HeaderSize = %s is not read; it counts bytes, or is -1",
@@ -163,7 +172,7 @@ static enum status meta_open(const char *path, struct image *image) {
     if (sscanf(line, " %63[^ :=\t] %*[:=] %1023[^\r\n]", key, value) != 2) continue;
     for (char *end = value + strlen(value); end > value && (end[-1] == ' ' || end[-1] == '\t');)
       *--end = '\0';
-    header.placed = strcmp(key, "ElementDataFile") == 0;
+    header.placed = strcasecmp(key, "ElementDataFile") == 0;
     TRY(header.placed ? place_pixels(value, file, number, &header, image)
                       : read_key(path, key, value, number, &header, image));
   }

@@ -34,6 +34,7 @@ enum field {
   UNITS,
   SPACE_UNITS,
   KINDS,
+  LABELS,
   DATA_FILE,
   OLD_MIN,
   OLD_MAX,
@@ -82,7 +83,7 @@ static const struct {
     {"axismaxs", OTHER},
     {"centers", OTHER},
     {"centerings", OTHER},
-    {"labels", OTHER},
+    {"labels", LABELS},
     {"min", OTHER},
     {"max", OTHER},
     {"old min", OLD_MIN},
@@ -310,6 +311,7 @@ static void read_spacing(const struct nrrd_header *header, struct image *image) 
       const double scale = vector && !by_axis ? (c < count ? metres[c] : NAN) : own;
       if (value != 0.0) square += value * scale * value * scale;
       at = end + strspn(end, " \t");
+      if (!vector && at == end && *at != '\0') return; /* "1,5" */
       if (!vector || *at != ',') break;
     }
     if (vector && *at++ != ')') return;
@@ -424,6 +426,9 @@ static enum status nrrd_open(const char *path, struct image *image) {
   TRY(read_storage(path, &header, image, &compressed));
   TRY(place_pixels(path, file, compressed, &header, image));
   read_spacing(&header, image);
+  char order[4];
+  if (header.value[LABELS] != NULL && image_names_other_order(header.value[LABELS], true, order))
+    image_note(image, "its axes are %s by its labels: read as stored, as x, y, z", order);
   if (is_turned(header.value[DIRECTIONS]))
     image_note(image, "its axes are turned (space directions): read as stored");
   for (int f = OLD_MIN; f <= OLD_MAX; f++)

@@ -1,7 +1,9 @@
 #include "ct2model/readers/image_shape.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 bool image_choose_axes(const size_t *n, int count, int axis[3]) {
   int kept[AXES_MOST], left = count;
@@ -19,6 +21,20 @@ bool image_choose_axes(const size_t *n, int count, int axis[3]) {
   }
   for (int a = 0; a < 3; a++) axis[a] = a < left ? kept[a] : -1;
   return true;
+}
+
+bool image_names_other_order(const char *text, bool fastest_first, char order[4]) {
+  static const char BETWEEN[] = " :,;[](){}\"'";
+  size_t count = 0;
+  for (const char *at = text; *at != '\0'; at += strspn(at, BETWEEN)) {
+    const size_t length = strcspn(at, BETWEEN), known = strspn(at, "xyzXYZ");
+    for (size_t k = 0; k < length && known == length && count < 3; k++)
+      order[count++] = (char)tolower((unsigned char)at[k]);
+    at += length;
+  }
+  order[count] = '\0';
+  const char *usual = fastest_first ? "xyz" : count == 2 ? "yx" : "zyx";
+  return count > 1 && strncmp(order, usual, count) != 0;
 }
 
 bool image_is_turn(const char *matrix, int dimensions) {

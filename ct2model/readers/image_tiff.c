@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/image_shape.h"
 #include "ct2model/readers/tiff_description.h"
 
 /* libtiff has one error handler for all threads; the last message is kept per thread. */
@@ -221,6 +222,26 @@ static void tell_calibration(const char *description, struct image *image) {
     image->rescale[0] = strtod(c1, NULL);
     image->rescale[1] = strtod(c0, NULL);
   }
+}
+
+/* Names of axes, of tifffile: {"shape": [22, 18, 14], "axes": "XYZ"}; or what OME tells of
+ * pages that may be no slices. */
+static void tell_axes(const char *description, struct image *image) {
+  if (description != NULL && strstr(description, "BinaryOnly ") != NULL)
+    image_note(image,
+               "which slices and channels its pages are stands in another file (BinaryOnly), "
+               "which is not read: they are taken as slices");
+  if (description != NULL && strstr(description, "ModuloAlongZ ") != NULL)
+    image_note(image, "along z it has angles or others, as its text tells (ModuloAlongZ): read as "
+                      "slices; if they are projections reconstruct them first");
+  const char *at =
+      description != NULL && description[0] == '{' ? tiff_json_value(description, "axes") : NULL;
+  char of_space[4] = "", order[4];
+  if (at == NULL) return;
+  for (size_t i = 0, n = 0; i < strcspn(at, "\"") && n < 3; i++)
+    if (strchr("XYZ", at[i]) != NULL) of_space[n++] = at[i];
+  if (image_names_other_order(of_space, false, order))
+    image_note(image, "its axes are %s by its text: read as stored, as z, y, x", order);
 }
 
 /* The text of one of GDAL's tags, at most `size` - 1 letters of it. */
@@ -456,6 +477,7 @@ static enum status tiff_open(const char *path, struct image *image) {
                        (const size_t[]){layout.width, layout.height, layout.samples}, &slices,
                        &follow)); /* a text of this directory alone */
   tell_calibration(description, image);
+  tell_axes(description, image);
   tell_gdal(tiff, image);
   const unsigned long long metamorph = count_metamorph(tiff);
   if (slices_follow(tiff, metamorph > 1 ? metamorph : follow ? slices : 0, &layout, image))

@@ -18,7 +18,7 @@ static bool is_digit(char c) {
 struct last_number {
   const char *start, *whole_end; /* digits before the point */
   const char *fraction, *end;    /* digits after it; NULL if there is none */
-  bool minus;                    /* a '-' before it, which follows no digit */
+  bool minus, plus;              /* a sign before it, which follows no digit */
 };
 
 static bool find_last(const char *path, struct last_number *last) {
@@ -33,11 +33,19 @@ static bool find_last(const char *path, struct last_number *last) {
     const char *whole = start - 1;
     while (whole > name && is_digit(whole[-1])) whole--;
     if (whole == name || whole[-1] != '.') /* 1.2.840 counts chapters */
-      *last = (struct last_number){whole, start - 1, start, end, false};
+      *last = (struct last_number){whole, start - 1, start, end, false, false};
   }
-  last->minus = last->start > name && last->start[-1] == '-' &&
-                (last->start - 1 == name || !is_digit(last->start[-2]));
+  const char *sign = last->start - 1;
+  if (sign >= name && (sign == name || !is_digit(sign[-1]))) {
+    last->minus = *sign == '-';
+    last->plus = *sign == '+';
+  }
   return true;
+}
+
+/* The number of letters before a number and its sign. */
+static size_t letters_before(const char *name, const struct last_number *last) {
+  return (size_t)(last->start - name) - (last->minus || last->plus);
 }
 
 struct name_order name_order_find(char *const *names, size_t count) {
@@ -53,7 +61,7 @@ struct name_order name_order_find(char *const *names, size_t count) {
     }
     if (last.minus && prefix == NULL) {
       prefix = names[i];
-      length = (size_t)(last.start - 1 - names[i]);
+      length = letters_before(names[i], &last);
     }
     if (last.fraction == NULL) continue;
     const size_t digits = (size_t)(last.end - last.fraction);
@@ -68,7 +76,7 @@ struct name_order name_order_find(char *const *names, size_t count) {
   order.digits = order.fractions ? most : 0;
   for (size_t i = 0; i < count && prefix != NULL && !order.is_signed; i++)
     order.is_signed = find_last(names[i], &last) && !last.minus &&
-                      (size_t)(last.start - names[i]) == length &&
+                      letters_before(names[i], &last) == length &&
                       strncmp(names[i], prefix, length) == 0;
   return order;
 }
@@ -102,8 +110,17 @@ static int compare_last(const struct last_number *a, const struct last_number *b
   return minus_a ? -sign : sign;
 }
 
+/* Where the ending of a name begins, all of its words: ".ome.tif" of "a.ome.tif". */
+static const char *ending_of(const char *path) {
+  const char *name = base_name(path), *at = name + strlen(name), *ending = at;
+  while (at > name && (isalpha((unsigned char)at[-1]) || at[-1] == '.'))
+    if (*--at == '.') ending = at;
+  return ending;
+}
+
 int natural_compare(const char *a, const char *b) {
   const char *const a_start = a, *const b_start = b;
+  const char *const a_end = ending_of(a), *const b_end = ending_of(b);
   while (*a != '\0' && *b != '\0') {
     if (is_digit(*a) && is_digit(*b)) {
       const size_t na = strspn(a, "0123456789"), nb = strspn(b, "0123456789");
@@ -112,6 +129,7 @@ int natural_compare(const char *a, const char *b) {
       a += na;
       b += nb;
     } else {
+      if (*a != *b && (a == a_end || b == b_end)) return a == a_end ? -1 : 1; /* a, a-1 */
       if (*a != *b) return (unsigned char)*a < (unsigned char)*b ? -1 : 1;
       a++;
       b++;
@@ -124,8 +142,9 @@ int natural_compare(const char *a, const char *b) {
 int name_compare(const char *a, const char *b, const struct name_order *order) {
   struct last_number last[2];
   if ((order->is_signed || order->fractions) && find_last(a, &last[0]) && find_last(b, &last[1])) {
-    const size_t n[2] = {(size_t)(last[0].start - a) - (order->is_signed && last[0].minus),
-                         (size_t)(last[1].start - b) - (order->is_signed && last[1].minus)};
+    const size_t n[2] = {
+        order->is_signed ? letters_before(a, &last[0]) : (size_t)(last[0].start - a),
+        order->is_signed ? letters_before(b, &last[1]) : (size_t)(last[1].start - b)};
     /* Names that begin alike differ in the last number. */
     if (n[0] == n[1] && strncmp(a, b, n[0]) == 0) {
       const int sign = compare_last(&last[0], &last[1], order);

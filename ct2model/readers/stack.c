@@ -67,6 +67,12 @@ static enum status list_folder(const char *folder, bool raw, struct name_list *l
   if (handle == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", folder, strerror(errno));
   for (struct dirent *entry; (entry = readdir(handle)) != NULL;) {
     if (entry->d_name[0] == '.') continue;
+    if (entry->d_type == DT_DIR) {
+      log_warning(
+          "%s/%s: a folder within the folder, not looked into: name both if it holds slices",
+          folder, entry->d_name);
+      continue;
+    }
     if (raw || image_name_known(entry->d_name))
       TRY(names_add(list, folder, entry->d_name));
     else
@@ -119,17 +125,20 @@ static void warn_of_other_voxels(const struct stack *stack) {
   const struct image *first = &stack->files[0];
   for (size_t i = 1; i < stack->file_count; i++) {
     const struct image *image = &stack->files[i];
-    if (!(fabs(image->voxel[0] / first->voxel[0] - 1.0) > 0.01)) continue;
-    log_warning("%s: its %s say %.4g um a pixel, those of %s %.4g um; the first slice's is taken",
-                image->path, image->voxel_source, image->voxel[0] * 1e6, base_name(first->path),
-                first->voxel[0] * 1e6);
-    return;
+    for (int a = 0; a < 3; a++) {
+      if (!(fabs(image->voxel[a] / first->voxel[a] - 1.0) > 0.01)) continue;
+      log_warning(
+          "%s: its %s say %.4g um along %c, those of %s %.4g um; the first slice's is taken",
+          image->path, image->voxel_source, image->voxel[a] * 1e6, 'x' + a, base_name(first->path),
+          first->voxel[a] * 1e6);
+      return;
+    }
   }
 }
 
 /* Skips a number, with its sign and point if it has them. */
 static const char *after_number(const char *at) {
-  if (*at == '-' && isdigit((unsigned char)at[1])) at++;
+  if ((*at == '-' || *at == '+') && isdigit((unsigned char)at[1])) at++;
   while (isdigit((unsigned char)*at) || (*at == '.' && isdigit((unsigned char)at[1]))) at++;
   return at;
 }
@@ -167,6 +176,32 @@ static bool warn_of_other_names(const struct name_list *list) {
       "name the slices alone, with a * for their numbers",
       list->count - owns, list->count, base_name(other), base_name(majority));
   return true;
+}
+
+/* Warns of a name that no number puts in order among others. */
+static void warn_of_letters(const struct name_list *list) {
+  for (size_t i = 0; i < list->count && list->count > 1; i++) {
+    const char *name = base_name(list->names[i]);
+    if (strpbrk(name, "0123456789") != NULL) continue;
+    log_warning("%s: no number (0 to 9) puts it in order among the others: it is taken in that of "
+                "letters",
+                name);
+    return;
+  }
+}
+
+/* Warns of axes that are as short as those of colours, channels or times, which nobody named. */
+static void warn_of_channels(const struct stack *stack) {
+  enum { CHANNELS_MOST = 4 };
+  const struct image *first = &stack->files[0];
+  if (first->pages > 1 && first->size[0] > 1 && first->size[0] <= CHANNELS_MOST)
+    log_warning("%s: only %zu voxels along x, as many as an image has colours or channels: are "
+                "they such? save the greys alone",
+                first->path, first->size[0]);
+  if (first->pages > 1 && first->pages <= CHANNELS_MOST && stack->file_count > first->pages)
+    log_warning("%s: each of the %zu files holds %zu slices, which are taken one behind the other: "
+                "if they are channels, masks or times, save the greys alone",
+                first->path, stack->file_count, first->pages);
 }
 
 /* Warns of gaps in the numbering. A uniform stride is no gap, as some scanners number every second
@@ -384,6 +419,8 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   TRY(list_files(paths, count, raw != NULL && raw->given, &list));
   TRY(open_files(&list, raw, stack));
   if (!stack->ordered && !warn_of_other_names(&list)) stack->stride = warn_of_gaps(&list);
+  if (!stack->ordered) warn_of_letters(&list);
+  warn_of_channels(stack);
   warn_of_other_voxels(stack);
 cleanup:
   names_free(&list);

@@ -27,16 +27,37 @@ static bool is_imagej(const char *description) {
   return strncmp(description, "ImageJ=", 7) == 0 || strncmp(description, "SCIFIO=", 7) == 0;
 }
 
+/* The first letter of the value of the first attribute `key` of an XML text, in quotes of either
+ * kind; NULL if there is none. */
+static const char *xml_value(const char *xml, const char *key) {
+  static const char SPACE[] = " \t\r\n";
+  for (const char *at = xml; (at = strstr(at, key)) != NULL;) {
+    const bool begins = at > xml && strchr(SPACE, at[-1]) != NULL;
+    at += strlen(key);
+    const char *equals = at + strspn(at, SPACE);
+    const char *quote = *equals == '=' ? equals + 1 + strspn(equals + 1, SPACE) : equals;
+    if (begins && *equals == '=' && (*quote == '"' || *quote == '\'')) return quote + 1;
+  }
+  return NULL;
+}
+
+/* A number that is all of a text, to a quote if it ends in one; NAN of any other, as of "5,83". */
+static double whole_number(const char *text) {
+  char *end;
+  const double value = strtod(text, &end);
+  end += strspn(end, " \t\r");
+  return end > text && (*end == '\0' || *end == '"' || *end == '\'') ? value : NAN;
+}
+
 /* PhysicalSizeX="5.83" PhysicalSizeXUnit="um" of OME-XML; micrometres if no unit is given. */
 static double ome_size(const char *xml, char axis) {
-  char key[32], value[40], unit[16] = "um";
-  snprintf(key, sizeof key, "PhysicalSize%c=\"", axis);
-  const char *at = strstr(xml, key);
-  if (at == NULL || sscanf(at + strlen(key), "%39[^\"]", value) != 1) return NAN;
-  snprintf(key, sizeof key, "PhysicalSize%cUnit=\"", axis);
-  const char *unit_at = strstr(xml, key);
-  if (unit_at != NULL) (void)sscanf(unit_at + strlen(key), "%15[^\"]", unit);
-  return strtod(value, NULL) * length_unit(unit);
+  char key[32], unit[16] = "um";
+  snprintf(key, sizeof key, "PhysicalSize%c", axis);
+  const char *at = xml_value(xml, key);
+  snprintf(key, sizeof key, "PhysicalSize%cUnit", axis);
+  const char *unit_at = xml_value(xml, key);
+  if (unit_at != NULL) (void)sscanf(unit_at, "%15[^\"']", unit);
+  return at != NULL ? whole_number(at) * length_unit(unit) : NAN;
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
@@ -71,9 +92,23 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
   }
   if (imagej && isfinite(voxel[0]) &&
       tiff_description_value(description, "spacing", text, sizeof text))
-    voxel[2] = fabs(strtod(text, NULL)) * unit[2];
+    voxel[2] = fabs(whole_number(text)) * unit[2];
   if (!(voxel[2] > 0.0)) voxel[2] = NAN;
   if (!isfinite(voxel[0])) *source = NULL;
+}
+
+/* Whether it is OME's XML, with a prefix of its names or not. */
+static bool is_ome(const char *description) {
+  return strstr(description, "<OME") != NULL || strstr(description, ":OME ") != NULL;
+}
+
+const char *tiff_json_value(const char *description, const char *key) {
+  char quoted[24];
+  snprintf(quoted, sizeof quoted, "\"%s\"", key);
+  const char *at = strstr(description, quoted);
+  if (at == NULL) return NULL;
+  at += strlen(quoted);
+  return at + strspn(at, " \t:[\"");
 }
 
 /* The text after `key`; NULL if it is not there. */
@@ -96,7 +131,8 @@ static enum status read_shape(const char *path, const char *description, const s
   enum { MOST = 8 };
   unsigned long long n[MOST + 3], all = 1;
   int rank = 0, of_page = 2, longer = 0;
-  const char *at = after(description, "\"shape\": ["), *axes = after(description, "\"axes\": \"");
+  const char *at = tiff_json_value(description, "shape");
+  const char *axes = tiff_json_value(description, "axes");
   while (at != NULL && rank < MOST + 3) {
     char *end;
     n[rank] = strtoull(at, &end, 10);
@@ -138,12 +174,12 @@ static enum status check_order(const char *path, const char *xml) {
   char tag[MOST], name[MOST], last[MOST] = "";
   unsigned long long before = 0;
   bool first = true;
-  const char *end = strstr(xml, "</Pixels>"); /* of further images */
-  for (const char *at = after(xml, "<TiffData "); at != NULL && (end == NULL || at < end);
-       at = after(at, "<TiffData ")) {
+  const char *end = strstr(xml, "Pixels>"); /* of further images */
+  for (const char *at = after(xml, "TiffData "); at != NULL && (end == NULL || at < end);
+       at = after(at, "TiffData ")) {
     const size_t length = strcspn(at, ">");
-    snprintf(tag, sizeof tag, "%.*s", (int)(length < MOST ? length : MOST), at);
-    const char *on_page = after(tag, "IFD=\""), *slice = after(tag, "FirstZ=\"");
+    snprintf(tag, sizeof tag, " %.*s", (int)(length < MOST ? length : MOST), at);
+    const char *on_page = xml_value(tag, "IFD"), *slice = xml_value(tag, "FirstZ");
     if (on_page == NULL) continue;
     const unsigned long long page = strtoull(on_page, NULL, 10);
     const unsigned long long z = slice != NULL ? strtoull(slice, NULL, 10) : 0;
@@ -166,21 +202,21 @@ static enum status check_order(const char *path, const char *xml) {
 
 enum status tiff_told_slices(const char *path, const char *description, const size_t page[3],
                              unsigned long long *slices, bool *follow) {
-  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC=\"", "SizeT=\""};
+  static const char *const KEYS[] = {"channels", "frames"}, *const OME[] = {"SizeC", "SizeT"};
   char text[40];
   *slices = 0;
   *follow = false;
   if (description == NULL) return STATUS_OK;
   const bool imagej = is_imagej(description);
-  const bool ome = strstr(description, "<OME") != NULL;
+  const bool ome = is_ome(description);
   for (size_t i = 0; i < sizeof KEYS / sizeof *KEYS; i++) {
-    const char *at = ome ? after(description, OME[i]) : NULL;
+    const char *at = ome ? xml_value(description, OME[i]) : NULL;
     unsigned long long count = at != NULL ? strtoull(at, NULL, 10) : 1;
     if (imagej && tiff_description_value(description, KEYS[i], text, sizeof text))
       count = strtoull(text, NULL, 10);
     if (count > 1) return refuse_hyperstack(path, count, KEYS[i]);
   }
-  const char *ome_slices = ome ? after(description, "SizeZ=\"") : NULL;
+  const char *ome_slices = ome ? xml_value(description, "SizeZ") : NULL;
   if (ome && check_order(path, description) != STATUS_OK) return STATUS_INPUT;
   if (ome_slices != NULL) *slices = strtoull(ome_slices, NULL, 10);
   *follow = imagej || description[0] == '{';

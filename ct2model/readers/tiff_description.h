@@ -10,6 +10,9 @@
 
 /* The text after "key=" in ImageJ's description; false if there is none. */
 bool tiff_description_value(const char *description, const char *key, char *value, size_t size);
+/* The value after "key": in tifffile's description, behind its bracket or quote; NULL if there is
+ * none. */
+const char *tiff_json_value(const char *description, const char *key);
 /* Voxel size (m) from OME metadata, ImageJ's description ("unit=micron", "spacing=5.83") or the
  * resolution tags, in voxels per `metres` (NaN: no unit). Screen resolutions in dots per inch,
  * which programs write by default, are ignored. `description` may be NULL. *source names where the

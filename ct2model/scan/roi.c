@@ -146,6 +146,9 @@ enum status roi_count(const struct roi *roi, const struct region *region,
              "--roi: no voxel of the stack is inside; it has %zux%zux%zu, and --roi "
              "is in pixels",
              stack->size[0], stack->size[1], stack->size[2]);
+  if (roi->kind == ROI_MASK && histogram->total == (uint64_t)pixels * stack->size[2])
+    log_warning("--roi mask:%s: no voxel of it is 0, which is outside: all of the scan counts",
+                roi->path);
   if (is_beyond(roi, stack))
     log_warning(
         "--roi reaches beyond the scan (%zux%zux%zu voxels): the %.0f %% of the scan's voxels "

@@ -1,9 +1,11 @@
 #include "ct2model/scan/survey.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 
 /* Slices that are sampled; radii on each side in the average of rings; bins of a histogram. */
@@ -251,6 +253,12 @@ static enum status survey_phases(const struct region *region, double porosity,
   }
   survey->phases.contrast_to_noise = NAN;
   if (!(high > low)) return STATUS_OK;
+  const enum pixel_type type = region->stack->type;
+  const double step = fmax(fabs(low), fabs(high)) * (double)FLT_EPSILON;
+  if ((type == PIXEL_U32 || type == PIXEL_I32 || type == PIXEL_F64) && step > (high - low) / BINS)
+    log_warning("greys of %.10g to %.10g are kept in steps of %g (24 bits): subtract %.10g from "
+                "them before they are saved",
+                low, high, step, low);
   double sum = 0.0;
   for (size_t i = 0; i < n; i++) sum += (double)survey->sample[i];
   survey->mean = sum / (double)n;

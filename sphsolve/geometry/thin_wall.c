@@ -348,8 +348,10 @@ static bool leads_around(const struct lattice *l, const size_t at[3], int axis) 
         size_t here[3] = {at[0], at[1], at[2]};
         here[axis] = (here[axis] + l->size[axis] + (size_t)along) % l->size[axis];
         const size_t row = site_beside(l, here, b, side);
-        const size_t below = side > 0 ? (here[2] * l->size[1] + here[1]) * l->size[0] + here[0] : row;
-        open = open && l->kind[row] == SITE_FLUID && (along == 1 || !thin_wall_on_face(l, row, axis)) &&
+        const size_t below =
+            side > 0 ? (here[2] * l->size[1] + here[1]) * l->size[0] + here[0] : row;
+        open = open && l->kind[row] == SITE_FLUID &&
+               (along == 1 || !thin_wall_on_face(l, row, axis)) &&
                (along == 0 || !thin_wall_on_face(l, below, b));
       }
       if (open) return true;
@@ -376,8 +378,8 @@ enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
       size_t from[3] = {at[0], at[1], at[2]};
       const int step[3] = {a == 0 ? 2 : 0, a == 1 ? 2 : 0, a == 2 ? 2 : 0};
       from[a] = at[a] > 0 ? at[a] - 1 : l->size[a] - 1;
-      if (l->kind[last] != SITE_FLUID || l->kind[next] != SITE_FLUID ||
-          leads_around(l, at, a) || !thin_wall_cuts(l, from, step, NULL, NULL))
+      if (l->kind[last] != SITE_FLUID || l->kind[next] != SITE_FLUID || leads_around(l, at, a) ||
+          !thin_wall_cuts(l, from, step, NULL, NULL))
         continue;
       (*closed)[last] |= (uint8_t)(1U << a);
       (*closed)[s] |= (uint8_t)(1U << a);

@@ -44,9 +44,9 @@ static enum status check_viscosity(const struct plan *plan,
                                    const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
   const double ratio = plan->steps / steps_at(plan, speeds, INFINITY) / VISCOUS_RATIO;
-  if (!(plan->steps > VISCOUS_STEPS && ratio > 1) || plan->dt_limited_by == NULL ||
-      strcmp(plan->dt_limited_by, "isph_viscosity") != 0)
-    return STATUS_OK;
+  const double viscous =
+      DT_VISCOSITY * context->spacing * context->spacing / context->kinematic_viscosity;
+  if (!(plan->steps > VISCOUS_STEPS && ratio > 1 && viscous <= plan->dt_limit)) return STATUS_OK;
   return scene_error(context->scene, AT_VISCOSITY,
                      "this viscosity allows no step above %g s, %g spacing^2/nu, and asks for %.2g "
                      "steps; take a viscosity below %.2g Pa s, or a domain.spacing above %.2g m",

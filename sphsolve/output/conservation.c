@@ -85,10 +85,11 @@ bool budget_warn(const struct budget *budget, double share, double least) {
     if (work > most) most = work, first = t;
   }
   if (first < 0 || !(given > share * least)) return false;
+  char percent[32];
   log_warning(
-      "%.2g J, %.2g %% of the work of forces and walls, came to the water by what no equation "
+      "%.2g J, %s %% of the work of forces and walls, came to the water by what no equation "
       "contains, most by %s; use a smaller domain.spacing or time step",
-      given, 100 * given / least, words_of(budget, first));
+      given, percent_format(given / least, percent), words_of(budget, first));
   return true;
 }
 

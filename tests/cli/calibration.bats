@@ -142,7 +142,7 @@ offered() {
   [ "$(offered "ct2model build x --threshold ")" = "auto otsu " ]
   [[ "$(offered "sphsolve run s.cfg --set sc")" == "scene. " ]]
   [ "$(offered "sphsolve run s.cfg --set scene.")" = "scene.end_time= scene.method= scene.name= scene.steady_tolerance= " ]
-  [ "$(offered "sphsolve explain s.cfg --set scene.method=")" = "auto isph richards solute stokes wcsph " ]
+  [ "$(offered "sphsolve explain s.cfg --set scene.method=")" = "auto darcy isph richards solute stokes wcsph " ]
   [ "$(offered "sphsolve run s.cfg --set output.image=")" = "false true " ]
   [ "$(offered "sphsolve run s.c")" = "s.cfg " ]
   mkdir -p "my scan"

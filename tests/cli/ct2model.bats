@@ -277,6 +277,14 @@ open("parts.raw", "wb").write(bytes(int(rod(x, y, z) or bar(x, y, z) or cube(x, 
   done
 }
 
+@test "a mask without a 0, as of labels that begin at 1, is told to leave nothing out" {
+  cd "$WORK"
+  head -c 2304 /dev/zero | tr '\0' '\2' > full.raw
+  printf 'ObjectType = Image\nNDims = 2\nDimSize = 48 48\nElementType = MET_UCHAR\nElementDataFile = full.raw\n' > full.mhd
+  run_ct sweep tube.raw ${RAW% --quiet} --void-ratio "$(cat tube.txt)" --roi mask:full.mhd
+  [[ "$stderr" == *"mask:full.mhd: no voxel of it is 0, which is outside: all of the scan counts"* ]] || { echo "$stderr"; false; }
+}
+
 # bats test_tags=long
 @test "a region of interest: masks of all slices, boxes, and what is no mask or reaches beyond the scan is told" {
   cd "$WORK"
@@ -713,8 +721,45 @@ END
   cp among/mask_00.png among/preview.png && rm among/mask_01.png among/mask_02.png
   run_ct info among
   [[ $stderr == *"2 of 7 files, such as mask_00.png, are not named as slice_00.png: if they are masks"* ]]
+  # A folder among them, names without numbers, and axes as short as those of channels.
+  mkdir among/rest letters
+  run_ct info among
+  [[ $stderr == *"among/rest: a folder within the folder, not looked into"* ]]
+  cp among/slice_00.png letters/a.png && cp among/slice_01.png letters/B.png
+  run_ct info letters
+  [[ $stderr == *"B.png: no number (0 to 9) puts it in order"* ]]
+  cp among/slice_00.png letters/a1.png && rm letters/B.png
+  run_ct info letters
+  [[ $stderr == *"a.png: no number (0 to 9) puts it in order"* ]]
+  /usr/bin/python3 - <<'END'
+import numpy
+numpy.save("colours.npy", numpy.zeros((8, 9, 3), "u1"))
+for z in range(5):
+    numpy.save(f"planes_{z}.npy", numpy.zeros((2, 8, 9), "u1"))
+END
+  run_ct info colours.npy
+  [[ $stderr == *"only 3 voxels along x, as many as an image has colours or channels"* ]]
+  run_ct info planes_?.npy
+  [[ $stderr == *"each of the 5 files holds 2 slices, which are taken one behind the other"* ]]
   run_ct info colour.png
   [[ $stderr == *"stored in colour; build takes it only where it is grey"* ]]
+}
+
+@test "greys that 24 bits do not tell apart are told" {
+  cd "$WORK"
+  /usr/bin/python3 - <<'END'
+import numpy
+z, y, x = numpy.indices((12, 14, 16))
+greys = (128 + 100 * numpy.sin(x) * numpy.sin(y) * numpy.sin(0.7 * z)).astype("u4")
+numpy.save("near.npy", greys)
+numpy.save("far.npy", greys + 2**30)
+END
+  local options="--voxel-size 1um --blur keep --mirror none"
+  run_ct build near.npy $options --threshold 128 -o near.hdf
+  [ "$status" -eq 0 ]
+  [[ $stderr != *"are kept in steps"* ]]
+  run_ct build far.npy $options --threshold 1073741952 -o far.hdf
+  [[ $stderr == *"are kept in steps of 128 (24 bits): subtract 1073741824"* ]]
 }
 
 @test "levels: coarser models of the same scan in one command" {

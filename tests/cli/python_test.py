@@ -104,6 +104,11 @@ class Module(unittest.TestCase):
                             ("beyond 32 bits", grain.astype(np.int64) * 5_000_000_000)):
             with self.assertRaisesRegex(tosui.TosuiError, said):
                 tosui.permeability(image, "5 um")
+        named = grain.view(type("Named", (np.ndarray,), {"dims": ("x", "y", "z")}))  # as of xarray
+        with self.assertRaisesRegex(tosui.TosuiError, "axes are x, y, z; give it as image.transpose"):
+            tosui.permeability(named, "5 um")
+        type(named).dims = ("z", "y", "x")
+        self.assertTrue(np.array_equal(tosui._volume(named), grain))
         # Whatever holds the same values is the same image.
         for image in (grain.tolist(), np.asfortranarray(grain), grain.astype(">i4"), grain.astype(np.float16), grain.astype(np.uint64)):
             self.assertTrue(np.array_equal(tosui._volume(image), grain))

@@ -307,6 +307,65 @@ static void test_named_axes(void **state) {
   holds(":/entry/v", NZ, "greys as stored, before /entry/v_scaling_factor");
 }
 
+static void add_text(hid_t object, const char *name, const char *value) {
+  hid_t text = H5Tcopy(H5T_C_S1), space = H5Screate(H5S_SCALAR);
+  H5Tset_size(text, strlen(value));
+  hid_t attribute = H5Acreate2(object, name, text, space, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Awrite(attribute, text, value) >= 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Tclose(text);
+}
+
+/* Dimensions of netCDF, which refer to scales, and scales of EMD, which have names; a picture that
+ * is to be shown from below. */
+static void test_named_scales(void **state) {
+  (void)state;
+  static const char *const SCALES[2][3] = {{"z", "y", "x"}, {"X", "Y", "Z"}};
+  const hsize_t three = 3, one[] = {1};
+  for (int k = 0; k < 4; k++) {
+    const char *const *names = SCALES[k % 2];
+    hobj_ref_t refers[3];
+    hvl_t lists[3];
+    char name[20];
+    hid_t h5 = begin();
+    add(h5, "g/v", 3, VOLUME, 0);
+    for (int i = 0; i < 3; i++) {
+      snprintf(name, sizeof name, "g/%s", names[i]);
+      if (k >= 2) snprintf(name, sizeof name, "g/dim%d", i + 1);
+      add(h5, name, 1, one, 0);
+      assert_true(H5Rcreate(&refers[i], h5, name, H5R_OBJECT, -1) >= 0);
+      lists[i] = (hvl_t){1, &refers[i]};
+      hid_t scale = H5Oopen(h5, name, H5P_DEFAULT);
+      if (k >= 2) add_text(scale, "name", names[i]);
+      H5Oclose(scale);
+    }
+    hid_t type = H5Tvlen_create(H5T_STD_REF_OBJ), space = H5Screate_simple(1, &three, NULL);
+    hid_t object = H5Oopen(h5, "g/v", H5P_DEFAULT);
+    hid_t attribute = H5Acreate2(object, k < 2 ? "DIMENSION_LIST" : "other", type, space,
+                                 H5P_DEFAULT, H5P_DEFAULT);
+    assert_true(H5Awrite(attribute, type, lists) >= 0);
+    H5Aclose(attribute);
+    H5Sclose(space);
+    H5Tclose(type);
+    H5Oclose(object);
+    H5Fclose(h5);
+    holds(":/g/v", NZ,
+          k % 2 == 0 ? NULL
+          : k == 1   ? "its axes are xyz by its attribute DIMENSION_LIST: read as stored"
+                     : "its axes are xyz by dim1, dim2 ... beside it: read as stored");
+  }
+  for (int k = 0; k < 2; k++) {
+    hid_t h5 = begin();
+    add(h5, "v", 3, VOLUME, 0);
+    hid_t object = H5Oopen(h5, "v", H5P_DEFAULT);
+    add_text(object, "DISPLAY_ORIGIN", k == 0 ? "UL" : "LL");
+    H5Oclose(object);
+    H5Fclose(h5);
+    holds(":/v", NZ, k == 0 ? NULL : "mirrored or turned by its attribute DISPLAY_ORIGIN");
+  }
+}
+
 static void test_what_is_no_image(void **state) {
   (void)state;
   const hsize_t angles[] = {NZ}, others[] = {NZ + 1};
@@ -416,6 +475,7 @@ int main(void) {
       cmocka_unit_test(test_attributes),
       cmocka_unit_test(test_sign_and_no_data),
       cmocka_unit_test(test_named_axes),
+      cmocka_unit_test(test_named_scales),
       cmocka_unit_test(test_what_is_no_image),
       cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
       cmocka_unit_test(test_deflated_twice),

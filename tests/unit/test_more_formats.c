@@ -523,13 +523,15 @@ static struct {
   bool no_preamble, no_group, unturned; /* unturned: no orientation with the position */
   int number;                           /* of the slice; 0: none */
   const char *series, *distance, *thickness;
-  const int *places;  /* of frames, in tenths of a mm */
-  const char *scaled; /* slope of the last frame */
-  bool table, floats; /* a table for the greys; pixels that are floats */
-  int padding, limit; /* values of padding, from one to the other; 0: none */
+  const int *places;    /* of frames, in tenths of a mm */
+  const char *scaled;   /* slope of the last frame */
+  bool table, floats;   /* a table for the greys; pixels that are floats */
+  int padding, limit;   /* values of padding, from one to the other; 0: none */
+  const char *location; /* of the slice, mm */
   const char *tilt, *aspect, *axes;
   double aside;     /* of a slice from the one before, mm along y */
   unsigned pointer; /* what the next frame follows by: an element of group 0x18 */
+  bool several;     /* by that, and by an element of group 0x54 */
   bool unspaced;
 } extra;
 
@@ -605,6 +607,7 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
     snprintf(text, sizeof text, "%d", extra.number);
     put_text(file, 0x20, 0x13, "IS", text, implicit);
   }
+  if (extra.location != NULL) put_text(file, 0x20, 0x1041, "DS", extra.location, implicit);
   if (d->place != 0) {
     snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + (double)z * extra.aside, 0.1 * d->place);
     put_text(file, 0x20, 0x32, "DS", text, implicit);
@@ -621,8 +624,9 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   put_whole(file, 0x10, NY, implicit);
   put_whole(file, 0x11, NX, implicit);
   if (extra.pointer > 0) {
-    put_head(file, 0x28, 9, "AT", 4, implicit);
+    put_head(file, 0x28, 9, "AT", extra.several ? 8 : 4, implicit);
     put(file, 0x18, 2), put(file, extra.pointer, 2);
+    if (extra.several) put(file, 0x54, 2), put(file, 0x80, 2);
   }
   if (extra.places == NULL && !extra.unspaced)
     put_text(file, 0x28, 0x30, "DS", "0.02\\0.01", implicit);
@@ -766,6 +770,20 @@ static void test_dicom_numbers(void **state) {
   extra.number = 5;
   write_dicom(0, 3, &d);
   refused(NZ, "are both slice 5");
+  /* Without numbers: a position that no orientation explains, and a location alone. */
+  const double deep[] = {10, 500};
+  memset(&extra, 0, sizeof extra);
+  for (int k = 0; k < 2; k++) {
+    extra.unturned = k == 0;
+    for (size_t i = 0; i < NZ; i++) {
+      char location[20];
+      snprintf(location, sizeof location, "%g", 0.5 * (double)order[i] - 0.7);
+      d.place = k == 0 ? 5 * (int)order[i] - 7 : 0;
+      extra.location = k == 0 ? NULL : location;
+      write_dicom(i, order[i], &d);
+    }
+    holds(NZ, NZ, 255, 1, 0, deep, NULL);
+  }
   memset(&extra, 0, sizeof extra);
 }
 
@@ -886,6 +904,9 @@ static void test_dicom_geometry(void **state) {
   extra.pointer = 0x1063;
   write_dicom(0, 0, &d);
   holds(1, NZ, 255, 1, 0, flat, "its frames follow one another in time");
+  extra.several = true;
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, "its frames follow one another along several axes");
   memset(&extra, 0, sizeof extra);
   extra.unspaced = true;
   const double behind[] = {NAN, 500};

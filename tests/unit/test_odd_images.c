@@ -252,6 +252,31 @@ static void test_pages_aside(void **state) {
   refused("page 1: photometric 0, but the first page has 1");
 }
 
+/* Lengths that are told: a decimal comma makes none. */
+static void test_lengths(void **state) {
+  (void)state;
+  static const struct {
+    const char *text;
+    double micrometres;
+  } cases[] = {
+      {"<OME><Pixels PhysicalSizeX=\"5.83\"></Pixels></OME>", 5.83},
+      {"<OME><Pixels PhysicalSizeX = '5.83' PhysicalSizeXUnit='nm'></Pixels></OME>", 5.83e-3},
+      {"<OME><Pixels PhysicalSizeX=\"5,83\"></Pixels></OME>", NAN}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    struct page page = PLAIN;
+    struct stack stack;
+    const char *path = file;
+    page.description = cases[i].text;
+    write_pages("w", &page, 1);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    const double found = stack.voxel[0] * 1e6;
+    if (isnan(cases[i].micrometres) ? !isnan(found)
+                                    : !(fabs(found / cases[i].micrometres - 1.0) < 1e-6))
+      fail_msg("%s: %g um", cases[i].text, found);
+    stack_close(&stack);
+  }
+}
+
 static void test_lost_slices(void **state) {
   (void)state;
   struct page pages[3] = {PLAIN, PLAIN, PLAIN};
@@ -265,12 +290,29 @@ static void test_lost_slices(void **state) {
        "5 images, but 3"},
       {"{\"shape\": [5, 18, 14]}", "5 images, but 3"},
       {"{\"shape\": [2, 18, 14]}", "2 images, but 3 are there: those of several images?"},
+      {"{\"shape\": [3, 18, 14], \"axes\": \"ZYX\"}", NULL},
+      {"{\"shape\": [3, 18, 14], \"axes\": \"QYX\"}", NULL},
+      {"{\"shape\": [3, 18, 14], \"axes\": \"XYZ\"}", "its axes are xyz by its text"},
+      {"<OME><Pixels SizeZ = '5'></Pixels></OME>", "5 images, but 3"},
+      {"{\"shape\":[5,18,14],\"axes\":\"ZYX\"}", "5 images, but 3"},
+      {"<a:OME xmlns:a='o'><a:Pixels SizeZ='5'/></a:OME>", "5 images, but 3"},
+      {"<OME><Pixels/><ModuloAlongZ Type=\"angle\"/></OME>", "angles or others, as its text tells"},
+      {"<OME><BinaryOnly MetadataFile=\"a.companion.ome\"/></OME>", "in another file (BinaryOnly)"},
       {"{\"shape\": [5, 9, 14]}", NULL}}; /* of others than these pages */
   for (size_t i = 0; i < sizeof OTHERS / sizeof *OTHERS; i++) {
     pages[0].description = OTHERS[i][0];
     write_pages("w", pages, 3);
     holds(slices, 3, 8, NULL, 0, 0, OTHERS[i][1]);
   }
+  static const char *const CHANNELS[] = {"<OME><Pixels SizeC='3' SizeZ='1'></Pixels></OME>",
+                                         "<o:OME x=''><o:Pixels SizeC=\"3\"/></o:OME>",
+                                         "{\"shape\":[3,18,14],\"axes\":\"CYX\"}"};
+  for (size_t i = 0; i < 3; i++) {
+    pages[0].description = CHANNELS[i];
+    write_pages("w", pages, 3);
+    refused("3 channels");
+  }
+  pages[0].description = NULL;
   for (uint16_t i = 0; i < 3; i++) pages[i].told = (uint16_t)(5 + i);
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, NULL);
@@ -589,6 +631,7 @@ int main(void) {
       cmocka_unit_test(test_strip_of_a_wrong_length),
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
+      cmocka_unit_test(test_lengths),
       cmocka_unit_test(test_slices_without_a_directory),
       cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),

@@ -463,6 +463,11 @@ static void test_natural_order(void **state) {
   assert_true(natural_compare("a01", "a1") != 0);
   assert_true(natural_compare("b1", "a2") > 0);
   assert_int_equal(natural_compare("x", "x"), 0);
+  /* Programs add "-1", " 2" or "(2)" to the second of files, and nothing to the first. */
+  assert_true(natural_compare("d/s.tif", "d/s-1.tif") < 0);
+  assert_true(natural_compare("s (2).tif", "s.tif") > 0);
+  assert_true(natural_compare("s 2.ome.tif", "s.ome.tif") > 0);
+  assert_true(natural_compare("s.1.tif", "s.2.tif") < 0);
 }
 
 static int by_order(const void *a, const void *b) {
@@ -495,6 +500,7 @@ static void test_signs_and_fractions(void **state) {
   IN_ORDER(1, "d/z-2.tif", "d/z-1.tif", "d/z0.tif", "d/z1.tif", "d/z2.tif");
   IN_ORDER(5, "z-10.tif", "z-5.tif", "z0.tif", "z5.tif", "z10.tif");
   IN_ORDER(1, "-1.png", "0.png", "1.png");
+  IN_ORDER(1, "z-002.tif", "z-001.tif", "z+000.tif", "z+001.tif");
   /* A '-' before every number is a dash, and so is that of a date. */
   IN_ORDER(1, "s-1.tif", "s-2.tif", "s-3.tif");
   IN_ORDER(1, "2026-11-01.tif", "2026-11-02.tif", "2026-11-03.tif");
