@@ -108,9 +108,12 @@ enum status h5_read_numbers(struct h5_file *file, const char *object, size_t n,
                             const struct h5_number *numbers);
 /* A single number; NAN, without an error, if it is missing or not a number. */
 double h5_attribute_or_nan(struct h5_file *file, const char *name, const char *attribute);
-/* A text in new memory (memory_free), NULL where it fails; several, up to 16, with colons between.
- * Of references to objects (DIMENSION_LIST) the names. */
+/* A text in new memory (memory_free), NULL where it fails. */
 enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
                                    char **text);
+/* One text or up to 16, with colons between. Of references to objects (DIMENSION_LIST) the names.
+ */
+enum status h5_read_attribute_texts(struct h5_file *file, const char *name, const char *attribute,
+                                    char **text);
 
 #endif

@@ -434,8 +434,8 @@ static bool holds_references(hid_t stored) {
   return yes;
 }
 
-enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
-                                   char **text) {
+static enum status read_texts(struct h5_file *file, const char *name, const char *attribute,
+                              hssize_t most, char **text) {
   enum status status = STATUS_OK;
   hid_t id, stored = -1, space = -1;
   char *fixed = NULL, *variable[TEXTS_MOST] = {NULL};
@@ -444,8 +444,8 @@ enum status h5_read_attribute_text(struct h5_file *file, const char *name, const
   stored = H5Aget_type(id);
   space = H5Aget_space(id);
   const hssize_t points = H5Sget_simple_extent_npoints(space);
-  const bool refers = holds_references(stored);
-  if ((!refers && !holds_texts(stored)) || points < 1 || points > TEXTS_MOST)
+  const bool refers = most > 1 && holds_references(stored);
+  if ((!refers && !holds_texts(stored)) || points < 1 || points > most)
     TRY_FAIL(STATUS_INPUT, "%s: attribute %s of %s is no text", file->path, attribute, name);
   if (refers) {
     status = add_names(id, stored, space, text);
@@ -467,4 +467,14 @@ cleanup:
   if (stored >= 0) H5Tclose(stored);
   if (id >= 0) H5Aclose(id);
   return status;
+}
+
+enum status h5_read_attribute_text(struct h5_file *file, const char *name, const char *attribute,
+                                   char **text) {
+  return read_texts(file, name, attribute, 1, text);
+}
+
+enum status h5_read_attribute_texts(struct h5_file *file, const char *name, const char *attribute,
+                                    char **text) {
+  return read_texts(file, name, attribute, TEXTS_MOST, text);
 }

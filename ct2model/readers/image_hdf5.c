@@ -177,7 +177,7 @@ static enum status names_of_scales(struct h5_file *file, const char *group, char
   for (int i = 1; i <= 3; i++) {
     snprintf(scale, sizeof scale, "%.200s/dim%d", group, i);
     if (!h5_exists(file, scale) || !h5_attribute_exists(file, scale, "name")) continue;
-    TRY(h5_read_attribute_text(file, scale, "name", &name));
+    TRY(h5_read_attribute_texts(file, scale, "name", &name));
     if (strlen(name) == 1) strcat(strcat(text, name), ":");
     memory_free(&name);
   }
@@ -196,7 +196,7 @@ static void tell_axes(struct h5_file *file, const char *name, const char *group,
     const char *of = i < 4 ? name : group, *attribute = NAMES[i % 4];
     char *text = NULL;
     if (!h5_attribute_exists(file, of, attribute)) continue;
-    if (h5_read_attribute_text(file, of, attribute, &text) != STATUS_OK) error_clear();
+    if (h5_read_attribute_texts(file, of, attribute, &text) != STATUS_OK) error_clear();
     if (text != NULL && image_names_other_order(text, false, order))
       image_note(image, "its axes are %s by its attribute %s: read as stored, as z, y, x", order,
                  attribute);

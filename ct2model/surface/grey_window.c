@@ -166,16 +166,32 @@ static uint64_t weight_of(const struct grey_window *window, const long at[3], in
   return crossing_weight(gradient, axis);
 }
 
+/* Whether a surface meets a side of the region at one of its outermost voxels: a neighbour within
+ * the side is of the other phase. */
+static bool meets_side(const struct grey_window *window, const long at[3], int axis) {
+  const bool phase = grey_at(window, at[0], at[1], at[2]) > 0;
+  for (int n = 0; n < 6; n++) {
+    long to[3] = {at[0], at[1], at[2]};
+    if (n / 2 == axis) continue;
+    to[n / 2] += n % 2 ? 1 : -1;
+    if ((grey_at(window, to[0], to[1], to[2]) > 0) != phase) return true;
+  }
+  return false;
+}
+
 /* Sum, in halves, of the weights of the voxels of word w of a row whose bit of `changes` is set. A
- * row of n voxels has n - 1 pairs of neighbours: its first and last pair stand also for the half
- * voxels beyond them. */
+ * row of n voxels has n - 1 pairs of neighbours: where the surface meets a side of the region, the
+ * first and the last pair stand also for the half voxels beyond them. */
 static uint64_t weights_of(const struct grey_window *window, uint64_t changes, size_t w, size_t y,
                            size_t z, int axis) {
-  const long last = (long)window->region->size[axis] - 2;
+  const long last = (long)window->region->size[axis] - 1;
   uint64_t sum = 0;
   for (; changes != 0; changes &= changes - 1) {
     const long at[3] = {(long)w * PHASE_WORD + __builtin_ctzll(changes), (long)y, (long)z};
-    const uint64_t halves = 2U + (at[axis] == 0) + (at[axis] == last);
+    long next[3] = {at[0], at[1], at[2]};
+    next[axis]++;
+    const uint64_t halves = 2U + (at[axis] == 0 && meets_side(window, at, axis)) +
+                            (next[axis] == last && meets_side(window, next, axis));
     sum += halves * weight_of(window, at, axis);
   }
   return sum;

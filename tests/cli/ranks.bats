@@ -361,9 +361,9 @@ END
 
 with_petsc() { # SCENE RANKS...: one step, against method isph's own solver
   local scene=$1 n
-  sphsolve $(isph $scene 1e-3s exact --set isph.tolerance=1e-13) > /dev/null
+  sphsolve $(isph $scene 1e-3s exact --set output.interval=1e-3s --set isph.tolerance=1e-13) > /dev/null
   for n in "${@:2}"; do
-    on $n sphsolve-mpi $(isph $scene 1e-3s petsc --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
+    on $n sphsolve-mpi $(isph $scene 1e-3s petsc --set output.interval=1e-3s --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
     $AGREE exact.hdf petsc.hdf 1e-12 history/darcy_velocity history/kinetic_energy history/momentum
     $AGREE exact-0000.hdf petsc-0000.hdf 1e-12 VTKHDF/PointData/pressure VTKHDF/Points
   done
@@ -379,7 +379,7 @@ with_petsc() { # SCENE RANKS...: one step, against method isph's own solver
   with_petsc dam-break 1 2
   with_petsc seepage-heads 1 4
   for petsc in "-grid_pc_type gamg" "-pc_type hypre" "-pc_type gamg" "-pc_type bjacobi"; do
-    PETSC_OPTIONS=$petsc on 2 sphsolve-mpi $(isph seepage-heads 1e-3s petsc --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
+    PETSC_OPTIONS=$petsc on 2 sphsolve-mpi $(isph seepage-heads 1e-3s petsc --set output.interval=1e-3s --set isph.tolerance=1e-13 --set isph.solver=petsc) > /dev/null
     $AGREE exact.hdf petsc.hdf 1e-12 history/darcy_velocity history/kinetic_energy
   done
 }
