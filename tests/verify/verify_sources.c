@@ -1,6 +1,5 @@
 /* Rain, wells and drains in soil by method isph against exact solutions. Usage: verify_sources
  * RESULTS.json [CASE...]     all cases, or those whose names start with CASE */
-#include "sphsolve/isph/permeameter.h"
 #include "sphsolve/isph/effects/rain.h"
 #include "sphsolve/isph/well.h"
 #include "tests/verify/isph_rig.h"
