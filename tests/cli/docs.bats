@@ -194,7 +194,7 @@ P
   page excavation/trench.html '1.00e-4 <= page["headline"]["value"] < 1.01e-4 and 0 < page["headline"]["error"] < 1e-5' \
     'page["headline"]["text"] == "through the soil, by the flow net"' \
     'next(s["width"] for s in page["sections"] if s["name"] == "seepage") <= 600'
-  said excavation/trench.html -q "Against its being lifted the soil has a factor of 2.7[0-9]*, 2.6[0-9]* at least: it stays"
+  said excavation/trench.html -q "Factor of safety against uplift 2.7[0-9]*, 2.6[0-9]* at least: it stays"
   python3 "$BATS_TEST_DIRNAME/excavation_numbers.py"
   analyze seepage excavation/trench.hdf --json > seepage.json
   python3 "$BATS_TEST_DIRNAME/documented_keys.py" "$ROOT/docs" seepage.json
