@@ -142,7 +142,7 @@ void stokes_solver_measure(struct stokes_solver *s, bool recompute) {
 /* Power of force and pressure, e = v . (f - G p), at an active site; raw: G p before correction. */
 static double power_at(const struct stokes_solver *s, const float *raw, size_t i) {
   const size_t n = s->grid.active, axes = (size_t)s->stencil.axis_count;
-  float gradient[3];
+  float gradient[3] = {0.0F};
   double power = 0.0;
   stokes_correct(&s->operator, i, raw, n, gradient);
   for (size_t a = 0; a < axes; a++)
