@@ -237,7 +237,10 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
         if (c == q) slope += corner->k[q][m] + corner->k[q][2];
         slope /= d;
         out += c < QUARTERS ? slope * (s->h[corner->site[c]] + shift[c]) : slope;
-        if (c < QUARTERS) s->rows.value[rows_entry(&s->rows, i, corner->site[c])] += slope;
+        if (c == QUARTERS) continue;
+        /* Sites that no water leads to across the corner have no entry, and a slope of 0. */
+        const size_t entry = rows_entry(&s->rows, i, corner->site[c]);
+        if (entry < s->rows.start[i + 1]) s->rows.value[entry] += slope;
       }
       if (own->beside >= BESIDE_EDGE)
         s->edge_flux[own->beside - BESIDE_EDGE].q -= out;
