@@ -123,7 +123,8 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 static double narrow_ways(const struct pore_shape *shape, double refined) {
   const double width = shape->throat * refined, radius = 1.5 * shape->grain * refined;
   if (!isfinite(width) || shape->flat) return 0.0;
-  const double unknown = shape->sharp ? 1.0 : fmin(1.0, fmax(1.5 / width, 1.0 / radius));
+  const double unknown =
+      shape->sharp ? 1.0 : fmin(1.0, fmax(CRITICAL_WIDTH_SMOOTH / width, 1.0 / radius));
   return fmin(1.0, unknown * 0.5 * shape->dimensions / (width * sqrt(fmax(1.0, shape->ways))));
 }
 

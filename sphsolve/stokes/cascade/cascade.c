@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/resample.h"
+#include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/solver/start.h"
 
@@ -109,11 +110,6 @@ bool cascade_have_memory(const struct lattice *lattice, double sites) {
   return !ranks_any(!memory_has_room((size_t)(RANK_MEMORY_FACTOR * bytes / ranks_count()), 1));
 }
 
-/* Uncertainty of the position of smooth walls in a way of N spacings, times N, in half spacings: a
- * lattice is of second order there. Fitted: round tubes of 2 to 8 spacings, each at eight places,
- * are up to 34, 19, 12, 3, 1 and 0.3 % off (Poiseuille) at 2, 2.5, 3, 4, 6 and 8; judged on
- * scripts/studies/thin-walls. */
-#define CRITICAL_WIDTH_SMOOTH 1.5
 double cascade_critical_width(const struct cascade *c, double spacing) {
   return c->plan->shape.throat * c->plan->context.spacing / spacing;
 }
