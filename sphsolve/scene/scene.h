@@ -96,7 +96,7 @@ struct polygon {
 struct stl;
 
 /* Retention curve of variably saturated soil, van Genuchten's or Haverkamp's
- * (richards/retention.h); the porosity is then theta_s. */
+ * (darcy/retention.h); the porosity is then theta_s. */
 struct retention_curve {
   bool given;
   double alpha, n, theta_r, l; /* 1/m, -, -, - */

@@ -7,7 +7,7 @@
 #include "sphsolve/scene/keys.h"
 
 /* Largest ratio of the principal permeabilities; beyond it the multi-point fluxes of
- * richards/saturated.c may let h overshoot. */
+ * darcy/saturated.c may let h overshoot. */
 #define RATIO_MAX 30.0
 
 /* Drag of soil of permeability k (m/s, of the scene's fluid at standard gravity g). Darcy's law a v

@@ -11,12 +11,12 @@
 #include <unistd.h>
 
 #include "common/error.h"
-#include "sphsolve/richards/balance.h"
-#include "sphsolve/richards/domain.h"
-#include "sphsolve/richards/method.h"
-#include "sphsolve/richards/output.h"
-#include "sphsolve/richards/sites.h"
-#include "sphsolve/richards/step.h"
+#include "sphsolve/darcy/balance.h"
+#include "sphsolve/darcy/domain.h"
+#include "sphsolve/darcy/method.h"
+#include "sphsolve/darcy/output.h"
+#include "sphsolve/darcy/sites.h"
+#include "sphsolve/darcy/step.h"
 #include "sphsolve/scene/scene_read.h"
 
 struct run {

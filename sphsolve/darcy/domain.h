@@ -1,0 +1,29 @@
+/* What of a scene is at a site of the lattice, and beside it. */
+#ifndef TOSUI_SPHSOLVE_DARCY_DOMAIN_H
+#define TOSUI_SPHSOLVE_DARCY_DOMAIN_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+#include "sphsolve/geometry/lattice.h"
+#include "sphsolve/scene/scene.h"
+
+/* Whether no soil of a scene can hold air: none has a retention curve. */
+bool domain_is_full(const struct scene *scene);
+/* Whether a box holds a place; in 2-D y does not count. */
+bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
+/* Region of the soil at a place, the last that contains it; region_count: none. */
+size_t domain_soil_at(const struct scene *scene, const double x[3]);
+/* The site beyond a face of site `at`, or the lattice's count if there is none. */
+size_t domain_beyond(const struct scene *scene, const struct lattice *lattice, size_t at, int axis,
+                     bool low);
+/* Share of the face of a site at `x`, normal to `axis`, that lies in a box. */
+double domain_share(const struct lattice *lattice, const double x[3], int axis,
+                    const double box[6]);
+/* The inflow region at a face of a site at x on a side of the domain: the one that covers its
+ * centre or, for given fluxes, most of it; NULL: none. *share: of the face that it covers; 0
+ * before. */
+const struct region *domain_inflow_at(const struct scene *scene, const struct lattice *lattice,
+                                      const double x[3], int axis, bool low, double *share);
+
+#endif

@@ -1,0 +1,27 @@
+/* Boundary faces, wells and drains. */
+#ifndef TOSUI_SPHSOLVE_DARCY_EDGES_H
+#define TOSUI_SPHSOLVE_DARCY_EDGES_H
+
+#include "sphsolve/darcy/state.h"
+
+/* What holds at an edge: a pressure head outside, m, as far as the inward flux that it drives lies
+ * between `least` and `most`, m/s; otherwise that of the two which it exceeds. */
+struct richards_law {
+  double head, least, most;
+};
+struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
+                                    double time);
+/* Fluxes through the boundary faces at a time, from the states of the sites. */
+void richards_edge_fluxes(struct richards *s, double time);
+/* Distributes the rates of wells for a step, evenly over their sites under pressure. */
+void richards_share_wells(struct richards *s);
+/* Whether it is a boundary face, through which water flows along its axis. */
+static inline bool richards_is_face(const struct richards_edge *edge) {
+  return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
+}
+/* Flux of rain on a boundary face, m/s; 0 if there is none. */
+double richards_rain_at(const struct richards_edge *edge, double time);
+/* Largest flux that a well takes there, m/s. */
+double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
+
+#endif

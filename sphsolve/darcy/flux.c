@@ -1,0 +1,104 @@
+#include "sphsolve/darcy/flux.h"
+
+#include <math.h>
+
+#include "sphsolve/darcy/constants.h"
+
+/* w(P) and its derivative. */
+static void gravity_weight(double p, double *w, double *slope) {
+  if (fabs(p) < SERIES_PECLET) {
+    const double square = p * p;
+    *w = 0.5 + p * (1.0 / 12 - square / 720);
+    *slope = 1.0 / 12 - square / 240;
+    return;
+  }
+  const double half = sinh(fmin(fabs(0.5 * p), 300));
+  *w = -1 / expm1(-p) - 1 / p;
+  *slope = 1 / (p * p) - 0.25 / (half * half);
+}
+
+/* B(P) (Bernoulli function) for P >= 0, and its derivative. B(-P) is B(P) + P. */
+static void bernoulli(double p, double *b, double *slope) {
+  if (p < SERIES_PECLET) {
+    const double square = p * p;
+    *b = 1 - 0.5 * p + square * (1.0 / 12 - square / 720);
+    *slope = -0.5 + p * (1.0 / 6 - square / 180);
+    return;
+  }
+  const double more = expm1(fmin(p, 600));
+  *b = p / more;
+  *slope = (1 - *b - p) / more;
+}
+
+/* k_m from the difference of F; or for nearly equal heads by the Euler-Maclaurin formula. The two
+ * go over smoothly, since Newton's method is sensitive to any jump. */
+static double mean_conductivity(const struct retention_state *i, const struct retention_state *j,
+                                double dh, double df, double apart) {
+  const double s = fmin(fmax((apart - HEADS_NEAR) / (HEADS_FAR - HEADS_NEAR), 0), 1),
+               far = s * s * (3 - 2 * s);
+  const double near = 0.5 * (i->k + j->k) - dh / 12 * (i->slope - j->slope);
+  return far > 0 ? far * df / dh + (1 - far) * near : near;
+}
+
+void flux_in_soil(double conductivity, double distance, double pull,
+                  const struct retention_state *i, const struct retention_state *j,
+                  struct flux *flux) {
+  const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
+  const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
+  const double mean = mean_conductivity(i, j, dh, df, apart), sum = i->k + j->k;
+  const bool differs = fabs(dk) > K_ROUNDING * sum;
+  const double rate = differs && apart > 0.1 * HEADS_NEAR ? dk / (mean * dh)
+                      : sum > 0                           ? (i->slope + j->slope) / sum
+                                                          : 0;
+  double mean_i = 0.5 * i->slope, mean_j = 0.5 * j->slope, rate_i = 0, rate_j = 0;
+  if (differs && apart > HEADS_FAR) {
+    mean_i = (i->k - mean) / dh, mean_j = (mean - j->k) / dh;
+    rate_i = (i->slope - rate * i->k) / df, rate_j = (rate * j->k - j->slope) / df;
+  }
+  /* For dh < 0 the part -r dh of B(r dh) is moved to w, so that no derivative is a difference of
+   * large numbers; with heads of -1e4 m it would have no correct digit. k_i - k_j is k_m r dh: at
+   * rest the flux is exactly zero. */
+  double along, rest, along_slope, rest_slope;
+  gravity_weight(pull * distance * rate, &along, &along_slope);
+  bernoulli(fabs(rate * dh), &rest, &rest_slope);
+  if (dh < 0) along -= 1, rest_slope = -rest_slope;
+  const double w = pull * along, turn = pull * pull * distance * dk * along_slope;
+  flux->q = conductivity * mean * (dh / distance + pull * (rest + rate * dh * along));
+  flux->di = conductivity * (i->k / distance + w * i->slope + turn * rate_i +
+                             pull * (mean_i * rest + mean * rest_slope * (rate + dh * rate_i)));
+  flux->dj = conductivity * (-j->k / distance - w * j->slope + turn * rate_j +
+                             pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
+}
+
+void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
+                        double distance, double pull, const struct retention_state *i,
+                        const struct retention_state *j, struct flux *flux) {
+  const double half = 0.5 * distance;
+  struct retention_state at_i, at_j;
+  struct flux one, two;
+  /* The interface gains water for heads below `low`, and loses water above `high`. */
+  double low = fmin(i->h, j->h) - distance * fabs(pull),
+         high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
+  for (int round = 0; round < FACE_ITERATIONS_MAX; round++) {
+    retention_at(soil_i, h, &at_i);
+    retention_at(soil_j, h, &at_j);
+    flux_in_soil(soil_i->conductivity[axis], half, pull, i, &at_i, &one);
+    flux_in_soil(soil_j->conductivity[axis], half, pull, &at_j, j, &two);
+    const double open = one.q - two.q, fall = one.dj - two.di;
+    if (open > 0)
+      low = h;
+    else
+      high = h;
+    double next = fall < 0 ? h - open / fall : NAN;
+    if (!(next > low && next < high)) {
+      /* Between -1e4 m and 0 bisect the logarithms. */
+      next = low < -1e-6 && high < -1e-12 ? -sqrt(low * high) : 0.5 * (low + high);
+    }
+    if (fabs(next - h) <= 1e-14 * fmax(fabs(h), 1e-6) || open == 0) break;
+    h = next;
+  }
+  const double fall = one.dj - two.di;
+  flux->q = one.q;
+  flux->di = fall < 0 ? -one.di * two.di / fall : 0;
+  flux->dj = fall < 0 ? two.dj * one.dj / fall : 0;
+}

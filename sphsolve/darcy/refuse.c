@@ -1,0 +1,146 @@
+/* Rejects scenes that method richards cannot solve: each ends before the run with a one-line
+ * message that says why, and what would work. */
+#include <math.h>
+
+#include "common/ranks.h"
+#include "sphsolve/darcy/confined.h"
+#include "sphsolve/darcy/domain.h"
+#include "sphsolve/darcy/method.h"
+
+static enum status check_soil(const struct scene *scene, const struct region *region) {
+  const double *v = region->soil_velocity;
+  if (!region->retention.given)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: this soil has no van_genuchten or haverkamp, and others have: all of a "
+                "scene has one, or none; give its curve, or take the others' away for soil that is "
+                "full or dry, and leave the method out",
+                scene->path, region->line);
+  if (v[0] != 0 || v[1] != 0 || v[2] != 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: velocity: soil that is not full of water stays where it is; leave it out",
+                scene->path, region->line);
+  if (region->anisotropic && region->anisotropy[2] != 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: bedding: beds in soil that is not full of water lie along x and z; give "
+                "the permeability along these, without bedding",
+                scene->path, region->line);
+  if (region->dry)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: saturated: how wet this soil starts is said by head, pressure_head or "
+                "water_content; leave it out",
+                scene->path, region->line);
+  if (region->retention.starts_by == START_HEAD && scene->driving[2] == 0)
+    return FAIL(STATUS_INPUT,
+                "%s:%d: head: without gravity no level says how wet soil is; give pressure_head or "
+                "water_content",
+                scene->path, region->line);
+  return STATUS_OK;
+}
+
+static enum status check_region(const struct scene *scene, const struct region *region) {
+  switch (region->type) {
+  case REGION_POROUS:
+    return check_soil(scene, region);
+  case REGION_WATER:
+    return FAIL(
+        STATUS_INPUT,
+        "%s:%d: free water beside soil that is not full is not in it: give its level as the "
+        "head of an inflow region on a side, or leave the soil's curve out (method isph)",
+        scene->path, region->line);
+  case REGION_WELL:
+  case REGION_DRAIN:
+    return STATUS_OK; /* check_well */
+  case REGION_ABSORBING:
+    return FAIL(STATUS_INPUT,
+                "%s:%d: method richards has no %s; an inflow region on a side has a head or a flux",
+                scene->path, region->line, region_type_names[region->type]);
+  case REGION_INFLOW:
+    if (region->boundary == BOUNDARY_HEAD && scene->driving[2] == 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: head: without gravity a level has no pressure; give pressure_head",
+                  scene->path, region->line);
+    return STATUS_OK;
+  case REGION_RAIN:
+    if (!(scene->driving[2] < 0))
+      return FAIL(STATUS_INPUT, "%s:%d: rain needs a gravity along -z", scene->path, region->line);
+    return STATUS_OK;
+  case REGION_WALL:
+    if (*region->name)
+      return FAIL(STATUS_INPUT, "%s:%d: name: method richards has no forces on walls; leave it out",
+                  scene->path, region->line);
+    return STATUS_OK;
+  case REGION_EMPTY:
+    return STATUS_OK;
+  }
+  return STATUS_OK;
+}
+
+/* A well or a drain has to be in soil: it contains the centre of at least one site, and of sites of
+ * soil only. */
+static enum status check_well(const struct effect_context *context, const struct region *whole) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  size_t held = 0, site = 0;
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0]; i++, site++) {
+        const double x[3] = {l->origin[0] + (double)i * l->spacing[0],
+                             l->origin[1] + (double)j * l->spacing[1],
+                             l->origin[2] + (double)k * l->spacing[2]};
+        bool inside = false;
+        for (const struct region *part = whole; part < scene->regions + whole->end; part++)
+          inside = inside || domain_holds(scene, part->box, x);
+        held += inside;
+        if (inside && l->kind[site] != SITE_FLUID)
+          return FAIL(STATUS_INPUT,
+                      "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
+                      "it within a porous region",
+                      scene->path, whole->line, region_type_names[whole->type], x[0], x[1], x[2]);
+      }
+  if (held > 0) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s:%d: this %s holds the middle of no site; make it a spacing wide, %g m, or "
+              "domain.spacing smaller",
+              scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
+}
+
+/* Soil without a curve has to stay full of water. */
+static enum status check_full(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  bool confined;
+  char why[EFFECT_WHY];
+  enum status status = richards_confined(context, &confined, why);
+  if (status == STATUS_OK && !confined)
+    status = scene_error(scene, AT_METHOD,
+                         "method darcy is for seepage through soil that stays full of water, but "
+                         "%s; leave the method out",
+                         why);
+  for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
+      status = check_well(context, region);
+  }
+  return status;
+}
+
+enum status richards_refuse(const struct effect_context *context) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = context->scene;
+  if (ranks_count() > 1)
+    TRY(scene_error(scene, AT_METHOD, "method %s runs in one process; leave out mpirun",
+                    context->method->name));
+  if (context->method == &method_darcy) return check_full(context);
+  if (scene->driving[0] != 0 || scene->driving[1] != 0 || scene->driving[2] > 0)
+    TRY(scene_error(scene, AT_FORCE,
+                    "in method richards gravity is along -z, or absent: heads are heights"));
+  if (!isfinite(scene->end_time) && scene->steady_tolerance == 0)
+    TRY(scene_error(scene, AT_METHOD, "scene.end_time is missing, like end_time = \"1 h\""));
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    TRY(check_region(scene, region));
+    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
+      TRY(check_well(context, region));
+  }
+cleanup:
+  return status;
+}

@@ -1,0 +1,318 @@
+#include "sphsolve/darcy/sites.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "common/memory.h"
+#include "common/units.h"
+#include "sphsolve/geometry/thin_wall.h"
+#include "sphsolve/darcy/balance.h"
+#include "sphsolve/darcy/constants.h"
+#include "sphsolve/darcy/domain.h"
+#include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/saturated.h"
+#include "sphsolve/scene/scene.h"
+
+#define NO_SOIL UINT16_MAX /* in of_region: free water, or soil without drag */
+
+static const struct region *region_of(const struct richards *s, size_t site) {
+  return &s->scene->regions[s->lattice->region[site] - 1];
+}
+
+/* Free water beside soil that is full: its flow has no resistance to speak of. */
+static void make_water(struct retention *water, const struct retention *soils, size_t count) {
+  double most = 0;
+  for (size_t k = 0; k < count; k++)
+    for (int a = 0; a < 3; a++) most = fmax(most, soils[k].conductivity[a]);
+  most *= WATER_CONDUCTIVITY;
+  *water =
+      (struct retention){.theta_s = 1, .conductivity = {most, most, most}, .driest = -INFINITY};
+}
+
+/* Builds the soils; regions with the same properties share one. */
+static enum status find_soils(struct richards *s, uint16_t *of_region) {
+  enum status status = STATUS_OK;
+  const struct scene *scene = s->scene;
+  const double nu = scene->fluid.viscosity / scene->fluid.density;
+  TRY(memory_allocate(&s->soils, scene->region_count + 1, sizeof *s->soils, "soils"));
+  for (size_t r = 0; r < scene->region_count; r++) {
+    if (scene->regions[r].type != REGION_POROUS) continue;
+    if (scene->regions[r].first != r) {
+      of_region[r] = of_region[scene->regions[r].first];
+      continue;
+    }
+    struct retention *soil = &s->soils[s->soil_count];
+    if (s->full && !retention_full(&scene->regions[r], nu, soil)) {
+      of_region[r] = NO_SOIL;
+      continue;
+    }
+    if (!s->full) status = retention_make(&scene->regions[r], soil);
+    s->soil_count++;
+    if (status != STATUS_OK) goto cleanup;
+    s->turned = s->turned || soil->shear != 0;
+    size_t same = 0;
+    while (!retention_is_same(&s->soils[same], soil)) same++;
+    if (same + 1 < s->soil_count) retention_free(soil), s->soil_count--;
+    of_region[r] = (uint16_t)same;
+  }
+  if (s->full) make_water(&s->soils[s->soil_count], s->soils, s->soil_count), s->soil_count++;
+cleanup:
+  return status;
+}
+
+static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
+  return domain_beyond(s->scene, s->lattice, at, axis, low);
+}
+
+/* The rain on an upper face, if nothing is above it. */
+static const struct region *rain_at(const struct richards *s, size_t at, const double x[3],
+                                    double *share) {
+  for (size_t above = beyond(s, at, 2, false); above != s->lattice->count;
+       above = beyond(s, above, 2, false))
+    if (above == at || s->lattice->kind[above] != SITE_EMPTY) return NULL;
+  const struct region *found = NULL;
+  for (size_t r = 0; r < s->scene->region_count; r++) {
+    const struct region *region = &s->scene->regions[r];
+    if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
+    const double covered = domain_share(s->lattice, x, 2, region->box);
+    if (covered > *share) found = region, *share = covered;
+  }
+  return found;
+}
+
+/* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
+ * only counted. */
+static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
+  const struct lattice *l = s->lattice;
+  const size_t at = s->site[i], next = beyond(s, at, axis, low);
+  double x[3] = {0}, share = 0;
+  if (next != l->count && l->kind[next] == SITE_WALL) return;
+  if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
+  if (next != l->count && s->number[next] != SITE_NONE) {
+    if (low || next == at) return; /* each only once */
+    if (!count) {
+      const uint32_t f = (uint32_t)s->face_count, j = s->number[next];
+      s->faces[f] = (struct richards_face){.i = (uint32_t)i, .j = j, .axis = (uint8_t)axis};
+      if (s->full)
+        s->beside[6 * i + 2 * (size_t)axis + 1] = s->beside[6 * j + 2 * (size_t)axis] = f;
+    }
+    s->face_count++;
+    return;
+  }
+  /* The surface of free water is at the level that its windows hold. */
+  if (s->full && next != l->count && s->soil[i] + 1u == s->soil_count) return;
+  richards_place(s, i, x);
+  struct richards_edge edge = {.site = (uint32_t)i,
+                               .axis = (uint8_t)axis,
+                               .low = low,
+                               .share = 1,
+                               .z = x[2] + (axis != 2 ? 0
+                                            : low     ? -0.5
+                                                      : 0.5) *
+                                               s->spacing};
+  if (next == l->count) edge.region = domain_inflow_at(s->scene, l, x, axis, low, &share);
+  if (edge.region != NULL) {
+    static const enum richards_edge_kind kinds[] = {[BOUNDARY_NONE] = EDGE_AIR,
+                                                    [BOUNDARY_HEAD] = EDGE_HEAD,
+                                                    [BOUNDARY_FLUX] = EDGE_FLUX,
+                                                    [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
+    edge.kind = kinds[edge.region->boundary];
+    edge.share = share;
+  } else {
+    if (axis == 2 && !low) edge.region = rain_at(s, at, x, &share);
+    if (edge.region != NULL) edge.share = share;
+    if (edge.region == NULL && next == l->count) return; /* a closed side */
+  }
+  if (!count) s->edges[s->edge_count] = edge;
+  if (!count) s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
+  s->edge_count++;
+}
+
+/* Adds the well or drain that contains a site, if any. */
+static void add_well(struct richards *s, size_t i, bool count) {
+  double x[3];
+  richards_place(s, i, x);
+  for (size_t r = 0; r < s->scene->region_count; r++) {
+    const struct region *part = &s->scene->regions[r];
+    if ((part->type != REGION_WELL && part->type != REGION_DRAIN) ||
+        !domain_holds(s->scene, part->box, x))
+      continue;
+    if (s->full) s->soil[i] = (uint16_t)(s->soil_count - 1); /* free water stands in it */
+    if (!count)
+      s->edges[s->edge_count] =
+          (struct richards_edge){.site = (uint32_t)i,
+                                 .kind = part->type == REGION_WELL ? EDGE_WELL : EDGE_DRAIN,
+                                 .region = &s->scene->regions[part->first],
+                                 .share = 1,
+                                 .z = x[2]};
+    s->edge_count++;
+    return;
+  }
+}
+
+static void add_faces(struct richards *s, bool count) {
+  s->face_count = s->edge_count = 0;
+  for (size_t i = 0; i < s->count; i++) add_well(s, i, count);
+  for (size_t i = 0; i < s->count; i++)
+    for (int a = 0; a < 3; a++)
+      for (int side = 0; side < 2; side++)
+        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, i, a, side == 0, count);
+}
+
+/* The two sites of pair p: those of a face, or of a corner. */
+static void pair_at(const struct richards *s, size_t p, uint32_t pair[2]) {
+  if (p < s->face_count)
+    pair[0] = s->faces[p].i, pair[1] = s->faces[p].j;
+  else
+    memcpy(pair, s->corners[p - s->face_count], 2 * sizeof *pair);
+}
+
+/* Sets up the matrix: a row for each site, with entries for itself and each neighbouring site, in
+ * increasing order. */
+static enum status make_rows(struct richards *s) {
+  enum status status = STATUS_OK;
+  struct rows *rows = &s->rows;
+  const size_t pairs = s->face_count + s->corner_count;
+  uint32_t pair[2];
+  TRY(rows_allocate(s->count, s->count + 2 * pairs, rows));
+  for (size_t i = 0; i < s->count; i++) rows->start[i + 1] = 1;
+  for (size_t p = 0; p < pairs; p++) {
+    pair_at(s, p, pair);
+    rows->start[pair[0] + 1]++, rows->start[pair[1] + 1]++;
+  }
+  for (size_t i = 0; i < s->count; i++) rows->start[i + 1] += rows->start[i];
+  for (size_t i = 0; i < s->count; i++) rows->column[rows->start[i]] = (uint32_t)i;
+  /* end of the entries so far */
+  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows->start[i] + 1;
+  for (size_t p = 0; p < pairs; p++) {
+    pair_at(s, p, pair);
+    for (int side = 0; side < 2; side++) {
+      const uint32_t i = pair[side], j = pair[1 - side];
+      size_t k = rows->diagonal[i]++;
+      for (; k > rows->start[i] && rows->column[k - 1] > j; k--)
+        rows->column[k] = rows->column[k - 1];
+      rows->column[k] = j;
+    }
+  }
+  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows_entry(rows, i, (uint32_t)i);
+  for (size_t f = 0; f < s->face_count; f++) {
+    s->faces[f].ij = rows_entry(rows, s->faces[f].i, s->faces[f].j);
+    s->faces[f].ji = rows_entry(rows, s->faces[f].j, s->faces[f].i);
+    s->faces[f].soils_differ = s->soil[s->faces[f].i] != s->soil[s->faces[f].j];
+  }
+cleanup:
+  return status;
+}
+
+/* Initial pressure head of a site: water at rest below a level, a uniform pressure head, or a
+ * uniform water content. */
+static double head_at_start(const struct richards *s, size_t i) {
+  const struct region *region = region_of(s, s->site[i]);
+  const struct retention_curve *given = &region->retention;
+  const struct retention *soil = &s->soils[s->soil[i]];
+  double x[3], h = given->start;
+  richards_place(s, i, x);
+  if (given->starts_by == START_HEAD) h = -s->pull[2] * (given->start - x[2]);
+  if (given->starts_by == START_WATER && given->start < soil->theta_s)
+    h = retention_head(soil, retention_saturation(soil, given->start));
+  if (given->starts_by == START_WATER && !(given->start < soil->theta_s)) h = 0;
+  return fmax(h, soil->driest);
+}
+
+enum status richards_create(const struct scene *scene, const struct lattice *lattice,
+                            struct richards *s) {
+  enum status status = STATUS_OK;
+  uint16_t *of_region = NULL;
+  *s = (struct richards){.scene = scene,
+                         .lattice = lattice,
+                         .spacing = lattice->spacing[0],
+                         .full = domain_is_full(scene),
+                         .tolerance = STEP_TOLERANCE};
+  for (int a = 0; a < 3; a++) s->pull[a] = scene->driving[a] / GRAVITY_STANDARD;
+  for (size_t r = 0; r < scene->region_count; r++)
+    s->changes = s->changes || scene->regions[r].table.count > 0;
+  TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
+  TRY(find_soils(s, of_region));
+  for (size_t at = 0; at < lattice->count; at++) s->count += lattice->kind[at] == SITE_FLUID;
+  TRY(memory_allocate(&s->site, s->count, sizeof *s->site, "sites of soil"));
+  TRY(memory_allocate(&s->number, lattice->count, sizeof *s->number, "sites of soil"));
+  TRY(memory_allocate(&s->soil, s->count, sizeof *s->soil, "sites of soil"));
+  s->count = 0;
+  for (size_t at = 0; at < lattice->count; at++) {
+    s->number[at] = SITE_NONE;
+    if (lattice->kind[at] != SITE_FLUID) continue;
+    s->site[s->count] = (uint32_t)at;
+    s->number[at] = (uint32_t)s->count++;
+  }
+  for (size_t i = 0; i < s->count; i++) {
+    double x[3];
+    richards_place(s, i, x);
+    const size_t r = s->full ? domain_soil_at(scene, x) : (size_t)(lattice->region[s->site[i]] - 1);
+    s->soil[i] = r < scene->region_count ? of_region[r] : NO_SOIL;
+    if (s->soil[i] == NO_SOIL) s->soil[i] = (uint16_t)(s->soil_count - 1);
+  }
+  TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
+  memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
+  add_faces(s, true);
+  TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
+  TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
+  add_faces(s, false);
+  s->turned = s->turned || (s->full && s->soil_count > 2);
+  if (s->full) TRY(richards_saturated_bodies(s));
+  if (s->turned) TRY(richards_saturated_corners(s));
+  TRY(make_rows(s));
+  double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
+                             &s->second, &s->residual, &s->term_size, &s->change};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
+    TRY(memory_allocate(arrays[k], s->count, sizeof(double), "water in soil"));
+  TRY(memory_allocate(&s->now, s->count, sizeof *s->now, "water in soil"));
+  TRY(memory_allocate(&s->from, s->count, sizeof *s->from, "water in soil"));
+  TRY(memory_allocate(&s->face_flux, s->face_count, sizeof *s->face_flux, "fluxes"));
+  TRY(memory_allocate(&s->edge_flux, s->edge_count, sizeof *s->edge_flux, "fluxes"));
+  TRY(memory_allocate(&s->edge_first, s->edge_count, sizeof *s->edge_first, "fluxes"));
+  if (s->full) TRY(memory_allocate(&s->speed, s->count, sizeof *s->speed, "fluxes"));
+  if (s->full) TRY(memory_allocate(&s->limited, s->edge_count, sizeof *s->limited, "fluxes"));
+  double **const sums[] = {&s->entered, &s->rained, &s->ran_off};
+  for (size_t k = 0; k < sizeof sums / sizeof *sums; k++)
+    TRY(memory_allocate(sums[k], scene->region_count, sizeof(double), "what came and went"));
+  for (size_t i = 0; i < s->count && !s->full; i++) s->h[i] = head_at_start(s, i);
+  richards_share_wells(s);
+  if (s->full)
+    TRY(richards_saturated_solve(s, 0));
+  else
+    richards_evaluate(s, 0);
+  for (size_t i = 0; i < s->count; i++) s->water[i] = s->now[i].theta;
+  s->start = richards_water(s);
+  for (size_t k = 0; k < s->soil_count; k++)
+    for (int a = 0; a < 3; a++)
+      s->fastest = fmax(s->fastest, s->soils[k].conductivity[a] / s->spacing /
+                                        (s->soils[k].theta_s - s->soils[k].theta_r));
+  s->next_dt = FIRST_STEP / s->fastest;
+cleanup:
+  memory_free(&of_region);
+  return status;
+}
+
+void richards_free(struct richards *s) {
+  for (size_t k = 0; k < s->soil_count; k++) retention_free(&s->soils[k]);
+  memory_free(&s->soils);
+  memory_free(&s->site);
+  memory_free(&s->number);
+  memory_free(&s->soil);
+  memory_free(&s->faces);
+  memory_free(&s->edges);
+  rows_free(&s->rows);
+  double **const arrays[] = {&s->h,          &s->water,    &s->before,   &s->target,  &s->first,
+                             &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,
+                             &s->edge_first, &s->ran_off,  &s->term_size};
+  for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
+  memory_free(&s->beside);
+  memory_free(&s->corners);
+  memory_free(&s->body);
+  memory_free(&s->speed);
+  memory_free(&s->limited);
+  memory_free(&s->now);
+  memory_free(&s->from);
+  memory_free(&s->face_flux);
+  memory_free(&s->edge_flux);
+}
