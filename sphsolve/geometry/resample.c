@@ -187,8 +187,8 @@ static void copy_regions(const struct lattice *fine, struct lattice *out) {
   }
 }
 
-enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
-                             struct lattice *out) {
+enum status lattice_sample(const struct lattice *fine, double spacing, double offset,
+                           struct lattice *out) {
   enum status status = STATUS_OK;
   struct target t;
   const bool mirrored = lattice_is_mirrored(fine);
@@ -218,8 +218,16 @@ enum status lattice_resample(const struct lattice *fine, double spacing, double 
   if (fine->region) copy_regions(fine, out);
   TRY(lattice_soil_resample(fine, out));
   if (mirrored) lattice_soil_mirror(out);
-  TRY(thin_wall_find_faces(out));
 cleanup:
+  if (status != STATUS_OK) lattice_free(out);
+  return status;
+}
+
+enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
+                             struct lattice *out) {
+  enum status status = lattice_sample(fine, spacing, offset, out);
+  if (status != STATUS_OK) return status;
+  status = thin_wall_find_faces(out);
   if (status != STATUS_OK) lattice_free(out);
   return status;
 }

@@ -12,6 +12,11 @@
 enum status lattice_resample(const struct lattice *fine, double spacing, double offset,
                              struct lattice *out);
 
+/* The same without the walls between neighbouring sites (lattice.cut), for a lattice that is only
+ * sampled anew. */
+enum status lattice_sample(const struct lattice *fine, double spacing, double offset,
+                           struct lattice *out);
+
 /* Resamples the lattice to the spacing that the scene asks for (lattice.spacing), if any. */
 enum status lattice_apply_spacing(const struct scene *scene, struct lattice *lattice);
 

@@ -189,7 +189,7 @@ enum status lattice_blur(const struct lattice *fine, double deviation, const str
   const double spacing = fmax(spacing_of(fine), fmin(spacing_of(level), deviation));
   const double taken = fmax(deviation, DEVIATION_MIN * spacing);
   *scale = deviation * deviation / (taken * taken);
-  TRY(lattice_resample(fine, spacing, 0.0, &blurred));
+  TRY(lattice_sample(fine, spacing, 0.0, &blurred));
   TRY(blur_walls(&blurred, taken));
   TRY(lattice_resample(&blurred, spacing_of(level), 0.0, out));
 cleanup:

@@ -1,6 +1,7 @@
 #include "sphsolve/geometry/thin_wall.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/interrupt.h"
@@ -216,19 +217,36 @@ static bool follow(const struct walk *w, struct thin_wall_side *near, struct thi
   return found;
 }
 
-bool thin_wall_open_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
-  size_t index[3][2];
+/* Whether the link meets a wall between two places, at distances d_from and d_to from the walls.
+ * The distance falls by at most the way, so that half ways without room for a wall are not looked
+ * at. slack: m, error of the distances. */
+static bool meets_wall(const struct walk *w, double from, double d_from, double to, double d_to,
+                       double slack) {
+  if (d_from < 0.0 || d_to < 0.0) return true;
+  if (d_from + d_to > to - from + slack || to - from < STEP_MIN * w->unit) return false;
+  const double middle = 0.5 * (from + to), d = distance_at(w, middle);
+  return meets_wall(w, from, d_from, middle, d, slack) || meets_wall(w, middle, d, to, d_to, slack);
+}
+
+bool thin_wall_open_box(const struct lattice *l, const size_t at[3], const int step[3]) {
+  size_t first[3];
+  bool cell = true;
   for (int a = 0; a < 3; a++) {
-    if (step[a] > 1 || step[a] < -1) return false;
-    index[a][0] = at[a];
-    index[a][1] = wrap((long)at[a] + step[a], l->size[a], 0);
+    cell = cell && abs(step[a]) <= 1;
+    first[a] = wrap((long)at[a] + (step[a] < 0 ? step[a] : 0), l->size[a], 0);
   }
-  if (l->surface == NULL && l->boxes == NULL) return true;
-  for (int c = 0; c < 8; c++) {
-    const size_t s =
-        (index[2][c >> 2] * l->size[1] + index[1][c >> 1 & 1]) * l->size[0] + index[0][c & 1];
-    if (l->kind[s] != SITE_FLUID || (l->cut != NULL && l->cut[s] != 0)) return false;
-  }
+  if (cell && l->surface == NULL && l->boxes == NULL) return true;
+  size_t index[3];
+  for (int k = 0; k <= abs(step[2]); k++)
+    for (int j = 0; j <= abs(step[1]); j++) {
+      index[2] = wrap((long)first[2] + k, l->size[2], 0);
+      index[1] = wrap((long)first[1] + j, l->size[1], 0);
+      const size_t row = (index[2] * l->size[1] + index[1]) * l->size[0];
+      for (int i = 0; i <= abs(step[0]); i++) {
+        const size_t s = row + wrap((long)first[0] + i, l->size[0], 0);
+        if (l->kind[s] != SITE_FLUID || (l->cut != NULL && l->cut[s] != 0)) return false;
+      }
+    }
   return true;
 }
 
@@ -262,11 +280,12 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
     w.unit = fmax(s->thinnest, SCENE_WALL_THICKNESS_MIN * w.unit);
     w.error = 0.0;
   }
-  /* The distances at the two sites leave no room for a wall. */
-  if ((double)l->wall_distance[here] + (double)l->wall_distance[there] >
-      w.length + (l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0))
-    return false;
+  const double slack = l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0;
+  const double d_here = (double)l->wall_distance[here], d_there = (double)l->wall_distance[there];
+  if (d_here + d_there > w.length + slack) return false;
   for (int a = 0; a < 3; a++) w.direction[a] /= w.length, w.along[a] /= w.length;
+  if (!meets_wall(&w, 0.0, back ? d_there : d_here, w.length, back ? d_here : d_there, slack))
+    return false;
   return back ? follow(&w, far, near) : follow(&w, near, far);
 }
 

@@ -25,11 +25,11 @@ struct thin_wall_side {
 bool thin_wall_cuts(const struct lattice *lattice, const size_t at[3], const int step[3],
                     struct thin_wall_side *near, struct thin_wall_side *far);
 
-/* Whether a link is known to be open without following it. It lies in one cell of the lattice, and
- * the lattice is the surface itself, whose walls have sites; or the sites of the cell are all
- * fluid, and none of its faces is cut (lattice.cut): a wall on the link would end within the cell,
- * and fluid would go around. */
-bool thin_wall_open_cell(const struct lattice *lattice, const size_t at[3], const int step[3]);
+/* Whether a link is known to be open without following it. The sites of the box that it spans are
+ * all fluid, and none of their faces is cut (lattice.cut): a wall on the link would end within the
+ * box, and fluid would go around. Or the box is one cell of a lattice that is the surface itself,
+ * whose walls have sites. */
+bool thin_wall_open_box(const struct lattice *lattice, const size_t at[3], const int step[3]);
 
 /* Fills lattice->cut from the links over faces; it stays NULL if no wall separates two fluid sites
  * that share a face. */

@@ -13,11 +13,11 @@
 static enum status leads_through(const struct lattice *l, const double driving[3], double distance,
                                  uint8_t *kind, bool *leads) {
   struct lattice wide = *l;
+  const float least = (float)distance;
   wide.kind = kind;
 #pragma omp parallel for schedule(static)
   for (size_t s = 0; s < l->count; s++)
-    kind[s] = l->kind[s] == SITE_FLUID && (double)l->wall_distance[s] >= distance ? SITE_FLUID
-                                                                                  : SITE_WALL;
+    kind[s] = l->kind[s] == SITE_FLUID && l->wall_distance[s] >= least ? SITE_FLUID : SITE_WALL;
   return percolation_find(&wide, driving, false, NULL, leads);
 }
 

@@ -131,7 +131,7 @@ enum status cascade_add_model_parts(struct cascade *c, const struct lattice *lat
   add_calibration(&c->base->model, &c->uncertainty);
   lattice_free(&moved);
   /* The model from every second of its voxels, in each direction. */
-  TRY(lattice_resample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
+  TRY(lattice_sample(c->base, 2.0 * c->plan->context.spacing, 0.0, &coarser));
   TRY(lattice_resample(&coarser, spacing, 0.0, &moved));
   TRY(cascade_solve(c, &moved, from, &cascade_part_goal, false, &other));
   if (other > 0.0) c->uncertainty.model = CONVERGE_MODEL_SHARE * fabs(other / k - 1.0);

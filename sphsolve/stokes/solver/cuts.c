@@ -75,7 +75,7 @@ static enum status find_row(const struct stokes_operator *op, size_t row, struct
       const bool both = is_solved(grid, other) && stokes_grid_is_active(grid, other, x);
       /* The offsets are symmetric: the opposite of o is as far from the end of the list. */
       const int opposite = stencil->offset_count - 1 - o;
-      if ((both && opposite < o) || thin_wall_open_cell(op->lattice, at, step) ||
+      if ((both && opposite < o) || thin_wall_open_box(op->lattice, at, step) ||
           !thin_wall_cuts(op->lattice, at, step, &near, &far))
         continue;
       TRY(add_end(ends, op, row, packed, (uint32_t)o, other * grid->stride + x, &near));
