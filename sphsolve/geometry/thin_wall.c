@@ -228,25 +228,51 @@ static bool meets_wall(const struct walk *w, double from, double d_from, double 
   return meets_wall(w, from, d_from, middle, d, slack) || meets_wall(w, middle, d, to, d_to, slack);
 }
 
-bool thin_wall_open_box(const struct lattice *l, const size_t at[3], const int step[3]) {
-  size_t first[3];
-  bool cell = true;
-  for (int a = 0; a < 3; a++) {
-    cell = cell && abs(step[a]) <= 1;
-    first[a] = wrap((long)at[a] + (step[a] < 0 ? step[a] : 0), l->size[a], 0);
+/* The site of a box `i`, `j`, `k` steps from its lowest corner. */
+static size_t site_in_box(const struct lattice *l, const size_t first[3], int i, int j, int k) {
+  return (wrap((long)first[2] + k, l->size[2], 0) * l->size[1] +
+          wrap((long)first[1] + j, l->size[1], 0)) *
+             l->size[0] +
+         wrap((long)first[0] + i, l->size[0], 0);
+}
+
+/* Whether a way over faces leads from one corner of a cell to the opposite one, each step towards
+ * it, through fluid sites. */
+static bool leads_across_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
+  bool reached[8] = {true};
+  for (unsigned c = 1; c < 8; c++) { /* bit a: whether the step along axis a is done */
+    const unsigned done[3] = {c & 1U, c >> 1 & 1U, c >> 2 & 1U};
+    size_t to[3];
+    bool from = false;
+    for (int a = 0; a < 3; a++) {
+      if (done[a] && step[a] == 0) goto next;
+      to[a] = wrap((long)at[a] + (done[a] ? step[a] : 0), l->size[a], 0);
+      from = from || (done[a] && reached[c & ~(1U << a)]);
+    }
+    reached[c] = from && l->kind[(to[2] * l->size[1] + to[1]) * l->size[0] + to[0]] == SITE_FLUID;
+  next:;
   }
-  if (cell && l->surface == NULL && l->boxes == NULL) return true;
-  size_t index[3];
-  for (int k = 0; k <= abs(step[2]); k++)
-    for (int j = 0; j <= abs(step[1]); j++) {
-      index[2] = wrap((long)first[2] + k, l->size[2], 0);
-      index[1] = wrap((long)first[1] + j, l->size[1], 0);
-      const size_t row = (index[2] * l->size[1] + index[1]) * l->size[0];
-      for (int i = 0; i <= abs(step[0]); i++) {
-        const size_t s = row + wrap((long)first[0] + i, l->size[0], 0);
+  return reached[(step[0] != 0) | (step[1] != 0) << 1 | (step[2] != 0) << 2];
+}
+
+/* Whether a link lies in one cell of a lattice that is the surface itself. */
+static bool in_own_cell(const struct lattice *l, const int step[3]) {
+  return l->surface == NULL && l->boxes == NULL && abs(step[0]) <= 1 && abs(step[1]) <= 1 &&
+         abs(step[2]) <= 1;
+}
+
+bool thin_wall_open_box(const struct lattice *l, const size_t at[3], const int step[3]) {
+  const int n[3] = {abs(step[0]), abs(step[1]), abs(step[2])};
+  size_t first[3];
+  for (int a = 0; a < 3; a++)
+    first[a] = wrap((long)at[a] + (step[a] < 0 ? step[a] : 0), l->size[a], 0);
+  if (in_own_cell(l, step)) return leads_across_cell(l, at, step);
+  for (int k = 0; k <= n[2]; k++)
+    for (int j = 0; j <= n[1]; j++)
+      for (int i = 0; i <= n[0]; i++) {
+        const size_t s = site_in_box(l, first, i, j, k);
         if (l->kind[s] != SITE_FLUID || (l->cut != NULL && l->cut[s] != 0)) return false;
       }
-    }
   return true;
 }
 
@@ -280,13 +306,23 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
     w.unit = fmax(s->thinnest, SCENE_WALL_THICKNESS_MIN * w.unit);
     w.error = 0.0;
   }
+  const bool pinched = in_own_cell(l, step) && !leads_across_cell(l, at, step);
   const double slack = l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0;
   const double d_here = (double)l->wall_distance[here], d_there = (double)l->wall_distance[there];
-  if (d_here + d_there > w.length + slack) return false;
+  if (d_here + d_there > w.length + slack && !pinched) return false;
   for (int a = 0; a < 3; a++) w.direction[a] /= w.length, w.along[a] /= w.length;
-  if (!meets_wall(&w, 0.0, back ? d_there : d_here, w.length, back ? d_here : d_there, slack))
-    return false;
-  return back ? follow(&w, far, near) : follow(&w, near, far);
+  struct thin_wall_side *first = back ? far : near, *last = back ? near : far;
+  if (meets_wall(&w, 0.0, back ? d_there : d_here, w.length, back ? d_here : d_there, slack) &&
+      follow(&w, first, last))
+    return true;
+  if (!pinched) return false;
+  for (int end = 0; end < 2; end++) { /* two voxels of wall touch halfway */
+    struct thin_wall_side *side = end ? last : first;
+    if (side == NULL) continue;
+    side->before = side->behind = 0.5 * w.length;
+    for (int a = 0; a < 3; a++) side->normal[a] = end ? w.direction[a] : -w.direction[a];
+  }
+  return true;
 }
 
 /* The site after one along an axis, across the periodic boundary. */
