@@ -15,6 +15,7 @@
 #include "common/memory.h"
 #include "sphsolve/scene/keys.h"
 #include "sphsolve/scene/scene_parts.h"
+#include "sphsolve/scene/lost_wall.h"
 #include "sphsolve/scene/scene_stl.h"
 
 /* Largest number of corners of a polygon, and corners of the polygon that represents a circle of
@@ -202,9 +203,9 @@ static enum status cut_row(const struct region *whole, int w, double low, double
   return STATUS_OK;
 }
 
-/* Adds the sites with centres inside in the row at v; `holds`: whether there are any. */
+/* Adds the sites with centres inside in the row at v. */
 static enum status cut_sites(const struct scene *scene, const struct region *whole, int w, double v,
-                             struct scene_parts *parts, bool *holds) {
+                             struct scene_parts *parts) {
   const double dx = scene->spacing, end = scene->domain_size[whole->polygon->plane[1 - w]];
   const double top = scene->domain_size[whole->polygon->plane[w]];
   double at[CORNERS_MAX];
@@ -212,7 +213,6 @@ static enum status cut_sites(const struct scene *scene, const struct region *who
   for (size_t k = 0; k + 1 < n; k += 2) {
     const double from = ceil(at[k] / dx - 0.5 - 1e-9), to = floor(at[k + 1] / dx - 0.5 + 1e-9) + 1;
     if (to <= from) continue;
-    *holds = true;
     const enum status status = add_part(whole, w, v - 0.5 * dx, fmin(top, v + 0.5 * dx), from * dx,
                                         fmin(end, to * dx), 1e-6 * dx, parts);
     if (status != STATUS_OK) return status;
@@ -220,10 +220,8 @@ static enum status cut_sites(const struct scene *scene, const struct region *who
   return STATUS_OK;
 }
 
-/* `broken`: rows without a site lie between rows with some, where the body is thinner than the
- * spacing. */
 static enum status cut(const struct scene *scene, const struct region *whole,
-                       struct scene_parts *parts, bool *broken) {
+                       struct scene_parts *parts) {
   const struct polygon *p = whole->polygon;
   const double dx = scene->spacing, near = 1e-6 * dx;
   double slope[2] = {0}; /* total lengths along each axis of the oblique edges */
@@ -234,20 +232,38 @@ static enum status cut(const struct scene *scene, const struct region *whole,
   }
   const int w = slope[1] < slope[0] ? 0 : 1; /* axis along which rows are stacked */
   const double low = whole->box[p->plane[w]], high = whole->box[p->plane[w] + 3];
-  bool before = false, gap = false;
   for (double row = floor(low / dx + 1e-6); row * dx < high - near; row++) {
-    bool holds = false;
     const enum status status =
         whole->type == REGION_POROUS || whole->type == REGION_WELL || whole->type == REGION_DRAIN
             ? cut_row(whole, w, fmax(low, row * dx), fmin(high, (row + 1) * dx), near,
                       BISECTIONS_MAX, parts)
-            : cut_sites(scene, whole, w, (row + 0.5) * dx, parts, &holds);
+            : cut_sites(scene, whole, w, (row + 0.5) * dx, parts);
     if (status != STATUS_OK) return status;
-    *broken |= holds && gap;
-    gap = before && !holds;
-    before |= holds;
   }
   return STATUS_OK;
+}
+
+/* Adds the points of a wall where it is thinner than the spacing and would let water through. */
+static enum status fill_thin(const struct scene *scene, const struct region *whole,
+                             struct scene_parts *parts) {
+  enum status status = STATUS_OK;
+  const struct polygon *p = whole->polygon;
+  struct lost_wall wall;
+  double at[CORNERS_MAX];
+  TRY(lost_wall_begin(scene, whole->box, p ? p->axis : -1, &wall));
+  if (p == NULL) TRY(scene_stl_lines(scene, whole, &wall));
+  for (int w = 0; p != NULL && w < 2; w++)
+    for (size_t i = 0; i < wall.size[p->plane[w]]; i++) {
+      long line[3] = {0};
+      line[p->plane[w]] = wall.first[p->plane[w]] + (long)i;
+      const size_t n = scan(p, w, ((double)line[p->plane[w]] + 0.5) * scene->spacing, at);
+      for (size_t k = 0; k + 1 < n; k += 2)
+        lost_wall_add(&wall, p->plane[1 - w], line, at[k], at[k + 1]);
+    }
+  TRY(lost_wall_fill(&wall, whole, parts));
+cleanup:
+  memory_free(&wall.bits);
+  return status;
 }
 
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
@@ -262,10 +278,10 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
   for (size_t i = 0; i < scene->region_count && any; i++) {
     struct region *region = &scene->regions[i];
     const bool stl = region->stl != NULL;
-    bool broken = false;
     parts.count = 0;
     if (region->polygon != NULL || stl) {
-      TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts, &broken));
+      TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
+      if (region->type == REGION_WALL) TRY(fill_thin(scene, region, &parts));
       for (size_t k = 0; k < parts.count; k++) parts.region[k].stl = NULL;
       scene_free_stl(region);
       if (parts.count == 0)
@@ -273,12 +289,6 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
                          "is narrower than the spacing (%g m) and holds no site; use a smaller "
                          "domain.spacing",
                          scene->spacing));
-      if (broken && region->type == REGION_WALL)
-        TRY(config_error(
-            config, config_item(list, i),
-            "is a wall thinner than the spacing (%g m), which lets water through where "
-            "it holds no site; use a smaller domain.spacing, or a thicker wall",
-            scene->spacing));
     } else {
       TRY(memory_resize(&parts.region, parts.count = 1, sizeof *parts.region, "regions"));
       parts.region[0] = *region;

@@ -282,3 +282,28 @@ cleanup:
   memory_free(&cut.interval);
   return status;
 }
+
+enum status scene_stl_lines(const struct scene *scene, const struct region *whole,
+                            struct lost_wall *wall) {
+  enum status status = STATUS_OK;
+  struct cut cut = {.scene = scene, .whole = whole};
+  for (cut.run = 0; cut.run < 3; cut.run++) {
+    cut.across = (cut.run + 1) % 3, cut.up = (cut.run + 2) % 3;
+    for (size_t k = 0; k < wall->size[cut.up]; k++) {
+      long at[3] = {0};
+      at[cut.up] = wall->first[cut.up] + (long)k;
+      TRY(find_section(&cut, ((double)at[cut.up] + 0.5) * scene->spacing, &cut.sections[0]));
+      for (size_t j = 0; j < wall->size[cut.across] && cut.sections[0].count > 0; j++) {
+        at[cut.across] = wall->first[cut.across] + (long)j;
+        cut.count = 0;
+        TRY(add_line(&cut, &cut.sections[0], ((double)at[cut.across] + 0.5) * scene->spacing));
+        for (size_t i = 0; i < cut.count; i++)
+          lost_wall_add(wall, cut.run, at, cut.interval[i][0], cut.interval[i][1]);
+      }
+    }
+  }
+cleanup:
+  memory_free(&cut.sections[0].end);
+  memory_free(&cut.interval);
+  return status;
+}

@@ -3,6 +3,7 @@
 #define TOSUI_SPHSOLVE_SCENE_SCENE_STL_H
 
 #include "common/config.h"
+#include "sphsolve/scene/lost_wall.h"
 #include "sphsolve/scene/scene_parts.h"
 
 /* Whether a group describes one. */
@@ -13,6 +14,9 @@ enum status scene_read_stl(struct config *config, config_node *group, const stru
 /* Cuts it into boxes. */
 enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
                           struct scene_parts *parts);
+/* Adds its pieces on all lines through points of the lattice. */
+enum status scene_stl_lines(const struct scene *scene, const struct region *whole,
+                            struct lost_wall *wall);
 void scene_free_stl(struct region *region);
 
 #endif

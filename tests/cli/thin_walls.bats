@@ -40,6 +40,61 @@ EOF
   slit wcsph 30.5 31.5
 }
 
+# A channel 40 mm wide and across it an oblique plate $1 mm thick along the channel, with a gap of 4 mm at its end. The
+# reference is a staggered-grid Stokes solver on voxels of 1/4 and 1/8 mm, its limit at first order.
+oblique() {
+  cat > oblique.cfg <<EOF
+scene = { name = "oblique"; method = "stokes"; };
+domain = { size = ["40 mm", "60 mm"]; spacing = "1 mm"; periodic = [false, true]; };
+fluids = ( { density = "998.2 kg/m^3"; viscosity = "1 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "40 mm", "60 mm"]; }, { type = "wall";
+  corners = ["0", "10.2 mm", "36 mm", "35.4 mm", "36 mm", "$(awk "BEGIN{print 35.4 + $1}") mm", "0", "$(awk "BEGIN{print 10.2 + $1}") mm"]; } );
+force = { body_acceleration = ["0", "0.01 m/s^2"]; };
+EOF
+  sphsolve run oblique.cfg -o oblique --force --quiet --json > oblique.json
+  /usr/bin/python3 - "$2" <<'EOF'
+import json, sys
+run, exact = json.load(open("oblique.json")), float(sys.argv[1])
+assert abs(run["k"] / exact - 1) < 0.12, (run["k"], exact)  # without the plate k is 70 times as large
+EOF
+}
+
+@test "an oblique wall of any thickness holds water back, though few or none of its points are in it" {
+  oblique 0.01 0.0129 # the limit of thin plates
+  oblique 0.3 0.0129
+  oblique 0.6 0.0129
+  oblique 1.1 0.01197
+  oblique 2.6 0.00978
+}
+
+# The plate as a body of triangles from wall to wall: nothing passes, however thin it is.
+@test "a body of triangles thinner than the spacing holds water back" {
+  for thick in 0.01 0.4 0.9 1.3; do
+    /usr/bin/python3 - $thick <<'EOF'
+import sys
+thick = float(sys.argv[1])
+def corner(i, j, k):
+    return "vertex %g %g %g" % (20 * i, 20 * j, 10.2 + 0.7 * 20 * i + k * thick)
+faces = [(0, 2, 6, 4), (1, 5, 7, 3), (0, 4, 5, 1), (2, 3, 7, 6), (0, 1, 3, 2), (4, 6, 7, 5)]
+with open("plate.stl", "w") as file:
+    file.write("solid plate\n")
+    for a, b, c, d in faces:
+        for triangle in ((a, b, c), (a, c, d)):
+            file.write("facet normal 0 0 0 outer loop %s endloop endfacet\n" % " ".join(corner(v >> 2, v >> 1 & 1, v & 1) for v in triangle))
+    file.write("endsolid plate\n")
+EOF
+    cat > plate.cfg <<'EOF'
+scene = { name = "plate"; method = "stokes"; };
+domain = { size = ["20 mm", "20 mm", "30 mm"]; spacing = "1 mm"; periodic = [false, false, true]; };
+fluids = ( { density = "998.2 kg/m^3"; viscosity = "1 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0", "20 mm", "20 mm", "30 mm"]; }, { type = "wall"; stl = "plate.stl"; stl_unit = "1 mm"; } );
+force = { body_acceleration = ["0", "0", "0.01 m/s^2"]; };
+EOF
+    sphsolve run plate.cfg -o plate --force --json > plate.json 2> plate.err
+    [ "$(jq .k plate.json)" = 0 ]
+  done
+}
+
 # Under a sheet pile from $1 to $2 m, the kg of water that pass in a day.
 pile() {
   cat > pile.cfg <<EOF
