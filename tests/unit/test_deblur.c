@@ -367,11 +367,75 @@ static void test_hidden_pores(void **state) {
   memory_free(&truth);
 }
 
+/* 1 + cos over 2, of 16 voxels a period along x: a scanner whose spot is a Gaussian, with a fringe,
+ * and whose voxels are averages shows (1 + T cos)/2, T = exp(-b^2 q^2/2) (1 + f b^2 q^2)
+ * sin(q/2)/(q/2). */
+static void wave(const struct deblur_scanner *scanner, struct deblur *deblur, double *transfer) {
+  const size_t size[3] = {32, 4, 4}, n = 32 * 4 * 4;
+  const double q = M_PI / 8.0, x = pow(scanner->blur[0] * q, 2.0);
+  *transfer = exp(-0.5 * x) * (1.0 + scanner->fringe * x) * sin(0.5 * q) / (0.5 * q);
+  assert_int_equal(deblur_start(n, scanner, deblur), STATUS_OK);
+  memcpy(deblur->size, size, sizeof size);
+  for (size_t i = 0; i < n; i++) {
+    const double at = cos(q * ((double)(i % size[0]) + 0.5));
+    deblur->grain[i] = 1.0F;
+    deblur->u[i] = (float)(0.5 + 0.5 * at);
+    deblur->grey[i] = (float)(0.5 + 0.5 * *transfer * at);
+  }
+}
+
+/* The transfer that the misfit is of, to a hundredth of what a voxel and the fringe take and give.
+ */
+static void test_transfer(void **state) {
+  (void)state;
+  for (int fringe = 0; fringe < 2; fringe++) {
+    const struct deblur_scanner scanner = {.blur = {1.2, 1.2, 1.2},
+                                           .fringe = 0.4 * fringe,
+                                           .power = 0.01,
+                                           .stretch = {1.0, 1.0, 1.0},
+                                           .surface = 1.0};
+    struct deblur deblur;
+    double transfer;
+    wave(&scanner, &deblur, &transfer);
+    const double n = (double)(deblur.size[0] * deblur.size[1] * deblur.size[2]);
+    const double off = sqrt(8.0 * deblur_misfit(&deblur, deblur.grey) / n) / transfer;
+    print_message("fringe %g: transfer %.4f, off by %.5f of it\n", scanner.fringe, transfer, off);
+    assert_true(off < 0.002);
+    deblur_end(&deblur);
+  }
+}
+
+/* However much a fringe amplifies, the iterations settle. */
+static void test_strong_fringe(void **state) {
+  (void)state;
+  const struct deblur_scanner scanner = {.blur = {1.2, 1.2, 1.2},
+                                         .fringe = 1.5,
+                                         .power = 0.01,
+                                         .stretch = {1.0, 1.0, 1.0},
+                                         .surface = 1.0};
+  float share[2][32 * 4 * 4];
+  double changed = 0.0;
+  for (int run = 0; run < 2; run++) {
+    struct deblur deblur;
+    double transfer;
+    wave(&scanner, &deblur, &transfer);
+    if (run == 1) deblur.iterations += 7;
+    assert_int_equal(deblur_run(&deblur), STATUS_OK);
+    memcpy(share[run], deblur.share, sizeof share[run]);
+    deblur_end(&deblur);
+  }
+  for (size_t i = 0; i < 32 * 4 * 4; i++)
+    changed = fmax(changed, fabs((double)share[1][i] - (double)share[0][i]));
+  print_message("seven iterations more change shares by %g\n", changed);
+  assert_true(changed < 0.01);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_grains),       cmocka_unit_test(test_turned),
-      cmocka_unit_test(test_wedge),        cmocka_unit_test(test_fine),
-      cmocka_unit_test(test_smooth_walls), cmocka_unit_test(test_face),
-      cmocka_unit_test(test_hidden_pores), cmocka_unit_test(test_converged)};
+      cmocka_unit_test(test_grains),        cmocka_unit_test(test_turned),
+      cmocka_unit_test(test_wedge),         cmocka_unit_test(test_fine),
+      cmocka_unit_test(test_smooth_walls),  cmocka_unit_test(test_face),
+      cmocka_unit_test(test_hidden_pores),  cmocka_unit_test(test_transfer),
+      cmocka_unit_test(test_strong_fringe), cmocka_unit_test(test_converged)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
