@@ -123,11 +123,21 @@ static void test_checkpoint_keeps_all(void **state) {
   }
 }
 
+/* What no lattice lessens of the error foretold; without a scanner that of the threshold alone. */
+static void test_rest_has_scan_and_threshold(void **state) {
+  (void)state;
+  struct plan plan = {.expected_scan = 0.04, .expected_threshold = 0.03};
+  assert_true(fabs(plan_expected_rest(&plan) - 0.05) < 1e-15);
+  plan.expected_scan = NAN;
+  assert_true(plan_expected_rest(&plan) == 0.03);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_pores_of_sands_count),
                                      cmocka_unit_test(test_fibres_of_felts_count),
                                      cmocka_unit_test(test_bodies_without_grains),
                                      cmocka_unit_test(test_few_pores_need_one_lattice_more),
-                                     cmocka_unit_test(test_checkpoint_keeps_all)};
+                                     cmocka_unit_test(test_checkpoint_keeps_all),
+                                     cmocka_unit_test(test_rest_has_scan_and_threshold)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
