@@ -10,9 +10,9 @@
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 
-/* Total error including that of the scan, which no lattice reduces. */
+/* Total error including those of scan and threshold, which no lattice reduces. */
 static double with_scan(const struct plan *plan, double resolution) {
-  return isfinite(plan->expected_scan) ? hypot(resolution, plan->expected_scan) : resolution;
+  return hypot(resolution, plan_expected_rest(plan));
 }
 
 /* The effect of the sides is not predictable (cascade_add_sides). */
@@ -31,7 +31,9 @@ static void print_levels(const struct plan *plan) {
     printf("\nrun with --error or --time");
   printf(", %d %s: what it will state of resolution%s, to a factor of two\n", plan->threads,
          plan->threads == 1 ? "thread" : "threads",
-         isfinite(plan->expected_scan) ? " and scan" : "");
+         plan->expected_threshold > 0.0  ? ", scan and threshold"
+         : isfinite(plan->expected_scan) ? " and scan"
+                                         : "");
   for (int i = 0; i < count; i++) {
     quantity_format(levels[i].spacing, "m", spacing, sizeof spacing);
     duration_format(levels[i].seconds / plan->threads, time, sizeof time);
@@ -193,7 +195,7 @@ enum status explain_print_json(const struct plan *plan, int ranks,
   }
   json_t *object = json_pack(
       "{s:s, s:s, s:s, s:[I,I,I], s:I, s:I, s:f, s:f, s:s, s:o, s:s, s:o, s:f, s:f, s:f, s:f, s:f, "
-      "s:f, s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:b, s:o, s:o, s:s, s:o, s:o}",
+      "s:f, s:f, s:f, s:o, s:o, s:s?, s:o, s:o, s:o, s:b, s:o, s:o, s:s, s:o, s:f, s:o}",
       "scene", context->scene->name, "method", context->method->name, "method_reason",
       plan->method_why, "size", (json_int_t)lattice->size[0], (json_int_t)lattice->size[1],
       (json_int_t)lattice->size[2], "fluid_sites", (json_int_t)lattice->fluid_count, "wall_sites",
@@ -210,7 +212,8 @@ enum status explain_print_json(const struct plan *plan, int ranks,
       json_number(plan->seconds_sides), "blocked", plan->blocked, "expected_error",
       json_number(plan->expected.error), "expected_error_least", json_number(plan->expected.least),
       "expected_error_reason", plan->expected.why, "expected_error_scan",
-      json_number(plan->expected_scan), "pores", plan_pores_json(plan));
+      json_number(plan->expected_scan), "expected_error_threshold", plan->expected_threshold,
+      "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
   if (ranks > 0 && !plan->blocked) {

@@ -90,7 +90,7 @@ enum status plan_find_path(struct plan *plan) {
   plan->blocked = !flows;
   if (flows) return status;
   plan->steps = plan->seconds = plan->seconds_sides = plan->expected_scan = NAN;
-  plan->bytes_sides = 0.0;
+  plan->bytes_sides = plan->expected_threshold = 0.0;
   plan->expected = (struct error_forecast){.error = NAN, .least = NAN};
   snprintf(plan->expected.why, sizeof plan->expected.why, "%s", percolation_none(c->lattice));
   return status;
@@ -129,6 +129,18 @@ double plan_rank_bytes(const struct plan *plan, int ranks, int threads, int *use
   return add_program_bytes(bytes);
 }
 
+/* Error of k by the void ratio and by the threshold, where d ln k/d e is `slope`. */
+static double threshold_error(const struct model_facts *model, double slope) {
+  const double by_void_ratio = slope * model->void_ratio_error;
+  const double by_threshold = slope / model->threshold_slope * model->threshold_uncertainty;
+  return hypot(isfinite(by_void_ratio) ? by_void_ratio : 0.0,
+               isfinite(by_threshold) ? by_threshold : 0.0);
+}
+
+double plan_expected_rest(const struct plan *plan) {
+  return hypot(isfinite(plan->expected_scan) ? plan->expected_scan : 0.0, plan->expected_threshold);
+}
+
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan) {
@@ -159,9 +171,11 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
      * widths. */
     const double width = sqrt(plan->shape.width * plan->shape.open) * context->spacing;
     const double n = (double)lattice->fluid_count / lattice->bulk_count;
-    if (isfinite(width) && scan->known) /* d ln k / d e from Kozeny and Carman */
+    const double slope = (1.0 - n) * (3.0 / n - 1.0); /* d ln k/d e from Kozeny and Carman */
+    if (isfinite(width) && scan->known)
       plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
-                                  scan->void_ratio_error * (1.0 - n) * (3.0 / n - 1.0));
+                                  scan->void_ratio_error * slope);
+    if (isfinite(width)) plan->expected_threshold = threshold_error(&lattice->model, slope);
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {

@@ -87,6 +87,7 @@ struct plan {
   struct error_forecast expected; /* error of the main result */
   bool blocked;                   /* no pore leads through the model (plan_find_path): k is 0 */
   double expected_scan;           /* additional error due to the scanner; NAN: unknown */
+  double expected_threshold;      /* that due to the void ratio and the threshold of the model */
   char method_why[EFFECT_WHY];
 };
 
@@ -99,6 +100,8 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan);
+/* Expected error by scan and threshold, which no lattice reduces. */
+double plan_expected_rest(const struct plan *plan);
 /* Sets plan->blocked by following the pores as a run does; time and error are then NAN. */
 enum status plan_find_path(struct plan *plan);
 /* Largest memory of a rank, bytes, on `ranks` ranks of `threads` threads (docs/scaling.md); *used:

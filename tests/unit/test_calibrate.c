@@ -104,6 +104,20 @@ static void test_phases_and_otsu(void **state) {
   grey_histogram_end(&histogram);
 }
 
+/* A histogram that is its own mirror image has mirrored peaks, half-way between which it lies. */
+static void test_peaks_have_no_bias(void **state) {
+  (void)state;
+  struct grey_histogram histogram;
+  struct grey_phases phases;
+  (void)grey_histogram_start(0.0, 1.0, 200, &histogram);
+  add_normal(&histogram, 60.5, 8, 5e5);
+  add_normal(&histogram, 139.5, 8, 5e5);
+  grey_histogram_phases(&histogram, 100, &phases);
+  print_message("peaks %g, %g, valley %g\n", phases.pore_peak, phases.grain_peak, phases.valley);
+  assert_true(fabs(phases.pore_peak + phases.grain_peak - 200.0) < 0.1);
+  grey_histogram_end(&histogram);
+}
+
 static void test_one_broad_peak_has_no_valley(void **state) {
   (void)state;
   struct grey_histogram histogram;
@@ -139,6 +153,7 @@ int main(void) {
       cmocka_unit_test(test_negative_greys_are_ordered),
       cmocka_unit_test(test_quantile_and_porosity_are_inverse),
       cmocka_unit_test(test_phases_and_otsu),
+      cmocka_unit_test(test_peaks_have_no_bias),
       cmocka_unit_test(test_one_broad_peak_has_no_valley),
       cmocka_unit_test(test_slope),
   };

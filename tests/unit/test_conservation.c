@@ -41,6 +41,25 @@ static double impulse(const struct run *run, enum budget_term term, int axis) {
   return run->s.budget.sums.impulse[term][axis];
 }
 
+/* Of mass and momentum that grow evenly the integrals are exact, over uneven steps too. */
+static void the_history_is_integrated(void **state) {
+  (void)state;
+  const double acceleration[3] = {0.5, 0, -2}, at[] = {0, 0.1, 0.4, 2};
+  struct conservation_row row[4] = {{0}};
+  struct conservation found = {0};
+  for (int i = 0; i < 4; i++)
+    row[i] = (struct conservation_row){.time = at[i],
+                                       .mass = 3 + at[i],
+                                       .momentum = {at[i], 7, 2 * at[i]},
+                                       .kinetic_energy = 5 - at[i]};
+  conservation_integrate(&found, 4, row, acceleration);
+  for (int a = 0; a < 3; a++) assert_near(found.impulse[a], (3 * 2 + 2) * acceleration[a], 1e-14);
+  assert_near(found.work, 2 * 0.5 - 4 * 2, 1e-14);
+  assert_near(found.mass[1] - found.mass[0], 2, 1e-14);
+  assert_near(found.kinetic_energy[1] - found.kinetic_energy[0], -2, 1e-14);
+  assert_near(found.momentum[1][2], 4, 1e-14);
+}
+
 #define GRAVITY "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n"
 #define TANK                                                                                       \
   "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"                                          \
@@ -311,6 +330,7 @@ static void work_of_no_equation_is_told(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(the_history_is_integrated),
       cmocka_unit_test(floor_carries_the_weight),
       cmocka_unit_test(a_falling_drop_keeps_its_energy),
       cmocka_unit_test(drag_carries_the_head),

@@ -228,9 +228,10 @@ static void test_fine(void **state) {
 
 /* Root mean square of what a voxel's share of grain is off. */
 static double rough(const struct deblur *deblur, const float *truth) {
+  const size_t n = deblur->size[0] * deblur->size[1] * deblur->size[2];
   double square = 0.0;
-  for (size_t i = 0; i < N; i++) square += pow((double)(deblur->share[i] - truth[i]), 2.0);
-  return sqrt(square / N);
+  for (size_t i = 0; i < n; i++) square += pow((double)(deblur->share[i] - truth[i]), 2.0);
+  return sqrt(square / (double)n);
 }
 
 /* The iterations suffice: what more of them change of the shares of grain is less than a tenth of
@@ -250,6 +251,7 @@ static void test_converged(void **state) {
     for (int run = 0; run < 2; run++) {
       struct deblur deblur;
       float *truth = scan(touching, &scanner, &deblur);
+      deblur.size[2] = NZ / 2; /* one half of the two balls is as the other */
       if (run == 1) deblur.iterations = (int)(more[two] * deblur.iterations);
       deblur.beyond[2][0] = 1;
       assert_int_equal(deblur_run(&deblur), STATUS_OK);
@@ -367,11 +369,73 @@ static void test_hidden_pores(void **state) {
   memory_free(&truth);
 }
 
+/* (1 + A cos)/2, `period` voxels long along x. A scanner whose spot is a Gaussian, with a fringe,
+ * and whose voxels are averages shows (1 + T A cos)/2, T = exp(-b^2 q^2/2) (1 + f b^2 q^2)
+ * sin(q/2)/(q/2). */
+static void wave(const struct deblur_scanner *scanner, double period, double amplitude,
+                 struct deblur *deblur, double *transfer) {
+  const size_t size[3] = {32, 4, 4}, n = 32 * 4 * 4;
+  const double q = 2.0 * M_PI / period, x = pow(scanner->blur[0] * q, 2.0);
+  *transfer = exp(-0.5 * x) * (1.0 + scanner->fringe * x) * sin(0.5 * q) / (0.5 * q);
+  assert_int_equal(deblur_start(n, scanner, deblur), STATUS_OK);
+  memcpy(deblur->size, size, sizeof size);
+  for (size_t i = 0; i < n; i++) {
+    const double at = 0.5 * amplitude * cos(q * ((double)(i % size[0]) + 0.5));
+    deblur->grain[i] = 1.0F;
+    deblur->u[i] = (float)(0.5 + at);
+    deblur->grey[i] = (float)(0.5 + *transfer * at);
+  }
+}
+
+/* The transfer that the misfit is of, to a hundredth of what a voxel and the fringe take and give.
+ */
+static void test_transfer(void **state) {
+  (void)state;
+  for (int fringe = 0; fringe < 2; fringe++) {
+    const struct deblur_scanner scanner = {.blur = {1.2, 1.2, 1.2},
+                                           .fringe = 0.4 * fringe,
+                                           .power = 0.01,
+                                           .stretch = {1.0, 1.0, 1.0},
+                                           .surface = 1.0};
+    struct deblur deblur;
+    double transfer;
+    wave(&scanner, 16.0, 1.0, &deblur, &transfer);
+    const double n = (double)(deblur.size[0] * deblur.size[1] * deblur.size[2]);
+    const double off = sqrt(8.0 * deblur_misfit(&deblur, deblur.grey) / n) / transfer;
+    print_message("fringe %g: transfer %.4f, off by %.5f of it\n", scanner.fringe, transfer, off);
+    assert_true(off < 0.002);
+    deblur_end(&deblur);
+  }
+}
+
+/* Relief that a fringe amplifies the most is found, and not overshot at every step. */
+static void test_strong_fringe(void **state) {
+  (void)state;
+  const struct deblur_scanner scanner = {.blur = {1.2, 1.2, 1.2},
+                                         .fringe = 1.5,
+                                         .power = 1e-6,
+                                         .stretch = {1.0, 1.0, 1.0},
+                                         .surface = 1.0};
+  enum { COUNT = 32 * 4 * 4 };
+  struct deblur deblur;
+  float grey[COUNT];
+  double transfer;
+  wave(&scanner, 8.0, 0.4, &deblur, &transfer);
+  memcpy(grey, deblur.grey, sizeof grey);
+  deblur.compared = true;
+  assert_int_equal(deblur_run(&deblur), STATUS_OK);
+  const double off = sqrt(8.0 * deblur_misfit(&deblur, grey) / COUNT) / 0.4;
+  print_message("amplified by %.2f, found but for %.4f\n", transfer, off);
+  assert_true(transfer > 1.3 && off < 0.05);
+  deblur_end(&deblur);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_grains),       cmocka_unit_test(test_turned),
-      cmocka_unit_test(test_wedge),        cmocka_unit_test(test_fine),
-      cmocka_unit_test(test_smooth_walls), cmocka_unit_test(test_face),
-      cmocka_unit_test(test_hidden_pores), cmocka_unit_test(test_converged)};
+      cmocka_unit_test(test_grains),        cmocka_unit_test(test_turned),
+      cmocka_unit_test(test_wedge),         cmocka_unit_test(test_fine),
+      cmocka_unit_test(test_smooth_walls),  cmocka_unit_test(test_face),
+      cmocka_unit_test(test_hidden_pores),  cmocka_unit_test(test_transfer),
+      cmocka_unit_test(test_strong_fringe), cmocka_unit_test(test_converged)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -66,17 +66,19 @@ static void brute_force(const struct engine *engine, size_t slot, double *sum, u
                          site / (lattice->size[0] * lattice->size[1])};
       for (int a = 0; a < 3; a++) other[a] = (double)index[a] * lattice->spacing[a];
     }
-    for (int k = -images[2]; k <= images[2]; k++)
-      for (int l = -images[1]; l <= images[1]; l++)
-        for (int i = -images[0]; i <= images[0]; i++) {
-          double d[3] = {other[0] + i * length[0] - at[0], other[1] + l * length[1] - at[1],
-                         other[2] + k * length[2] - at[2]};
-          double r = sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+    for (int k = -images[2]; k <= images[2]; k++) {
+      const double z = other[2] + k * length[2] - at[2];
+      for (int l = -images[1]; l <= images[1] && fabs(z) < support; l++) {
+        const double y = other[1] + l * length[1] - at[1];
+        for (int i = -images[0]; i <= images[0] && fabs(y) < support; i++) {
+          const double x = other[0] + i * length[0] - at[0], r = sqrt(x * x + y * y + z * z);
           if (r >= support) continue;
           *sum += kernel_w(engine->settings.kernel, lattice->dimensions, r,
                            engine->settings.smoothing_length);
           *pairs += 1;
         }
+      }
+    }
   }
   *pairs -= 1;
 }

@@ -312,6 +312,23 @@ static void a_piston_pushes(void **state) {
   finish(&run);
 }
 
+/* Water of one velocity: through a plane passes that times the height that is open there, beside a
+ * side of the domain, too, and in a wall, beside which water cannot pass. */
+static void planes_count_what_passes(void **state) {
+  (void)state;
+  struct run run;
+  start(&run, CHANNEL "{ type = \"wall\"; box = [\"0.12 m\", \"0.04 m\", \"0.14 m\", \"0.1 m\"]; } "
+                      ");");
+  for (size_t i = 0; i < run.s.count; i++) run.s.velocity[i][0] = 0.1;
+  static const double at[] = {0.06, 0.004, 0.13}, open[] = {0.1, 0.1, 0.04};
+  for (int k = 0; k < 3; k++) {
+    const double flux = isph_plane_flux(&run.s, 0, at[k]) / (0.1 * run.s.thickness * open[k]);
+    print_message("plane at %g: %.4f of what passes\n", at[k], flux);
+    assert_near(flux, 1, 0.03);
+  }
+  finish(&run);
+}
+
 /* The solver needs no more iterations for 27 times the particles, none for a particle alone, and
  * few for spray. */
 static void iterations_stay(void **state) {
@@ -469,6 +486,7 @@ int main(void) {
       cmocka_unit_test(heads_hold),
       cmocka_unit_test(moving_soil_carries_water),
       cmocka_unit_test(a_piston_pushes),
+      cmocka_unit_test(planes_count_what_passes),
       cmocka_unit_test(iterations_stay),
       cmocka_unit_test(fine_soil_is_solved_as_fast),
       cmocka_unit_test(walls_hold_by_the_law_of_the_wall),

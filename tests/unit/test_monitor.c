@@ -112,11 +112,24 @@ static void test_never_steady(void **state) {
   assert_int_equal(feed(fast, 3, 1e-4, 79, &verdict), 79);
 }
 
+/* A velocity that has not changed since t = 1 has settled when that is a tenth of the time. */
+static void test_settled(void **state) {
+  (void)state;
+  struct monitor_settling settling = {0};
+  double found = 0;
+  for (int i = 0; i <= 200 && found == 0; i++) {
+    const double t = 0.01 * i, velocity[3] = {fmin(t, 1), 0, -fmin(t, 1)};
+    if (monitor_settled(&settling, 1e-3, t, velocity)) found = t;
+  }
+  assert_true(fabs(found - 1 / 0.9) < 0.02);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(test_truth_within_error),
       cmocka_unit_test(test_ten_times_as_long),
       cmocka_unit_test(test_never_steady),
+      cmocka_unit_test(test_settled),
   };
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -76,11 +76,22 @@ static void test_one_value(void **state) {
   pdf_free(&pdf);
 }
 
+/* Freedman and Diaconis (1981): bins of 2 IQR / cbrt(n), for values even in [0, 1] 1 / cbrt(n). */
+static void test_bins(void **state) {
+  (void)state;
+  struct pdf pdf;
+  for (int i = 0; i < N; i++) values[i] = (double)i / (N - 1);
+  assert_int_equal(pdf_estimate(values, N, &pdf), STATUS_OK);
+  assert_int_equal(pdf.bins, (size_t)ceil(cbrt(N)));
+  pdf_free(&pdf);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_slit_flow_follows_its_density),
                                      cmocka_unit_test(test_references_have_unit_integral_and_mean),
                                      cmocka_unit_test(test_power_exponential_is_found),
                                      cmocka_unit_test(test_moments),
-                                     cmocka_unit_test(test_one_value)};
+                                     cmocka_unit_test(test_one_value),
+                                     cmocka_unit_test(test_bins)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

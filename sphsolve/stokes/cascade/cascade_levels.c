@@ -3,11 +3,13 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/convergence.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/scan_error.h"
+#include "sphsolve/stokes/constants.h"
 #include "sphsolve/stokes/solver/cost.h"
 
 /* Number of sites of the first lattice across a mean pore, 4 V / S, and across the body. */
@@ -205,6 +207,16 @@ double cascade_seconds(const struct scene *scene, const struct plan *plan, bool 
  * blurred copy, and the work space of the blur. */
 #define BLUR_BYTES 14.0
 
+/* Expected part of the error of resolution by the model's voxels, as cascade_add_model_parts finds
+ * it on the second lattice: none where that has every second voxel itself, at CASCADE_RATIO^2 = 2
+ * voxels. */
+static double expected_of_model(const struct plan *plan) {
+  const struct pore_shape *shape = &plan->shape;
+  const int second = cascade_open_steps(plan, plan->context.lattice) - CASCADE_STEPS;
+  if (!*plan->context.scene->model_path || shape->flat || second == 2 * CASCADE_STEPS) return 0.0;
+  return CONVERGE_MODEL_SHARE * shape->slope * MODEL_RECEDES / shape->grain;
+}
+
 /* Predicted error of resolution with `lattices` lattices, the last of them `left` steps before the
  * base. */
 static double expected_of_open(const struct plan *plan, int enough, int lattices, int left) {
@@ -212,16 +224,15 @@ static double expected_of_open(const struct plan *plan, int enough, int lattices
                                          1.0 / cascade_step_ratio(left))
                            .error;
   const double few = lattices < enough && !plan->shape.flat ? cascade_few_lattices[lattices] : 1.0;
-  return fmin(1.0, few * OPEN_ERROR_RATIO * error);
+  return fmin(1.0, hypot(few * OPEN_ERROR_RATIO * error, expected_of_model(plan)));
 }
 
-/* Whether the cascade is expected to end with this error of resolution: either it and the scan's
- * error together meet the goal, or the scan's error dominates, so that a finer lattice does not
- * help. */
+/* Whether the cascade is expected to end with this error of resolution: either it and the
+ * errors of scan and threshold together meet the goal, or those dominate, so that a finer lattice
+ * does not help. */
 static bool is_expected_enough(const struct plan *plan, double error) {
-  const double wanted = plan->goal.error;
-  const double scan = isfinite(plan->expected_scan) ? plan->expected_scan : 0.0;
-  return hypot(error, scan) <= wanted || (wanted > 0.0 && scan > wanted && error < 0.5 * scan);
+  const double wanted = plan->goal.error, rest = plan_expected_rest(plan);
+  return hypot(error, rest) <= wanted || (wanted > 0.0 && rest > wanted && error < 0.5 * rest);
 }
 
 /* Steps from the last of `lattices` lattices to the next, as the run will choose them. */
