@@ -17,7 +17,6 @@
 #include "common/output_guard.h"
 #include "common/ranks.h"
 #include "common/threads.h"
-#include "sphsolve/plan/recommend.h"
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/plan/explain.h"
 #include "sphsolve/geometry/lattice.h"

@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "ct2model/scan/labels.h"
-#include "ct2model/scan/micro_rules.h"
+#include "ct2model/scan/micro.h"
 
 /* The shifted bounds of soil, the shift, and the peaks between which porosity is linear, in greys
  * as stored. Values are NAN where unknown or not requested. Uncertainties are 95 % half widths. */
