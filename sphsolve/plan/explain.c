@@ -201,7 +201,7 @@ static void print_regions(const struct scene *scene) {
 }
 
 /* Predicted iterations or steps, time and error. */
-static void print_outcome(const struct plan *plan, int ranks) {
+static void print_outcome(const struct plan *plan) {
   char text[512];
   if (plan->blocked) {
     printf("blocked    %s\n", plan->expected.why);
@@ -213,11 +213,6 @@ static void print_outcome(const struct plan *plan, int ranks) {
   if (plan->seconds_sides >= 1) {
     duration_format(plan->seconds_sides, text, sizeof text);
     printf("           and up to about %s more" SIDES_LARGE "\n", text);
-  }
-  if (ranks > 0) {
-    int used;
-    const double bytes = plan_rank_bytes(plan, ranks, plan->threads, &used);
-    printf("ranks      on %d (%d with work): %.1f MB each at most\n", ranks, used, bytes / 1e6);
   }
   const struct error_forecast *e = &plan->expected;
   if (isfinite(e->error))
@@ -231,7 +226,7 @@ static void print_outcome(const struct plan *plan, int ranks) {
   print_levels(plan);
 }
 
-void explain_print(const struct plan *plan, int ranks) {
+void explain_print(const struct plan *plan) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   char text[512], more[64];
@@ -289,7 +284,7 @@ void explain_print(const struct plan *plan, int ranks) {
     printf("time step  chosen each step from %s\n",
            plan->dt_by ? plan->dt_by : "the effects' limits");
   }
-  print_outcome(plan, ranks);
+  print_outcome(plan);
 }
 
 static json_t *levels_json(const struct plan *plan) {
@@ -316,8 +311,7 @@ static json_t *plan_pores_json(const struct plan *plan) {
                    "frozen_shift", shape->outer, "adami_shift", shape->middle);
 }
 
-enum status explain_print_json(const struct plan *plan, int ranks,
-                               const struct recommendation *recommended) {
+enum status explain_print_json(const struct plan *plan, const struct recommendation *recommended) {
   const struct effect_context *context = &plan->context;
   const struct lattice *lattice = context->lattice;
   json_t *effects = json_array();
@@ -351,13 +345,6 @@ enum status explain_print_json(const struct plan *plan, int ranks,
       json_number(plan->expected_scan), "pores", plan_pores_json(plan));
   if (object == NULL) return FAIL(STATUS_RUN, "the JSON object cannot be made");
   json_object_set_new(object, "levels", levels_json(plan));
-  if (ranks > 0 && !plan->blocked) {
-    int used;
-    const double bytes = plan_rank_bytes(plan, ranks, plan->threads, &used);
-    json_object_set_new(
-        object, "ranks",
-        json_pack("{s:i, s:i, s:f}", "ranks", ranks, "used", used, "memory_bytes", bytes));
-  }
   if (recommended != NULL)
     json_object_set_new(object, "cheapest", recommend_json(plan, recommended));
   json_dumpf(object, stdout, JSON_INDENT(2));

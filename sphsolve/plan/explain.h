@@ -21,9 +21,8 @@ struct recommendation {
 enum status recommend_find(const struct plan *plan, struct recommendation *recommended);
 void recommend_print(const struct plan *plan, const struct recommendation *recommended);
 
-/* `ranks`: their number, to print the memory of one, or 0; `recommended` may be NULL. */
-void explain_print(const struct plan *plan, int ranks);
-enum status explain_print_json(const struct plan *plan, int ranks,
-                               const struct recommendation *recommended);
+/* `recommended` may be NULL. */
+void explain_print(const struct plan *plan);
+enum status explain_print_json(const struct plan *plan, const struct recommendation *recommended);
 
 #endif

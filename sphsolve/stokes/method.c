@@ -493,7 +493,6 @@ const struct method method_stokes = {.name = "stokes",
                                      .takes = takes,
                                      .scales = stokes_scales,
                                      .cost = stokes_cost,
-                                     .ranks_memory = stokes_ranks_memory,
                                      .wall_name = wall_name,
                                      .wall = wall,
                                      .error_flat = 5e-6, /* error left by the solver */

@@ -260,7 +260,6 @@ const struct method method_wcsph = {
     .takes = takes,
     .scales = wcsph_scales,
     .cost = wcsph_cost,
-    .ranks_memory = wcsph_ranks_memory,
     .wall_name = wall_name,
     .wall = wall,
     .joins_corners = joins_corners,
