@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "sphsolve/scene/keys.h"
 #include "sphsolve/scene/scene_names.h"
+#include "sphsolve/scene/scene_parts.h"
 #include "sphsolve/scene/scene_regions.h"
 #include "common/config.h"
 #include "sphsolve/scene/scene.h"
@@ -333,11 +334,6 @@ cleanup:
   return status;
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Settings of soil with pores smaller than the voxel. */
 static enum status read_micro(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -348,7 +344,8 @@ static enum status read_micro(struct config *config, struct scene *scene) {
                      "scene has none; leave it out"));
   TRY(config_quantities(config, group, "factors", DIM_NONE, 1, MICRO_FACTORS_MOST,
                         scene->micro.factors, &scene->micro.factor_count, NULL));
-  qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double), ascending);
+  qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double),
+        scene_parts_by_value);
   for (int i = 0; i < scene->micro.factor_count; i++)
     if (!(scene->micro.factors[i] > 0) ||
         (i > 0 && scene->micro.factors[i] == scene->micro.factors[i - 1]))

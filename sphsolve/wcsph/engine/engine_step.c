@@ -9,7 +9,6 @@
 #include "common/memory.h"
 #include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/effects/shifting.h"
-#include "sphsolve/wcsph/engine/engine_eulerian.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 
 /* Steps between removals of the mean pressure, and slots per block of its sum. */
