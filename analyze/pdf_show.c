@@ -6,7 +6,7 @@
 
 #include "analyze/analysis.h"
 #include "analyze/chart.h"
-#include "analyze/lattice_note.h"
+#include "analyze/compatible_runs.h"
 #include "common/memory.h"
 
 /* Statistics of a run's last snapshot. */

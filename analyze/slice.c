@@ -4,7 +4,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
-#include "analyze/lattice_note.h"
+#include "analyze/compatible_runs.h"
 #include "analyze/plot.h"
 #include "common/memory.h"
 #include "common/statistics.h"

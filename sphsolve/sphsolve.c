@@ -17,7 +17,6 @@
 #include "common/output_guard.h"
 #include "common/ranks.h"
 #include "common/threads.h"
-#include "sphsolve/plan/recommend.h"
 #include "sphsolve/plan/reynolds.h"
 #include "sphsolve/plan/explain.h"
 #include "sphsolve/geometry/lattice.h"
@@ -45,14 +44,13 @@ static const struct option_entry entries[] = {
     {"tensor", 0, NULL, RUN,
      "k along x, y and z: the tensor, with its principal axes (OUT-x.hdf, ... beside OUT.hdf)"},
     {"markdown", 0, NULL, KEYS, "as the page docs/reference/scene.md"},
-    {"ranks", 0, "N", EXPLAIN, "predicts the memory of each of N ranks of --threads threads"},
     {"resume", 0, NULL, RUN, "go on from the last checkpoint, if there is one"},
     {0}};
 
 static const struct option_command commands[] = {
     {"run", "SCENE.cfg -o OUT [--error E] [--time T] [--tensor] [--set path=value]... [--resume]",
      "runs a scene", "sphsolve run dense.cfg -o out/dense --set scene.end_time='0.3 s'", 1, 1},
-    {"explain", "SCENE.cfg [--error E] [--ranks N] [--set path=value]...",
+    {"explain", "SCENE.cfg [--error E] [--set path=value]...",
      "says what a scene calls for, what it costs and how good it will be",
      "sphsolve explain dense.cfg", 1, 1},
     {"keys", "[--markdown]", "lists the keys of a scene file: unit, range, default, meaning",
@@ -63,7 +61,6 @@ static const struct option_table table = {
     "sphsolve", "flow through pores and soil by smoothed particle hydrodynamics", commands,
     entries};
 
-#define RANKS_MOST 10000000
 #define LONG_SECONDS 600.0 /* a predicted run time above this is announced */
 #define OVERRIDES_MOST 256
 
@@ -356,7 +353,7 @@ cleanup:
 
 /* Reads a scene; *found: it uses a flow that is already solved. */
 static enum status find_flow(const struct options *options, struct job *job, bool *found) {
-  static const char *const others[] = {"time", "tensor", "ranks"};
+  static const char *const others[] = {"time", "tensor"};
   enum status status = STATUS_OK;
   TRY(read_scene(options, NULL, &job->scene));
   *found = *job->scene.flow_path;
@@ -416,7 +413,6 @@ cleanup:
 static enum status explain(const struct options *options, struct job *job) {
   enum status status = STATUS_OK;
   struct recommendation recommended = {0};
-  long long ranks = 0;
   bool wanted = options_given(options, "error"), on_flow;
   TRY(find_flow(options, job, &on_flow));
   if (on_flow)
@@ -426,16 +422,11 @@ static enum status explain(const struct options *options, struct job *job) {
   TRY(plan_find_path(&job->plan));
   wanted = wanted && !job->plan.blocked;
   job->plan.goal.error = recommended.wanted;
-  if (options_given(options, "ranks")) {
-    TRY(options_integers(options, "ranks", ',', 1, &ranks));
-    if (ranks < 1 || ranks > RANKS_MOST)
-      TRY_FAIL(STATUS_USAGE, "--ranks %lld: 1 to %d are possible", ranks, RANKS_MOST);
-  }
   if (wanted) TRY(recommend_find(&job->plan, &recommended));
   if (options_json(options)) {
-    TRY(explain_print_json(&job->plan, (int)ranks, wanted ? &recommended : NULL));
+    TRY(explain_print_json(&job->plan, wanted ? &recommended : NULL));
   } else {
-    explain_print(&job->plan, (int)ranks);
+    explain_print(&job->plan);
     if (wanted) recommend_print(&job->plan, &recommended);
   }
 cleanup:

@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "analyze/lattice_note.h"
+#include "analyze/compatible_runs.h"
 #include "analyze/plot.h"
 #include "analyze/report/page_internal.h"
 #include "analyze/report/page_methods.h"

@@ -2,7 +2,10 @@
 #ifndef TOSUI_ANALYZE_PLANE_BALANCE_H
 #define TOSUI_ANALYZE_PLANE_BALANCE_H
 
+#include <stdbool.h>
+
 #include "analyze/seepage/head_field.h"
+#include "analyze/run_file.h"
 
 /* Number of neighbouring sections within the support of one kernel, about. They are fitted to the
  * same particles, so that their errors are correlated. */
@@ -16,5 +19,12 @@
  * planes. `in_water` (may be NULL): part of the plane is in free water. */
 double plane_balance(const struct run *run, const struct head_field *field, const char *name,
                      double mean, bool *in_water);
+
+/* Positions of the planes and gauges of a run. */
+
+/* Axis (0 x, 1 y, 2 z) and position (m) of a plane; false if the run file does not contain it. */
+bool place_of_plane(const struct run *run, const char *name, int *axis, double *place);
+/* Position (m) of a gauge; false if the run file does not contain it. */
+bool place_of_gauge(const struct run *run, const char *name, double place[3]);
 
 #endif

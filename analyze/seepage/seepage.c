@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
-#include "analyze/seepage/places.h"
 #include "analyze/seepage/plane_balance.h"
 #include "common/json_number.h"
 #include "common/statistics.h"

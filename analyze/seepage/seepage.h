@@ -5,7 +5,6 @@
 
 #include "analyze/product.h"
 #include "analyze/run_file.h"
-#include "analyze/seepage/asked_heads.h"
 #include "analyze/seepage/darcy_flow.h"
 #include "analyze/seepage/head_field.h"
 #include "analyze/seepage/lifting.h"

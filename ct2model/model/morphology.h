@@ -19,7 +19,7 @@ struct morphology {
    * the pores that contains the voxel; NAN if the model is too large to compute it. */
   double thickness_median;                    /* voxels */
   double thickness_histogram[THICKNESS_BINS]; /* fraction of pore voxels, in bins of one voxel */
-  double critical_width;                      /* voxels (critical_width.h); 0: no path along z */
+  double critical_width;                      /* voxels; 0: no path along z */
   /* Expected relative error of k by the resolution: 1 / (2 N^2) with N the critical width, at most
    * 1; NAN if there is no path. */
   double expected_error;

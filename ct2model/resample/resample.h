@@ -7,7 +7,6 @@
 
 #include "common/error.h"
 #include "ct2model/resample/reduce.h"
-#include "ct2model/resample/weights.h"
 
 struct resampler {
   enum filter filter;

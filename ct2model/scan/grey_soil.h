@@ -8,7 +8,7 @@
 
 #include "common/error.h"
 #include "ct2model/scan/labels.h"
-#include "ct2model/scan/micro_rules.h"
+#include "ct2model/scan/micro.h"
 
 /* The shifted bounds of soil, the shift, and the peaks between which porosity is linear, in greys
  * as stored. Values are NAN where unknown or not requested. Uncertainties are 95 % half widths. */
@@ -26,8 +26,8 @@ struct grey_soil {
 
 /* Voxels below the bounds are pore, those above are grain. Both bounds are shifted by the same grey
  * until the void ratio, with micro-pores, is `void_ratio` (NAN: no shift); its error may be NAN.
- * Edges between pore and grain are not taken as soil (settle.h). `region` then reads the smoothed
- * walls, as with labels_take. */
+ * Edges between pore and grain are not taken as soil (grey_soil.c). `region` then reads the
+ * smoothed walls, as with labels_take. */
 enum status micro_take(struct region *region, const struct micro_rules *rules, double void_ratio,
                        double void_ratio_error, const bool reflect[3], struct labels *labels,
                        struct grey_soil *greys);

@@ -4,6 +4,7 @@
 #ifndef TOSUI_CT2MODEL_SCAN_MICRO_H
 #define TOSUI_CT2MODEL_SCAN_MICRO_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -47,5 +48,26 @@ enum status micro_check(const struct micro *micro, const double spacing[3]);
  * geometric mean over the soil. Axis d of the model is axis (d + turn) mod 3 of the region. */
 void micro_resample(const struct micro *micro, int turn, const size_t n[3], const uint8_t *solid,
                     float *porosity, float *permeability);
+
+enum { POROSITIES_MOST = 32 };
+
+/* Porosity as a function of rising greys: linear between them, constant beyond the ends. */
+struct porosity_table {
+  int count;
+  double grey[POROSITIES_MOST], porosity[POROSITIES_MOST];
+};
+
+/* The options --micro and --micro-permeability, in greys as stored. */
+struct micro_rules {
+  bool given;
+  bool automatic;                  /* the bounds are half-way between the peaks of three phases */
+  double low, high;                /* otherwise: the bounds of soil */
+  struct porosity_table table;     /* count 0: linear between the peaks */
+  double permeability, grain_size; /* m^2, or m; the other one is 0 */
+};
+
+/* Parses "auto", "80..170" or "80:0.6,120:0.4,170:0.1" (grey:porosity; the first and the last grey
+ * are the bounds); usage errors. */
+enum status micro_rules_parse(const char *text, struct micro_rules *rules);
 
 #endif

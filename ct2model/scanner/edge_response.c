@@ -5,7 +5,7 @@
 
 #include "common/memory.h"
 #include "ct2model/scanner/constants.h"
-#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 #include "ct2model/surface/surfels.h"
 
 double edge_bin_distance(size_t bin) {

@@ -9,7 +9,7 @@
 #include "common/variants.h"
 #include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/ramp.h"
-#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 
 /* The probability that of two points a distance r apart, in any direction, one lies in the pore and
  * one in the grain tends to S r / 2 as r goes to 0, where S is the surface per volume (Debye,

@@ -9,7 +9,6 @@
 #include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/narrow_throats.h"
 #include "ct2model/scanner/restore.h"
-#include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
 
 enum { BATCH = 32 };

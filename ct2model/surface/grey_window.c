@@ -7,7 +7,6 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
-#include "ct2model/surface/phase_bits.h"
 #include "ct2model/resample/reduce.h"
 #include "ct2model/scan/crossing.h"
 #include "ct2model/surface/specks.h"

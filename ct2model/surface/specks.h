@@ -15,4 +15,16 @@ enum { SPECK_MOST = 64 };
 size_t specks_remove(int16_t *field, uint64_t *bits, const size_t size[3], size_t limit,
                      uint64_t *scratch);
 
+/* The phases of a row of voxels as bits: 1 grain, 0 pore; 0 also after the end of the row. */
+
+enum { PHASE_WORD = 64 };
+
+/* Number of words for a row of n voxels. */
+size_t phase_words(size_t n);
+/* Bits of n values, which are grain where they are positive. */
+void phase_row(const int16_t *values, size_t n, uint64_t *bits);
+/* Bits of the neighbours at x + 1 (`next`) and x - 1 (`last`), periodic. */
+void phase_next(const uint64_t *bits, size_t n, uint64_t *next);
+void phase_last(const uint64_t *bits, size_t n, uint64_t *last);
+
 #endif

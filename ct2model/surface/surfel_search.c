@@ -4,7 +4,7 @@
 #include <stdbool.h>
 
 #include "common/variants.h"
-#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 
 enum { BLOCK = SURFELS_BLOCK, POINTS = SURFELS_POINTS, BITS = BLOCK * BLOCK * BLOCK };
 /* All of the search is inlined into one function, which is compiled for each instruction set. */

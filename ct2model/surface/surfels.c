@@ -8,7 +8,7 @@
 
 #include "common/memory.h"
 #include "common/variants.h"
-#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 
 enum { BLOCK = SURFELS_BLOCK };
 

@@ -7,6 +7,8 @@
 
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/scene/scene.h"
+#include "common/error.h"
+#include "sphsolve/plan/effect.h"
 
 /* Whether no soil of a scene can hold air: none has a retention curve. */
 bool domain_is_full(const struct scene *scene);
@@ -25,5 +27,10 @@ double domain_share(const struct lattice *lattice, const double x[3], int axis,
  * before. */
 const struct region *domain_inflow_at(const struct scene *scene, const struct lattice *lattice,
                                       const double x[3], int axis, bool low, double *share);
+
+/* Whether a scene is of soil that is full of water and stays so, whose flow is steady at each time
+ * (darcy/saturated.h); `why`, in any case. */
+enum status richards_confined(const struct effect_context *context, bool *confined,
+                              char why[EFFECT_WHY]);
 
 #endif

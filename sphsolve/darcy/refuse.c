@@ -3,7 +3,6 @@
 #include <math.h>
 
 #include "common/ranks.h"
-#include "sphsolve/darcy/confined.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
 

@@ -4,7 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "common/cut_pores.h"
+#include "common/side_distance.h"
 #include "common/memory.h"
 #include "common/model_file.h"
 #include "common/node_memory.h"

@@ -45,7 +45,7 @@ struct model_facts {
   bool z_mirrored;   /* the default of `--mirror` of ct2model */
   /* Axes along which the model is wrapped around although its pores do not continue: x and y where
    * the sides are wrapped, z where the first and last layer do not belong to a periodic body
-   * (cut_pores.h). */
+   * (side_distance.h). */
   bool unlike[3];
   bool flow_cut; /* pores do not continue across the boundary along the single axis of the flow */
   bool mirrored[3]; /* the lattice is mirrored along this axis, the model file is not */

@@ -199,6 +199,5 @@ const struct method method_isph = {.name = "isph",
                                    .takes = takes,
                                    .scales = isph_scales,
                                    .cost = isph_cost,
-                                   .ranks_memory = isph_ranks_memory,
                                    .wall_name = wall_name,
                                    .run = run};

@@ -18,8 +18,5 @@ enum status isph_refuse(const struct effect_context *context);
 /* Sets the expected memory, steps, time and error of k in the plan; fails for scenes that are
  * refused. */
 enum status isph_cost(struct plan *plan, int threads);
-/* isph/plan_ranks.c: memory on several ranks. */
-void isph_ranks_memory(const struct plan *plan, int ranks, int threads,
-                       struct ranks_memory *memory);
 
 #endif

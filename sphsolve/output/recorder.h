@@ -117,7 +117,7 @@ enum status recorder_checkpoint_begin(struct recorder *recorder, struct h5_file 
 enum status recorder_checkpoint_commit(struct recorder *recorder, struct h5_file *file);
 enum status recorder_resume(struct recorder *recorder, struct h5_file **file);
 
-/* Adds seconds spent in an effect or pass `name`, for /run/timing and /run/effects. */
+/* Adds seconds spent in an effect or pass `name`, for /run/timing. */
 void recorder_add_time(struct recorder *recorder, const char *name, double seconds);
 /* Sets an attribute of /run ("residual", "iterations", ...); replaces an earlier value. */
 void recorder_set_fact(struct recorder *recorder, const char *name, double value);

@@ -52,31 +52,22 @@ static enum status write_effects(struct recorder *recorder, const struct run_res
   const struct named_value *timing = recorder->timings;
   struct effect_row {
     const char *name, *state, *reason, *model, *citation;
-    double share;
   } rows[EFFECT_MAX];
-  double total = 0;
-  for (size_t t = 0; t < timings; t++) total += timing[t].value;
   for (size_t i = 0; i < count; i++) {
     const struct planned_effect *planned = &plan->effects[i];
     const struct effect *effect = planned->effect;
-    rows[i] = (struct effect_row){effect->name,  planned->on ? "on" : "off", planned->why,
-                                  effect->model, effect->citation,           0};
-    for (size_t t = 0; t < timings; t++)
-      if (!strcmp(timing[t].name, effect->name) && total > 0)
-        rows[i].share = timing[t].value / total;
+    rows[i] = (struct effect_row){effect->name, planned->on ? "on" : "off", planned->why,
+                                  effect->model, effect->citation};
   }
-  const struct h5_column columns[] = {{"effects/name", 0, H5_TEXT_AT, &rows->name},
-                                      {"effects/state", 0, H5_TEXT_AT, &rows->state},
-                                      {"effects/reason", 0, H5_TEXT_AT, &rows->reason},
-                                      {"effects/model", 0, H5_TEXT_AT, &rows->model},
-                                      {"effects/citation", 0, H5_TEXT_AT, &rows->citation},
-                                      {"timing/share", H5_F64, 1, &rows->share}};
+  const struct h5_column columns[] = {{"name", 0, H5_TEXT_AT, &rows->name},
+                                      {"state", 0, H5_TEXT_AT, &rows->state},
+                                      {"reason", 0, H5_TEXT_AT, &rows->reason},
+                                      {"model", 0, H5_TEXT_AT, &rows->model},
+                                      {"citation", 0, H5_TEXT_AT, &rows->citation}};
   const struct h5_column passes[] = {{"name", 0, H5_TEXT, &timing->name},
                                      {"seconds", H5_F64, 1, &timing->value}};
-  TRY(h5_write_columns(file, "/run", count, sizeof *rows, 6, columns));
-  TRY(h5_write_attribute_text(file, "/run/timing/share", "measured",
-                              "passes by the clock, the terms of one loop by counted operations"));
-  TRY(h5_soft_link(file, "/run/timing/share", "/run/effects/share"));
+  TRY(h5_write_columns(file, "/run/effects", count, sizeof *rows, 5, columns));
+  TRY(h5_make_group(file, "/run/timing"));
   TRY(h5_write_columns(file, "/run/timing", timings, sizeof *timing, 2, passes));
   TRY(h5_write_attribute(file, "/run/timing", "wall_time", H5_F64, 1, &result->wall_time));
   TRY(h5_write_attribute(file, "/run/timing", "pair_interactions_per_second", H5_F64, 1,

@@ -4,6 +4,7 @@
 #define TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
 #include "common/error.h"
 #include "common/uncertainty_parts.h"
@@ -65,5 +66,13 @@ double uncertainty_largest(const struct uncertainty *u);
 /* Writes the parts as attributes of /run/error, and /run/levels with k in m/s; `to_speed`: factor
  * from m^2 to m/s. */
 enum status uncertainty_write(const struct uncertainty *u, double to_speed, struct h5_file *file);
+
+/* For a terminal, during a cascade: draws the estimate of the last lattice and its error bar,
+ * relative to k of the first lattice: "0.97 s | --o-- | 0.0299 cm/s"; the seconds are those of all
+ * lattices so far. `to_speed`: factor from m^2 to m/s; `columns`: width of the bar, 56 at most. */
+void level_bar_draw(const struct uncertainty *uncertainty, double to_speed, int columns, char *text,
+                    size_t size);
+/* The same on stderr, if that is a terminal, with the width of the terminal. */
+void level_bar_show(const struct uncertainty *uncertainty, double to_speed);
 
 #endif

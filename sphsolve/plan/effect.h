@@ -49,8 +49,6 @@ struct effect {
   bool dt_accuracy;   /* a limit of accuracy, which a dt given by the scene may exceed */
   size_t switches_on; /* EFFECT_SWITCH(struct, member): a flag of its method's state; 0: none */
   uint32_t budget;    /* its terms in the conservation budget, 1u << term (output/conservation.h) */
-  double operations;  /* vector operations per pair in the force loop of its method */
-  bool at_walls;      /* applies only to pairs with walls */
   /* Its accelerations, m/s^2, from the method's state at the start of a step (isph: struct isph,
    * wcsph: struct engine); NULL: a loop of the method computes them. Such an effect has its own
    * term in the budget, with its name. */

@@ -15,15 +15,6 @@ struct run_result;
 
 struct predicted_level;
 
-/* What a rank holds of a run on several of them, in bytes. */
-struct ranks_memory {
-  double used;       /* ranks that have work */
-  double whole;      /* data that every rank holds completely */
-  double held;       /* beside its part of the rest */
-  double start;      /* largest memory before the first step */
-  bool shares_sites; /* the ranks of a machine share kinds and wall distances */
-};
-
 struct method {
   const char *name;
   const struct effect *const *effects; /* in the order of `explain`, ended by NULL */
@@ -59,10 +50,6 @@ struct method {
   /* Lists the lattices that --error and --time would solve, coarsest first, `most` at most; returns
    * their number. NULL: the method has no such choice. */
   int (*levels)(const struct plan *plan, int most, struct predicted_level *levels);
-  /* Memory on several ranks; `used` is set to all of them, the rest to 0. */
-  void (*ranks_memory)(const struct plan *plan, int ranks, int threads,
-                       struct ranks_memory *memory);
-
   const char *(*wall_name)(const struct scene *scene); /* for the run record */
   /* For methods that resolve pores: the wall scheme, and the parts of the error of k that do not
    * depend on it (error_forecast.h). */

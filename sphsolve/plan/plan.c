@@ -115,20 +115,6 @@ static double add_program_bytes(double bytes) {
   return PROGRAM_BYTES + (1.0 + MEMORY_OVERHEAD) * bytes;
 }
 
-double plan_rank_bytes(const struct plan *plan, int ranks, int threads, int *used) {
-  struct ranks_memory m = {.used = ranks};
-  plan->context.method->ranks_memory(plan, ranks, threads, &m);
-  const double r = m.used, sites = (double)plan->context.lattice->count;
-  const double all = (plan->bytes_total - PROGRAM_BYTES) / (1.0 + MEMORY_OVERHEAD);
-  const double whole = fmin(m.whole, all);
-  double bytes = fmax(whole + (all - whole) / r + m.held, m.start);
-  /* Distributed over the ranks of a machine, not over all ranks. */
-  if (m.shares_sites && r > 1)
-    bytes += SITE_BYTES * sites * (1 / fmin(r, ceil(MACHINE_CORES / threads)) - 1 / r);
-  *used = (int)r;
-  return add_program_bytes(bytes);
-}
-
 /* Error of k by the void ratio and by the threshold, where d ln k/d e is `slope`. */
 static double threshold_error(const struct model_facts *model, double slope) {
   const double by_void_ratio = slope * model->void_ratio_error;

@@ -104,9 +104,6 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
 double plan_expected_rest(const struct plan *plan);
 /* Sets plan->blocked by following the pores as a run does; time and error are then NAN. */
 enum status plan_find_path(struct plan *plan);
-/* Largest memory of a rank, bytes, on `ranks` ranks of `threads` threads (docs/scaling.md); *used:
- * the ranks that have work. */
-double plan_rank_bytes(const struct plan *plan, int ranks, int threads, int *used);
 /* Sets what follows from scene and lattice (NULL if not built yet), without a method. */
 void plan_context(const struct scene *scene, const struct lattice *lattice,
                   struct effect_context *context);

@@ -8,7 +8,6 @@
 
 #include "common/error.h"
 #include "common/kernel.h"
-#include "sphsolve/scene/time_table.h"
 
 /* Defined in plan/method.h; only the names that a scene may use are needed here. */
 struct method;
@@ -109,6 +108,13 @@ struct retention_curve {
 static inline const char *retention_name(const struct retention_curve *curve) {
   return curve->k_n > 0 ? "haverkamp" : "van_genuchten";
 }
+
+/* A function of time given as a table: linear between its times, constant before and after. */
+struct time_table {
+  size_t count;       /* 0: no table */
+  double *time;       /* s, rising */
+  double (*value)[3]; /* one number, or a vector */
+};
 
 struct region {
   enum region_type type;
@@ -267,5 +273,12 @@ int scene_axis_along(const double vector[3]);
 
 /* Mean of a region's table of time up to the end of the run; `steady` if it has none. */
 double scene_mean_given(const struct scene *scene, const struct region *region, double steady);
+
+/* Value at a time (s); `component` is 0 for scalars. */
+double time_table_at(const struct time_table *table, double time, int component);
+/* Exact integral from one time to a later one. */
+double time_table_integral(const struct time_table *table, double from, double to, int component);
+/* The value of largest magnitude. */
+double time_table_extreme(const struct time_table *table, int component);
 
 #endif

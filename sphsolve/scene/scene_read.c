@@ -10,10 +10,159 @@
 #include "common/ranks.h"
 #include "common/units.h"
 #include "sphsolve/scene/keys.h"
-#include "sphsolve/scene/scene_file.h"
-#include "sphsolve/scene/scene_probes.h"
+#include "sphsolve/scene/scene_names.h"
+#include "sphsolve/scene/scene_parts.h"
 #include "sphsolve/scene/scene_regions.h"
-#include "sphsolve/scene/scene_solute.h"
+#include "common/config.h"
+#include "sphsolve/scene/scene.h"
+#include "sphsolve/scene/scene_geometry.h"
+
+/* Gauges and planes, at which a run is recorded. */
+
+static enum status read_gauges(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *list = config_child(config_root(config), "gauges");
+  scene->gauge_count = config_count(list);
+  TRY(memory_allocate(&scene->gauges, scene->gauge_count, sizeof *scene->gauges, "gauges"));
+  for (size_t i = 0; i < scene->gauge_count; i++) {
+    struct gauge *gauge = &scene->gauges[i];
+    config_node *group = config_item(list, i);
+    if (!config_is_group(group))
+      TRY(config_error(config, group, "a group { at = [x, y, z]; } is wanted"));
+    TRY(scene_read_name(config, group, "gauge", i + 1, gauge->name, sizeof gauge->name));
+    TRY(keys_read(config, group, "gauges[]", 0, scene, gauge));
+    for (int a = 0; a < 3; a++)
+      if (gauge->at[a] < 0 || gauge->at[a] > scene->domain_size[a])
+        TRY(config_error(config, config_child(group, "at"),
+                         "%g m in %c lies outside the domain (0 to %g m)", gauge->at[a], 'x' + a,
+                         scene->domain_size[a]));
+    if (scene_in_wall(scene, gauge->at))
+      TRY(config_error(config, config_child(group, "at"),
+                       "lies inside a wall, where there is no pressure; move it into the water"));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->gauges[k].name, gauge->name))
+        TRY(config_error(config, group, "a gauge before is called '%s' too; rename one",
+                         gauge->name));
+  }
+cleanup:
+  return status;
+}
+
+static enum status read_planes(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *list = config_child(config_root(config), "planes");
+  scene->plane_count = config_count(list);
+  TRY(memory_allocate(&scene->planes, scene->plane_count, sizeof *scene->planes, "planes"));
+  for (size_t i = 0; i < scene->plane_count; i++) {
+    struct flux_plane *plane = &scene->planes[i];
+    config_node *group = config_item(list, i);
+    int axes_given = 0;
+    if (!config_is_group(group))
+      TRY(config_error(config, group, "a group { z = \"0.2 m\"; } is wanted"));
+    TRY(scene_read_name(config, group, "plane", i + 1, plane->name, sizeof plane->name));
+    for (int a = 0; a < 3; a++) {
+      bool given;
+      TRY(config_quantity(config, group, scene_axis_names[a], DIM_LENGTH, &plane->position,
+                          &given));
+      if (given) plane->axis = a, axes_given++;
+    }
+    if (axes_given != 1)
+      TRY(config_error(config, group, "one of x, y, z is wanted: the plane's position"));
+    if (scene->dimensions == 2 && plane->axis == 1)
+      TRY(config_error(config, config_child(group, "y"),
+                       "a 2-D scene lives in x and z: give x or z"));
+    if (plane->position < 0 || plane->position > scene->domain_size[plane->axis])
+      TRY(config_error(config, config_child(group, scene_axis_names[plane->axis]),
+                       "%g m lies outside the domain (0 to %g m)", plane->position,
+                       scene->domain_size[plane->axis]));
+    for (size_t k = 0; k < i; k++)
+      if (!strcmp(scene->planes[k].name, plane->name))
+        TRY(config_error(config, group, "a plane before is called '%s' too; rename one",
+                         plane->name));
+  }
+cleanup:
+  return status;
+}
+
+static enum status scene_read_probes(struct config *config, struct scene *scene) {
+  enum status status = read_gauges(config, scene);
+  return status == STATUS_OK ? read_planes(config, scene) : status;
+}
+
+/* A scene with a solute in a flow that is already solved. */
+
+/* Rejects settings that are part of the solved flow: all groups but its own. */
+static enum status refuse_other_groups(struct config *config) {
+  static const char *const own[] = {"scene", "flow", "solute", "checkpoint"};
+  for (size_t i = 0; i < config_count(config_root(config)); i++) {
+    config_node *node = config_item(config_root(config), i);
+    bool found = false;
+    for (size_t k = 0; k < sizeof own / sizeof *own; k++)
+      found = found || !strcmp(config_name(node), own[k]);
+    if (!found)
+      return config_error(config, node,
+                          "a scene with flow = { file = ...; } takes a flow that is solved "
+                          "already, with all of its settings; leave '%s' out",
+                          config_name(node));
+  }
+  static const char *const times[] = {"end_time", "steady_tolerance"};
+  config_node *scene = config_child(config_root(config), "scene");
+  for (size_t i = 0; i < sizeof times / sizeof *times; i++)
+    if (config_child(scene, times[i]) != NULL)
+      return config_error(config, config_child(scene, times[i]),
+                          "is of a scene that solves a flow; leave it out: a solute is followed "
+                          "until its coefficients are known");
+  return STATUS_OK;
+}
+
+static enum status read_peclet(struct config *config, config_node *group, struct scene *scene) {
+  static const double decades[] = {0.1, 0.3, 1, 3, 10, 30, 100, 300, 1000};
+  enum status status = STATUS_OK;
+  bool given;
+  TRY(config_quantities(config, group, "peclet", DIM_NONE, 1, SOLUTE_PECLET_MAX,
+                        scene->solute.peclet, &scene->solute.peclet_count, &given));
+  for (int i = 0; i < scene->solute.peclet_count; i++)
+    if (!(scene->solute.peclet[i] >= 0 && scene->solute.peclet[i] <= 1e6))
+      TRY(config_error(config, config_child(group, "peclet"),
+                       "Peclet numbers from 0 (no flow) to 1e6 are possible, like [0.1, 1.0, "
+                       "10.0]"));
+  if (given || !isnan(scene->solute.diffusion)) goto cleanup;
+  scene->solute.peclet_count = sizeof decades / sizeof *decades;
+  memcpy(scene->solute.peclet, decades, sizeof decades);
+cleanup:
+  return status;
+}
+
+/* Reads the groups flow and solute; nothing where the scene has neither. */
+static enum status scene_read_solute(struct config *config, struct scene *scene) {
+  enum status status = STATUS_OK;
+  config_node *root = config_root(config);
+  config_node *flow = config_child(root, "flow");
+  config_node *group = config_child(root, "solute");
+  if (flow == NULL && (group != NULL || scene->method == &method_solute))
+    return config_error(config, group,
+                        "a solute needs a flow that is solved already; write flow = { file = "
+                        "\"run.hdf\"; }, the OUT.hdf of a run of method stokes");
+  if (flow == NULL) return STATUS_OK;
+  if (scene->method != NULL && scene->method != &method_solute)
+    return config_error(config, config_child(config_child(root, "scene"), "method"),
+                        "solves a flow, and this scene takes one that is solved already; leave it "
+                        "out");
+  if (group == NULL)
+    return config_error(config, flow,
+                        "the group 'solute' is missing: what the flow carries; write solute = { "
+                        "peclet = [0.1, 1.0, 10.0]; };");
+  scene->method = &method_solute;
+  TRY(refuse_other_groups(config));
+  TRY(scene_file_find(config, flow, "file", "\"run.hdf\"", "sphsolve run ... -o",
+                      scene->flow_path));
+  TRY(keys_read(config, group, "solute", 0, scene, scene));
+  TRY(read_peclet(config, group, scene));
+  scene->solute.error = NAN;
+  TRY(keys_read(config, config_child(root, "checkpoint"), "checkpoint", 0, scene, scene));
+cleanup:
+  return status;
+}
 
 static const struct method *const methods[] = {
     NULL,
@@ -185,11 +334,6 @@ cleanup:
   return status;
 }
 
-static int ascending(const void *a, const void *b) {
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 /* Settings of soil with pores smaller than the voxel. */
 static enum status read_micro(struct config *config, struct scene *scene) {
   enum status status = STATUS_OK;
@@ -200,7 +344,8 @@ static enum status read_micro(struct config *config, struct scene *scene) {
                      "scene has none; leave it out"));
   TRY(config_quantities(config, group, "factors", DIM_NONE, 1, MICRO_FACTORS_MOST,
                         scene->micro.factors, &scene->micro.factor_count, NULL));
-  qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double), ascending);
+  qsort(scene->micro.factors, (size_t)scene->micro.factor_count, sizeof(double),
+        scene_parts_by_value);
   for (int i = 0; i < scene->micro.factor_count; i++)
     if (!(scene->micro.factors[i] > 0) ||
         (i > 0 && scene->micro.factors[i] == scene->micro.factors[i - 1]))

@@ -9,8 +9,7 @@
 #include "sphsolve/scene/keys.h"
 #include "sphsolve/scene/scene_geometry.h"
 #include "sphsolve/scene/scene_names.h"
-#include "sphsolve/scene/scene_permeability.h"
-#include "sphsolve/scene/scene_retention.h"
+#include "sphsolve/scene/scene_soil.h"
 #include "sphsolve/scene/scene_shapes.h"
 #include "sphsolve/scene/scene_stl.h"
 

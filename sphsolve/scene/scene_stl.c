@@ -15,7 +15,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/scene/keys.h"
-#include "sphsolve/scene/scene_file.h"
+#include "sphsolve/scene/scene_names.h"
 #include "sphsolve/scene/stl.h"
 
 /* Scan lines per row of soil, in each of the two directions. */

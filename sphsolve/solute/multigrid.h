@@ -20,7 +20,7 @@ struct solute_solver {
   int level_count;
   struct solute_cells cells[SOLUTE_LEVELS]; /* [0]: those of the flow */
   float *inverse[SOLUTE_LEVELS]; /* inverse diagonal of the cycle's operator; 0 in closed cells */
-  float *share[SOLUTE_LEVELS];   /* normalisation of the interpolation (multigrid_rows.h) */
+  float *share[SOLUTE_LEVELS];   /* normalisation of the interpolation */
   float *x[SOLUTE_LEVELS], *rest[SOLUTE_LEVELS], *work[SOLUTE_LEVELS];
   struct stokes_krylov krylov;
 };

@@ -40,7 +40,7 @@ double walk_bytes(size_t walkers) {
 
 double walk_cells_bytes(size_t cells, size_t with_pores) {
   /* Corners and bricks of all cells; in addition, first the search for the surface
-   * (walk_surface.c), then a record and an index of each open cell. */
+   * (walk_cells.c), then a record and an index of each open cell. */
   return (sizeof(int16_t) + (double)sizeof(struct walk_brick) / 64) * (double)cells +
          fmax(4 * sizeof(float) * (double)cells,
               (sizeof(struct walk_cell) + sizeof(int32_t)) * (double)with_pores);

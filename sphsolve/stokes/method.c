@@ -11,10 +11,9 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/throats.h"
-#include "sphsolve/output/level_bar.h"
+#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
-#include "sphsolve/stokes/budget.h"
 #include "sphsolve/stokes/cascade/cascade_add.h"
 #include "sphsolve/stokes/cascade/cascade_next.h"
 #include "sphsolve/stokes/cascade/soil_response.h"
@@ -494,7 +493,6 @@ const struct method method_stokes = {.name = "stokes",
                                      .takes = takes,
                                      .scales = stokes_scales,
                                      .cost = stokes_cost,
-                                     .ranks_memory = stokes_ranks_memory,
                                      .wall_name = wall_name,
                                      .wall = wall,
                                      .error_flat = 5e-6, /* error left by the solver */

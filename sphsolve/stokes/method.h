@@ -9,13 +9,8 @@ extern const struct effect *const stokes_effects[]; /* effects/registry.def */
 enum status stokes_scales(struct plan *plan);
 enum status stokes_cost(struct plan *plan, int threads);
 enum status stokes_bytes_least(const struct plan *plan, double *bytes);
-/* Mean bytes on each of `ranks` ranks while the mirrored lattice is solved for the error of the
- * sides: every rank holds all of it during the percolation search, and beside it the second lattice
- * of the cascade and the solution of the first. 0 if no such lattice is solved. */
-double stokes_sides_bytes(const struct plan *plan, double ranks);
-/* The same for one rank, on the finest lattice that a large effect of the sides may require. */
+/* Bytes while the mirrored lattice is solved for the error of the sides, on the finest lattice that
+ * a large effect of the sides may require; 0 if no such lattice is solved. */
 double stokes_sides_finer_bytes(const struct plan *plan);
-void stokes_ranks_memory(const struct plan *plan, int ranks, int threads,
-                         struct ranks_memory *memory);
 
 #endif

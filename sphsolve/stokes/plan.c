@@ -3,12 +3,14 @@
 
 #include "common/memory.h"
 #include "sphsolve/geometry/percolation.h"
+#include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/constants.h"
 #include "sphsolve/stokes/cascade/cascade.h"
 #include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/stokes/solver/cost.h"
+#include "sphsolve/stokes/solver/rows.h"
 
 enum status stokes_scales(struct plan *plan) {
   struct effect_context *context = &plan->context;
@@ -65,6 +67,73 @@ static double surface_bytes(const struct lattice *l) {
   return l->own_surface ? sizeof(float) * (double)l->own_surface->count : 0.0;
 }
 
+#define MASK_BYTES 2.0  /* per row: a mask for each sixteen sites */
+#define FLOOD_FLUID 4.0 /* per fluid site, during the percolation search */
+#define RUN_BYTES 200e3 /* records of the run, whatever the size */
+
+/* Size of the scene's lattice resampled to a given spacing (m), mirrored if requested. */
+struct sites {
+  double count, fluid, stride, rows; /* stride: row length in whole vectors */
+};
+
+static struct sites sites_at(const struct plan *plan, double spacing, bool mirrored) {
+  const struct lattice *l = plan->context.lattice;
+  const bool *unlike = l->model.unlike;
+  size_t size[3], count;
+  double n[3] = {0};
+  if (lattice_resampled_size(l, spacing, size, &count) != STATUS_OK) {
+    error_clear(); /* too many sites: the run itself reports it */
+    return (struct sites){0};
+  }
+  for (int a = 0; a < 3; a++) n[a] = (double)size[a] * (mirrored && unlike[a] ? 2.0 : 1.0);
+  const double all = n[0] * n[1] * n[2];
+  return (struct sites){.count = all,
+                        .fluid = all * (double)l->fluid_count / (double)l->count,
+                        .stride = STOKES_LANES * ceil(n[0] / STOKES_LANES),
+                        .rows = n[1] * n[2]};
+}
+
+/* Bytes of a solver without its lattice. */
+static double solver_bytes(const struct plan *plan, const struct sites *s) {
+  const bool soil = plan->context.lattice->micro_porosity != NULL;
+  const double whole = COARSER_BYTES * s->count, lattice = soil ? SOIL_BYTES : 0.0;
+  const double divided = stokes_solver_bytes(s->count, s->fluid, soil) - whole -
+                         (LATTICE_BYTES + lattice) * s->count +
+                         FIELD_BYTES * (s->stride * s->rows - s->count);
+  return divided + whole + SOLVER_BYTES;
+}
+
+static double rows_bytes(const struct sites *s) {
+  return (ROW_BYTES + MASK_BYTES * s->stride / STOKES_LANES) * s->rows;
+}
+
+/* Bytes while the mirrored lattice is solved at the given spacing (m) for the error of the sides:
+ * beside it stand the second lattice of the cascade and the solution of the first. 0 if no such
+ * lattice is solved. */
+static double sides_bytes(const struct plan *plan, double spacing) {
+  const struct lattice *l = plan->context.lattice;
+  const double base_spacing = plan->context.spacing;
+  const double site = LATTICE_BYTES + (l->micro_porosity != NULL ? SOIL_BYTES : 0.0);
+  if (!(cascade_sides_sites(plan) > 0.0)) return 0.0;
+  const struct sites first = sites_at(plan, cascade_fixed_ratios[0] * base_spacing, false);
+  const struct sites second = sites_at(plan, cascade_fixed_ratios[1] * base_spacing, false);
+  const struct sites wrapped = sites_at(plan, spacing, false);
+  const struct sites sides = sites_at(plan, spacing, true);
+  const double lattices = site * ((double)l->count + second.count + wrapped.count + sides.count);
+  return RUN_BYTES + lattices + rows_bytes(&second) + rows_bytes(&sides) +
+         SOLUTION_BYTES * first.fluid + solver_bytes(plan, &second) +
+         fmax(FLOOD_SITE * sides.count + FLOOD_FLUID * sides.fluid, solver_bytes(plan, &sides));
+}
+
+double stokes_sides_finer_bytes(const struct plan *plan) {
+  const struct lattice *l = plan->context.lattice;
+  const double usual = cascade_sides_spacing(plan, l);
+  double spacing = usual, sites;
+  if (!(cascade_sides_sites(plan) > 0.0)) return 0.0;
+  while (cascade_sides_finer(l, &spacing, &sites)) continue;
+  return spacing < usual ? sides_bytes(plan, spacing) : 0.0;
+}
+
 enum status stokes_cost(struct plan *plan, int threads) {
   const struct lattice *l = plan->context.lattice;
   const double sites = (double)l->count, fluid = (double)l->fluid_count;
@@ -73,7 +142,7 @@ enum status stokes_cost(struct plan *plan, int threads) {
     return STATUS_OK; /* the run itself reports the error */
   const bool soil = l->micro_porosity != NULL;
   plan->bytes_method = fluid > 0.0 ? stokes_solver_bytes(sites, fluid, soil) : KIND_BYTES * sites;
-  plan->bytes_method = fmax(plan->bytes_method, stokes_sides_bytes(plan, 1.0));
+  plan->bytes_method = fmax(plan->bytes_method, sides_bytes(plan, cascade_sides_spacing(plan, l)));
   plan->bytes_method += surface_bytes(l);
   plan->bytes_wall = stokes_solver_bytes(1.0, 0.0, soil);
   plan->bytes_fluid = fluid > 0.0

@@ -85,27 +85,6 @@ cleanup:
   return status;
 }
 
-/* The force terms share one loop: its time is attributed to them by their vector operations and
- * number of pairs. The part needed by all (offset, distance and kernel gradient) counts as
- * pressure; pairs with sub-voxel walls count as wall. */
-static void add_force_times(const struct wcsph_run *run, double seconds) {
-  const struct engine *engine = &run->state.engine;
-  const struct plan *plan = run->plan;
-  const bool walls = engine->settings.wall == PASS_SUBVOXEL && engine->pairs_fluid > 0;
-  const double fluid = walls ? (double)engine->pairs_alone / (double)engine->pairs_fluid : 1;
-  double all = 0, operations[EFFECT_MAX] = {0};
-  for (size_t i = 0; i < plan->effect_count; i++) {
-    const struct planned_effect *planned = &plan->effects[i];
-    if (!planned->on) continue;
-    operations[i] = planned->effect->operations * (planned->effect->at_walls ? 1 - fluid : fluid);
-    all += operations[i];
-  }
-  for (size_t i = 0; i < plan->effect_count; i++)
-    if (operations[i] > 0)
-      recorder_add_time(run->recorder, plan->effects[i].effect->name,
-                        seconds * operations[i] / all);
-}
-
 /* Maximum work / mean work of the ranks, with the last neighbour lists. */
 static double imbalance_of(const struct engine *engine) {
   const double work = engine->ranks.work_sum, total = ranks_sum(work);
@@ -133,7 +112,7 @@ static void finish(struct wcsph_run *run, struct run_result *result) {
     recorder_add_time(run->recorder,
                       engine->settings.wall == PASS_ADAMI ? "wall_adami" : "wall_subvoxel",
                       s[PHASE_WALL]);
-  add_force_times(run, s[PHASE_FORCE]);
+  recorder_add_time(run->recorder, "forces", s[PHASE_FORCE]);
   recorder_add_time(run->recorder, "drift", s[PHASE_DRIFT]);
   recorder_add_time(run->recorder, "neighbour_lists", s[PHASE_LISTS]);
   recorder_add_time(run->recorder, "ledger", s[PHASE_BUDGET]);
@@ -260,7 +239,6 @@ const struct method method_wcsph = {
     .takes = takes,
     .scales = wcsph_scales,
     .cost = wcsph_cost,
-    .ranks_memory = wcsph_ranks_memory,
     .wall_name = wall_name,
     .wall = wall,
     .joins_corners = joins_corners,

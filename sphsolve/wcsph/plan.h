@@ -10,8 +10,6 @@
 extern const struct effect *const wcsph_effects[]; /* effects/registry.def */
 enum status wcsph_scales(struct plan *plan);
 enum status wcsph_cost(struct plan *plan, int threads);
-void wcsph_ranks_memory(const struct plan *plan, int ranks, int threads,
-                        struct ranks_memory *memory);
 
 /* Wall treatment of the pair loops for a scene. */
 enum pass_wall wcsph_pass_wall(const struct effect_context *context);

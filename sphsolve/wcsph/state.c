@@ -235,7 +235,7 @@ void wcsph_copy_free(struct wcsph_copy *copy) {
 }
 
 /* The numbers of a checkpoint. */
-#define NUMBERS 15
+#define NUMBERS 14
 static void numbers_of(struct wcsph_state *s, struct h5_number numbers[NUMBERS]) {
   struct engine *e = &s->engine;
   const struct h5_number all[NUMBERS] = {{"step", H5_I64, 1, &s->step},
@@ -251,8 +251,7 @@ static void numbers_of(struct wcsph_state *s, struct h5_number numbers[NUMBERS])
                                          {"steps", H5_U64, 1, &e->steps},
                                          {"interactions", H5_F64, 1, &e->pair_interactions},
                                          {"pairs_fluid", H5_U64, 1, &e->pairs_fluid},
-                                         {"pairs_wall", H5_U64, 1, &e->pairs_wall},
-                                         {"pairs_alone", H5_U64, 1, &e->pairs_alone}};
+                                         {"pairs_wall", H5_U64, 1, &e->pairs_wall}};
   memcpy(numbers, all, sizeof all);
 }
 

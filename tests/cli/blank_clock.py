@@ -16,8 +16,7 @@ for path in sys.argv[1:]:
     with h5py.File(path, "r+") as file:
         blank(file["provenance"], "time")
         if "run" in file:
-            for name in "seconds", "share":
-                file["run/timing"][name][...] = 0
+            file["run/timing/seconds"][...] = 0
             if "levels" in file["run/timing"]:
                 file["run/timing/levels/seconds"][...] = 0
             for name in file["run/timing"].attrs:

@@ -30,25 +30,6 @@ setup_file() {
   done
 }
 
-@test "explain --ranks: one rank is the plan itself; many have less memory each" {
-  cd "$BATS_FILE_TMPDIR"
-  for scene in "s06.cfg --set model.file=dense.hdf" "s06.cfg --set model.file=dense.hdf --set scene.method=stokes" dam-break.cfg; do
-    for ranks in 1 3 1000; do
-      sphsolve explain "$ROOT/data-samples/scenes/"$scene --threads 1 --json --ranks $ranks > "ranks$ranks.json"
-    done
-    /usr/bin/python3 - <<'END'
-import json
-one, three, many = (json.load(open(f"ranks{n}.json")) for n in (1, 3, 1000))
-close = lambda a, b: abs(a - b) <= 1e-9 * abs(b)
-assert close(one["ranks"]["memory_bytes"], one["memory_bytes"])
-assert many["ranks"]["memory_bytes"] < three["ranks"]["memory_bytes"] < one["memory_bytes"]
-assert one["ranks"]["used"] == 1 and three["ranks"]["used"] <= 3 and many["ranks"]["used"] <= 1000
-END
-  done
-  run sphsolve explain "$ROOT/data-samples/scenes/dam-break.cfg" --ranks 0
-  [ "$status" -eq 2 ]
-}
-
 @test "method isph: steps as predicted, within a factor 2 of those a run takes" {
   cd "$BATS_FILE_TMPDIR"
   scenes=$ROOT/data-samples/scenes
@@ -122,10 +103,10 @@ fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 force = { body_acceleration = ["0", "0", "-1 m/s^2"]; };
 END
   for method in stokes wcsph; do
-    for more in "" "--error 20%" "--ranks 2"; do
+    for more in "" "--error 20%"; do
       sphsolve explain layer.cfg --set scene.method=$method $more > said.txt
       grep -q "^blocked    no pore leads through the model along the force: k is 0" said.txt
-      run ! grep -E "^(time  |error|iterations|steps|ranks|run with|wanted)" said.txt
+      run ! grep -E "^(time  |error|iterations|steps|run with|wanted)" said.txt
     done
     sphsolve run layer.cfg --set scene.method=$method -o layer-run > ran.txt 2>&1
     grep -qF "$(sed -n 's/^blocked *//p' said.txt)" ran.txt

@@ -81,7 +81,6 @@ def make(out, *words):
         e.create_dataset("reason", data=["a force drives the flow", "Re = 0.2 < 1000"], dtype=text)
         e.create_dataset("model", data=["constant acceleration", "Smagorinsky"], dtype=text)
         e.create_dataset("citation", data=["", "Smagorinsky 1963"], dtype=text)
-        e["share"] = [0.1, 0.0]
         r.create_dataset("timing/name", data=["pairs", "output"], dtype=text)
         r["timing/seconds"] = [11.0, 1.5]
         r["timing"].attrs["wall_time"] = o["wall_time"]

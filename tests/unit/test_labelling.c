@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "ct2model/model/connect.h"
-#include "ct2model/surface/phase_bits.h"
 #include "ct2model/surface/specks.h"
 
 enum { NX = 17, NY = 13, NZ = 11, SITES = NX * NY * NZ };

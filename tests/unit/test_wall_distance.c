@@ -14,7 +14,7 @@
 #include "ct2model/surface/coarse.h"
 #include "ct2model/readers/stack.h"
 #include "ct2model/scan/survey.h"
-#include "ct2model/surface/phase_bits.h"
+#include "ct2model/surface/specks.h"
 #include "ct2model/surface/surfels.h"
 #include "ct2model/surface/wall_distance.h"
 

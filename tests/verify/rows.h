@@ -7,8 +7,10 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "common/error.h"
+#include "common/log.h"
 
 static FILE *rows_file; /* NULL: to the terminal alone */
 static int rows_count, rows_failed;
@@ -61,6 +63,30 @@ static inline void report(const char *name, double reference, double measured, d
   const double error = measured / reference - 1;
   rows_write(name, fabs(error) <= bound ? "pass" : "fail", reference, measured, error, bound,
              seconds);
+}
+
+/* Seconds since `started` (clock_seconds). */
+static inline double passed(double started) {
+  return clock_seconds() - started;
+}
+
+struct verify_case {
+  const char *name;
+  void (*run)(void);
+};
+
+/* The main of a program PROGRAM RESULTS.json [CASE...]: all cases, or those whose names start with
+ * CASE. */
+static inline int rows_of_cases(int argc, char **argv, const struct verify_case *cases, size_t n) {
+  if (argc < 2) return fprintf(stderr, "usage: %s RESULTS.json [CASE...]\n", argv[0]), 2;
+  log_start("verification", LOG_QUIET);
+  rows_open(argv[1]);
+  for (size_t k = 0; k < n; k++) {
+    bool wanted = argc == 2;
+    for (int i = 2; i < argc; i++) wanted |= !strncmp(argv[i], cases[k].name, strlen(argv[i]));
+    if (wanted) cases[k].run();
+  }
+  return rows_close();
 }
 
 /* What could not be measured here, as its data are missing. */

@@ -1,24 +1,11 @@
 /* Soil that stays full of water by method darcy against exact solutions and finite elements. Usage:
  * verify_darcy RESULTS.json [CASE...]: all cases, or those whose names start with CASE. */
-#include "common/log.h"
 #include "tests/unit/richards_scene.h"
 #include "tests/verify/rows.h"
-
-static const char *const *wanted;
-static int wanted_count;
+#include "tests/verify/soils.h"
 
 #define G 9.80665
 #define ALONG 1e-3 /* m/s, along the beds */
-
-static double passed(double started) {
-  return clock_seconds() - started;
-}
-
-static bool is_wanted(const char *name) {
-  for (int i = 0; i < wanted_count; i++)
-    if (!strncmp(wanted[i], name, strlen(wanted[i]))) return true;
-  return wanted_count == 0;
-}
 
 /* Mean Darcy velocity along an axis. */
 static double mean_velocity(const struct richards *s, int axis) {
@@ -32,17 +19,6 @@ static double flow_in(const struct richards *s) {
   double sum = 0;
   for (size_t e = 0; e < s->edge_count; e++) sum += fmax(0, s->edge_flux[e].q);
   return sum * s->spacing;
-}
-
-/* Darcy velocity of soil under a driving acceleration f: a v + b v^2 = f. */
-static double through(double a, double b, double f) {
-  return 2 * f / (a + sqrt(a * a + 4 * b * f));
-}
-static double drag_a(double eps, double grain) {
-  return 1e-3 * pow(1 - eps, 2) / (pow(eps, 3) * grain * grain);
-}
-static double drag_b(double eps, double grain) {
-  return 1.1 * (1 - eps) / (pow(eps, 3) * grain);
 }
 
 /* Soil without ends: v_D = 2 g / (a + sqrt(a^2 + 4 b g)). */
@@ -88,37 +64,7 @@ static void series(void) {
   finish(&run);
 }
 
-enum side_by_side { ALONG_LAYERS, ACROSS, OBLIQUE, CHECKERBOARD };
-
-/* Regions of porosity .5, and .3 over them, in a periodic box of .2 m; layers are `thick` m. */
-static void write_soils(char *text, size_t room, enum side_by_side kind, double thick, double dx,
-                        double grain) {
-  int n = snprintf(text, room,
-                   "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.2 m\"]; porosity = "
-                   "0.5; grain_size = \"%g m\"; }",
-                   grain);
-  const double rows = kind == OBLIQUE ? round(.2 / dx) : .1 / thick;
-  for (int k = 0; k < (kind == CHECKERBOARD ? 2 : (int)round(rows)); k++) {
-    double box[4] = {0, 2 * k * thick, .2, (2 * k + 1) * thick}; /* along */
-    if (kind == ACROSS) box[0] = box[1], box[2] = box[3], box[1] = 0, box[3] = .2;
-    if (kind == CHECKERBOARD) box[0] = box[1] = .1 * k, box[2] = box[3] = .1 * (k + 1);
-    /* Stairs of a spacing, at 45 degrees, .1 m long along x: in two parts past the side. */
-    if (kind == OBLIQUE)
-      box[0] = k * dx, box[1] = k * dx, box[2] = k * dx + .1, box[3] = (k + 1) * dx;
-    for (int part = 0; part < 2; part++, box[0] = 0, box[2] -= .2) {
-      if (part == 1 && box[2] < 1e-9) break;
-      n += snprintf(
-          text + n, room - (size_t)n,
-          ",\n{ type = \"porous\"; box = [\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; "
-          "porosity = 0.3; grain_size = \"%g m\"; }",
-          box[0], box[1], fmin(box[2], .2), box[3], grain);
-    }
-  }
-}
-
-/* Soils side by side, porosity .5 and .3 half each: along them each flows by itself, across them
- * resistances add, at 45 degrees along the layers as along, and a checkerboard of linear drag has
- * the geometric mean (Keller 1964). */
+/* Soils side by side, porosity .5 and .3 half each. */
 static void soils_side_by_side(void) {
   static const struct {
     const char *name;
@@ -137,12 +83,8 @@ static void soils_side_by_side(void) {
     const size_t i = k / 2;
     const enum side_by_side kind = table[i].kind;
     const double started = clock_seconds(), dx = k % 2 == 0 ? .01 : .005;
-    const double grain = table[i].grain, a5 = drag_a(.5, grain), b5 = drag_b(.5, grain);
-    const double a3 = drag_a(.3, grain), b3 = drag_b(.3, grain),
-                 turn = kind == OBLIQUE ? M_SQRT1_2 : 1;
-    const double exact = kind == ACROSS         ? through(.5 * (a5 + a3), .5 * (b5 + b3), f)
-                         : kind == CHECKERBOARD ? sqrt(through(a5, b5, f) * through(a3, b3, f))
-                                                : .5 * (through(a5, b5, f) + through(a3, b3, f));
+    const double grain = table[i].grain, exact = through_soils(kind, grain, f);
+    const double turn = kind == OBLIQUE ? M_SQRT1_2 : 1;
     write_soils(soils, sizeof soils, kind, table[i].thick, dx, grain);
     start(&run,
           "scene = { end_time = \"60 s\"; };\ndomain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = "
@@ -433,18 +375,10 @@ static void dam(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct {
-    const char *name;
-    void (*run)(void);
-  } cases[] = {{"column", columns}, {"series", series},      {"soils", soils_side_by_side},
-               {"heads", heads},    {"beds", between_walls}, {"layers", layers},
-               {"pile", pile},      {"maps", maps},          {"drains", drains},
-               {"dam", dam}};
-  if (argc < 2) return 2;
-  log_start("verify_darcy", LOG_QUIET);
-  wanted = (const char *const *)argv + 2, wanted_count = argc - 2;
-  rows_open(argv[1]);
-  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-    if (is_wanted(cases[k].name)) cases[k].run();
-  return rows_close();
+  static const struct verify_case cases[] = {
+      {"column", columns}, {"series", series},      {"soils", soils_side_by_side},
+      {"heads", heads},    {"beds", between_walls}, {"layers", layers},
+      {"pile", pile},      {"maps", maps},          {"drains", drains},
+      {"dam", dam}};
+  return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

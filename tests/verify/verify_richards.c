@@ -7,24 +7,10 @@
  * c = (K_wet - K_dry)/(theta_wet - theta_dry). Both equations are integrated here by Runge and
  * Kutta's method. The soil's curves and a column of an independent solver, ten times finer, are in
  * richards_reference.h. */
-#include "common/log.h"
 #include "tests/unit/richards_scene.h"
 #include "tests/verify/richards_reference.h"
 #include "tests/verify/rows.h"
 #include "sphsolve/scene/scene_read.h"
-
-static const char *const *wanted;
-static int wanted_count;
-
-static double passed(double started) {
-  return clock_seconds() - started;
-}
-
-static bool is_wanted(const char *name) {
-  for (int i = 0; i < wanted_count; i++)
-    if (!strncmp(wanted[i], name, strlen(wanted[i]))) return true;
-  return wanted_count == 0;
-}
 
 /* As a scene has it. */
 static const char *text_of(const struct soil *s, const char *start) {
@@ -423,19 +409,11 @@ static void hard(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct {
-    const char *name;
-    void (*run)(void);
-  } cases[] = {{"rest", rest},           {"steady", steady},
-               {"front", front},         {"infiltration", infiltration},
-               {"haverkamp", haverkamp}, {"orders", orders},
-               {"layers", layers},       {"hard", hard},
-               {"recharge", recharge}};
-  if (argc < 2) return 2;
-  log_start("verify_richards", LOG_QUIET);
-  wanted = (const char *const *)argv + 2, wanted_count = argc - 2;
-  rows_open(argv[1]);
-  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++)
-    if (is_wanted(cases[k].name)) cases[k].run();
-  return rows_close();
+  static const struct verify_case cases[] = {
+      {"rest", rest},           {"steady", steady},
+      {"front", front},         {"infiltration", infiltration},
+      {"haverkamp", haverkamp}, {"orders", orders},
+      {"layers", layers},       {"hard", hard},
+      {"recharge", recharge}};
+  return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

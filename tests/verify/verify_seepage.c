@@ -2,6 +2,7 @@
  * names each). Usage: verify_seepage RESULTS.json [CASE...]     all cases, or those whose names
  * start with CASE */
 #include "tests/verify/isph_rig.h"
+#include "tests/verify/soils.h"
 
 /* Fully saturated soil without walls: v_D = 2 G g / (a + sqrt(a^2 + 4 b G g)). The same flow for
  * any size of the box, so the finer one is smaller. */
@@ -323,60 +324,17 @@ static void half_porous(void) {
   }
 }
 
-/* Darcy velocity of soil under a driving acceleration f: a v + b v^2 = f. */
-static double through(double a, double b, double f) {
-  return 2 * f / (a + sqrt(a * a + 4 * b * f));
-}
-static double drag_a(double eps, double grain) {
-  return 1e-3 * pow(1 - eps, 2) / (pow(eps, 3) * grain * grain);
-}
-static double drag_b(double eps, double grain) {
-  return 1.1 * (1 - eps) / (pow(eps, 3) * grain);
-}
-
-enum side_by_side { ALONG, ACROSS, OBLIQUE, CHECKERBOARD };
-
-/* Regions of porosity .5, and .3 over them, in a periodic box of .2 m; layers are `thick` m. */
-static void write_soils(char *text, size_t room, enum side_by_side kind, double thick, double dx,
-                        double grain) {
-  int n = snprintf(text, room,
-                   "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.2 m\"]; porosity = "
-                   "0.5; grain_size = \"%g m\"; }",
-                   grain);
-  const double rows = kind == OBLIQUE ? round(.2 / dx) : .1 / thick;
-  for (int k = 0; k < (kind == CHECKERBOARD ? 2 : (int)round(rows)); k++) {
-    double box[4] = {0, 2 * k * thick, .2, (2 * k + 1) * thick}; /* along */
-    if (kind == ACROSS) box[0] = box[1], box[2] = box[3], box[1] = 0, box[3] = .2;
-    if (kind == CHECKERBOARD) box[0] = box[1] = .1 * k, box[2] = box[3] = .1 * (k + 1);
-    /* Stairs of a spacing, at 45 degrees, .1 m long along x: in two parts past the side. */
-    if (kind == OBLIQUE)
-      box[0] = k * dx, box[1] = k * dx, box[2] = k * dx + .1, box[3] = (k + 1) * dx;
-    for (int part = 0; part < 2; part++, box[0] = 0, box[2] -= .2) {
-      const double high = fmin(box[2], .2);
-      if (part == 1 && box[2] < 1e-9) break;
-      n += snprintf(
-          text + n, room - (size_t)n,
-          ",\n{ type = \"porous\"; box = [\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; "
-          "porosity = 0.3; grain_size = \"%g m\"; }",
-          box[0], box[1], high, box[3], grain);
-    }
-  }
-}
-
 /* Soils side by side, porosity .5 and .3 half each, over 10 s or until water has gone through
- * several layers: along them each flows by itself, across them resistances add, at 45 degrees along
- * the layers as along, and a checkerboard of linear drag has the geometric mean (Keller 1964). */
+ * several layers. */
 static void soils_side_by_side(void) {
   static const struct {
     const char *name;
     enum side_by_side kind;
     double thick, grain, end;
-  } table[] = {{"along", ALONG, .05, 3e-3, 10},
-               {"along, coarse", ALONG, .05, 1e-2, 4},
-               {"across", ACROSS, .05, 3e-3, 10},
-               {"across, coarse", ACROSS, .05, 1e-2, 4},
-               {"at 45 degrees", OBLIQUE, .0707, 5e-4, 2},
-               {"checkerboard", CHECKERBOARD, .1, 5e-4, 2}};
+  } table[] = {
+      {"along", ALONG_LAYERS, .05, 3e-3, 10},     {"along, coarse", ALONG_LAYERS, .05, 1e-2, 4},
+      {"across", ACROSS, .05, 3e-3, 10},          {"across, coarse", ACROSS, .05, 1e-2, 4},
+      {"at 45 degrees", OBLIQUE, .0707, 5e-4, 2}, {"checkerboard", CHECKERBOARD, .1, 5e-4, 2}};
   const double f = 2;
   for (size_t k = 0; k < 2 * sizeof table / sizeof *table; k++) {
     struct run run = {0};
@@ -384,12 +342,8 @@ static void soils_side_by_side(void) {
     const size_t i = k / 2;
     const enum side_by_side kind = table[i].kind;
     double started = clock_seconds(), dx = k % 2 == 0 ? .01 : .005, v[3], sum = 0, time = 0;
-    const double grain = table[i].grain, a5 = drag_a(.5, grain), b5 = drag_b(.5, grain);
-    const double a3 = drag_a(.3, grain), b3 = drag_b(.3, grain),
-                 turn = kind == OBLIQUE ? M_SQRT1_2 : 1;
-    const double exact = kind == ACROSS         ? through(.5 * (a5 + a3), .5 * (b5 + b3), f)
-                         : kind == CHECKERBOARD ? sqrt(through(a5, b5, f) * through(a3, b3, f))
-                                                : .5 * (through(a5, b5, f) + through(a3, b3, f));
+    const double grain = table[i].grain, exact = through_soils(kind, grain, f);
+    const double turn = kind == OBLIQUE ? M_SQRT1_2 : 1;
     write_soils(soils, sizeof soils, kind, table[i].thick, dx, grain);
     start(&run,
           "scene = { method = \"isph\"; end_time = \"%g s\"; };\n"

@@ -22,5 +22,5 @@ SIMD_INLINE vec pressure_difference_pair(vec p_i, vec p_j, vec slope) {
 EFFECT(pressure_difference,
        .model = "pressure force from pressure differences, blind to the particle lattice",
        .citation = "Morris, Fox, Zhu 1997", .wanted = wcsph_continuity_wanted,
-       .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1, .operations = 29)
+       .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1)
 #endif

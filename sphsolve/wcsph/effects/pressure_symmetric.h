@@ -25,5 +25,5 @@ SIMD_INLINE vec pressure_symmetric_pair(vec b_i, vec b_j, vec slope) {
 #include "sphsolve/wcsph/scales.h"
 EFFECT(pressure_symmetric, .model = "pressure force, symmetric in the pair",
        .citation = "Saomoto et al. 2006, eq. 7", .wanted = wcsph_frozen_wanted,
-       .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1, .operations = 29)
+       .dt_max = wcsph_pressure_dt, .limit = "sound", .dt_power = 1)
 #endif

@@ -64,6 +64,6 @@ static inline double wcsph_shifting_dt(const struct effect_context *context) {
 EFFECT(shifting, .model = "particles drift to where they are fewer",
        .citation = "Lind et al. 2012, eq. 15; Sun et al. 2019, eq. 2",
        .wanted = wcsph_shifting_wanted, .dt_max = wcsph_shifting_dt, .dt_power = 1,
-       .dt_accuracy = true, .operations = 7,
-       .switches_on = EFFECT_SWITCH(struct engine_settings, shift), .budget = 1u << BUDGET_SHIFTING)
+       .dt_accuracy = true, .switches_on = EFFECT_SWITCH(struct engine_settings, shift),
+       .budget = 1u << BUDGET_SHIFTING)
 #endif

@@ -33,6 +33,6 @@ static inline double wcsph_viscosity_dt(const struct effect_context *context) {
 #ifdef EFFECTS
 EFFECT(viscosity_morris, .model = "laminar viscosity", .citation = "Morris, Fox, Zhu 1997, eq. 22",
        .wanted = wcsph_viscosity_wanted, .dt_max = wcsph_viscosity_dt, .dt_power = 2,
-       .operations = 6, .switches_on = EFFECT_SWITCH(struct engine_settings, viscous),
+       .switches_on = EFFECT_SWITCH(struct engine_settings, viscous),
        .budget = 1u << BUDGET_VISCOSITY)
 #endif

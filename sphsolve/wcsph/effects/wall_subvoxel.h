@@ -45,5 +45,5 @@ static inline bool wcsph_wall_subvoxel_wanted(const struct effect_context *conte
 #ifdef EFFECTS
 EFFECT(wall_subvoxel, .model = "no-slip at the true surface, second-order image velocity",
        .citation = "Morris, Fox, Zhu 1997; after Basa, Quinlan, Lastiwka 2009",
-       .wanted = wcsph_wall_subvoxel_wanted, .operations = 42, .at_walls = true)
+       .wanted = wcsph_wall_subvoxel_wanted)
 #endif

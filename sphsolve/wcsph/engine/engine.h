@@ -77,7 +77,7 @@ struct engine {
   bool terms_known; /* the site terms of all own particles are known */
   /* Directed pairs at the last count: of fluid with all, of fluid with fluid, of walls with
    * fluid. */
-  uint64_t pairs_fluid, pairs_alone, pairs_wall;
+  uint64_t pairs_fluid, pairs_wall;
   double pair_interactions; /* pairs evaluated so far, counted for each equation they enter */
   double seconds[PHASE_COUNT];
   uint64_t rebuilds, steps;

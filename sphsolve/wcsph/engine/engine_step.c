@@ -9,7 +9,6 @@
 #include "common/memory.h"
 #include "sphsolve/wcsph/constants.h"
 #include "sphsolve/wcsph/effects/shifting.h"
-#include "sphsolve/wcsph/engine/engine_eulerian.h"
 #include "sphsolve/wcsph/engine/engine_walls.h"
 
 /* Steps between removals of the mean pressure, and slots per block of its sum. */
@@ -64,10 +63,9 @@ static void count_pairs(struct engine *engine) {
   double sums[3] = {(double)fluid, (double)alone, (double)wall};
   ranks_sum_all(sums, 3);
   engine->pairs_fluid = (uint64_t)sums[0];
-  engine->pairs_alone = (uint64_t)sums[1];
   engine->pairs_wall = (uint64_t)sums[2];
   if (engine->settings.wall == PASS_FROZEN) /* the same pairs in the other direction */
-    engine->pairs_wall = engine->pairs_fluid - engine->pairs_alone;
+    engine->pairs_wall = engine->pairs_fluid - (uint64_t)sums[1];
 }
 
 /* Computes the sums over walls; these and their list are only needed here, before other lists are

@@ -1,4 +1,5 @@
-/* Data of walls that the pair loops need. */
+/* Data of walls that the pair loops need; parts of the engine for Eulerian particles
+ * (pairs_eulerian.h). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_ENGINE_WALLS_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_ENGINE_WALLS_H
 
@@ -16,5 +17,13 @@ void engine_update_distance(struct engine *engine);
  * walls). */
 void engine_clear_wall_sums(struct engine *engine);
 void engine_finish_wall_sums(struct engine *engine);
+
+/* Before the sums over walls: sets the distance of each particle to its wall, m. */
+void engine_eulerian_begin(struct engine *engine);
+/* After the sums over walls and fluid: computes the site terms of each particle. */
+void engine_eulerian_finish(struct engine *engine);
+/* Sets v_next, which held the old velocity, to the velocity whose flux the continuity equation
+ * balances. */
+void engine_eulerian_flux(struct engine *engine);
 
 #endif

@@ -1,4 +1,11 @@
-/* The forces of a step: v_next from v. */
+/* The forces of a step: v_next from v by the momentum equation of one particle, whose terms the
+ * loops compute:
+ *
+ * v' = (v + dt (F + a_pressure + a_other)) / (1 + dt K)
+ *
+ * F is gravity, acceleration and mean pressure gradient (body_force); K v' is the
+ * friction at sub-voxel walls, taken with the new velocity so that particles close to a wall do not
+ * limit the step. Forces of effects with their own file act before (engine_kick.c). */
 #ifndef TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_FORCE_H
 #define TOSUI_SPHSOLVE_WCSPH_ENGINE_PAIRS_FORCE_H
 
@@ -9,8 +16,19 @@
 #include "sphsolve/wcsph/effects/viscosity_morris.h"
 #include "sphsolve/wcsph/effects/wall_subvoxel.h"
 #include "sphsolve/wcsph/effects/density_continuity.h"
-#include "sphsolve/wcsph/engine/pairs_momentum.h"
+#include "sphsolve/wcsph/engine/pairs.h"
+#include "sphsolve/wcsph/engine/simd.h"
 #include "sphsolve/wcsph/engine/pairs_exact.h"
+
+/* F + a_pressure along axis a, m/s^2; the loops add the other terms. */
+SIMD_INLINE double momentum_change(const struct pass *pass, int a, double pressed) {
+  return pass->force[a] + pressed;
+}
+
+/* v'; `stiff`: dt K. */
+SIMD_INLINE double momentum_next(const struct pass *pass, double v, double change, double stiff) {
+  return (v + pass->dt * change) / (1 + stiff);
+}
 
 /* Sums over columns [0, n) that are treated as fluid (including frozen and adami walls). `carry`:
  * the drift of the particle relative to the fluid, used if `carried`, in units in which the weight
