@@ -77,42 +77,93 @@ static double touching_share(const struct voxel_model *model, size_t layers) {
   return pores > 0 ? (double)touching / (double)pores : 0.0;
 }
 
-TARGETS static size_t count_both(const uint8_t *restrict a, const uint8_t *restrict b, size_t n) {
+/* The phases as bits, 1 in pores, in rows of whole words. */
+enum { WORD = 64 };
+struct pore_bits {
+  size_t words;
+  uint64_t *row;
+};
+
+static enum status pack_pores(const struct voxel_model *model, struct pore_bits *bits) {
+  const size_t nx = model->size[0], rows = model->size[1] * model->size[2];
+  bits->words = (nx + WORD - 1) / WORD;
+  const enum status status =
+      memory_allocate(&bits->row, rows * bits->words, sizeof *bits->row, "phases");
+  if (status != STATUS_OK) return status;
+#pragma omp parallel for schedule(static)
+  for (size_t row = 0; row < rows; row++)
+    for (size_t x = 0; x < nx; x++)
+      bits->row[row * bits->words + x / WORD] |= (uint64_t)(model->solid[row * nx + x] == 0)
+                                                 << x % WORD;
+  return STATUS_OK;
+}
+
+/* The word of a row of nx bits that begins at bit `from`; what lies beyond the row is 0. */
+static uint64_t word_from(const uint64_t *row, size_t words, size_t from) {
+  const size_t w = from / WORD, shift = from % WORD;
+  if (w >= words) return 0;
+  return shift == 0 ? row[w] : row[w] >> shift | (w + 1 < words ? row[w + 1] << (WORD - shift) : 0);
+}
+
+/* Pairs of bits `shift` apart that are both set, a row being periodic. */
+TARGETS static size_t pairs_along(const uint64_t *row, size_t words, size_t nx, size_t shift) {
   size_t both = 0;
-  for (size_t x = 0; x < n; x++) both += (a[x] | b[x]) == 0;
+  for (size_t w = 0; w < words; w++)
+    both += (size_t)__builtin_popcountll(row[w] & word_from(row, words, w * WORD + shift));
+  for (size_t w = 0; w * WORD < shift; w++) { /* those beyond the end are at its beginning */
+    const size_t left = shift - w * WORD;
+    const uint64_t mask = left < WORD ? ((uint64_t)1 << left) - 1 : ~(uint64_t)0;
+    both +=
+        (size_t)__builtin_popcountll(row[w] & mask & word_from(row, words, nx - shift + w * WORD));
+  }
+  return both;
+}
+
+TARGETS static size_t pairs_across(const uint64_t *restrict a, const uint64_t *restrict b,
+                                   size_t words) {
+  size_t both = 0;
+  for (size_t w = 0; w < words; w++) both += (size_t)__builtin_popcountll(a[w] & b[w]);
   return both;
 }
 
 /* Fraction of the pairs of voxels at `distance` along `axis` that are both pore. */
-static double both_pore(const struct voxel_model *model, int axis, size_t distance) {
-  const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2];
+static double both_pore(const struct voxel_model *model, const struct pore_bits *bits, int axis,
+                        size_t distance) {
+  const size_t nx = model->size[0], ny = model->size[1], nz = model->size[2], words = bits->words;
   size_t both = 0;
 #pragma omp parallel for schedule(static) reduction(+ : both)
   for (size_t row = 0; row < ny * nz; row++) {
-    size_t y = row % ny, z = row / ny;
-    size_t y2 = axis == 1 ? (y + distance) % ny : y, z2 = axis == 2 ? (z + distance) % nz : z;
-    size_t shift = axis == 0 ? distance : 0;
-    const uint8_t *a = model->solid + row * nx, *b = model->solid + (z2 * ny + y2) * nx;
-    both += count_both(a, b + shift, nx - shift) + count_both(a + nx - shift, b, shift);
+    const uint64_t *at = bits->row + row * words;
+    size_t y = row % ny, z = row / ny; // NOLINT: a model has rows
+    if (axis == 1) y = (y + distance) % ny;
+    if (axis == 2) z = (z + distance) % nz;
+    both += axis == 0 ? pairs_along(at, words, nx, distance)
+                      : pairs_across(at, bits->row + (z * ny + y) * words, words);
   }
   return (double)both / (double)model_site_count(model);
 }
 
-static double correlation_length(const struct voxel_model *model) {
-  double sum = 0.0, porosity = both_pore(model, 0, 0), variance = porosity * (1.0 - porosity);
+static enum status correlation_length(const struct voxel_model *model, double *mean) {
+  struct pore_bits bits = {0};
+  const enum status status = pack_pores(model, &bits);
+  if (status != STATUS_OK) return status;
+  double sum = 0.0, porosity = both_pore(model, &bits, 0, 0),
+         variance = porosity * (1.0 - porosity);
   int axes = 0;
   for (int axis = 0; axis < 3; axis++) {
     if (model->size[axis] < 8) continue;
     double length = 0.5;
     for (size_t r = 1; r <= model->size[axis] / 2; r++) {
-      double covariance = both_pore(model, axis, r) - porosity * porosity;
+      double covariance = both_pore(model, &bits, axis, r) - porosity * porosity;
       if (covariance <= 0.0) break;
       length += covariance / variance;
     }
     sum += length * model->spacing[axis];
     axes++;
   }
-  return axes > 0 ? sum / axes : NAN;
+  memory_free(&bits.row);
+  *mean = axes > 0 ? sum / axes : NAN;
+  return STATUS_OK;
 }
 
 /* ---- local thickness ---- */
@@ -328,7 +379,7 @@ enum status morphology_measure(const struct voxel_model *model, size_t layers,
   enum status status = STATUS_OK;
   memset(morphology, 0, sizeof *morphology);
   morphology->touching = touching_share(model, layers);
-  morphology->correlation_length = correlation_length(model);
+  TRY(correlation_length(model, &morphology->correlation_length));
   TRY(measure_thickness(model, layers, morphology));
   TRY(critical_width_find(model, layers, &morphology->critical_width));
   morphology->expected_error = morphology->critical_width > 0.0

@@ -51,7 +51,9 @@ static void add_greys(struct counts *counts, double low, double high, int64_t we
 /* Adds a cell with corner greys c[x + 2 y + 4 z], in bins. The greys of each part are spread like
  * those of a linear field in a cube, with a width given by the length of its gradient. This is
  * exact across a plane of voxels and has the right variance for any other direction. */
-static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
+TARGETS static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
+  double low[PARTS], high[PARTS];
+#pragma omp simd
   for (int part = 0; part < PARTS; part++) {
     const double u = (part % SUB + 0.5) / SUB, v = (part / SUB % SUB + 0.5) / SUB,
                  w = (part / SUB / SUB + 0.5) / SUB; // NOLINT: whole parts are meant
@@ -69,8 +71,9 @@ static void add_cell(struct counts *counts, const double c[8], int64_t weight) {
     const double gx = dyx[0] + w * (dyx[1] - dyx[0]), gy = dy[0] + w * (dy[1] - dy[0]),
                  gz = y[1] - y[0];
     const double half = 0.5 / SUB * sqrt(gx * gx + gy * gy + gz * gz);
-    add_greys(counts, grey - half, grey + half, weight);
+    low[part] = grey - half, high[part] = grey + half;
   }
+  for (int part = 0; part < PARTS; part++) add_greys(counts, low[part], high[part], weight);
 }
 
 /* Cell i of an axis lies between centres i - 1 and i. If the axis is mirrored, the first cell is

@@ -11,7 +11,6 @@
 #include "ct2model/scanner/gaussian.h"
 #include "ct2model/scanner/grain_surface.h"
 #include "ct2model/scanner/grains.h"
-#include "ct2model/scanner/ramp.h"
 
 /* The share of grain is M u, where u, 0 <= u <= 1, minimises
  *
@@ -35,7 +34,7 @@
  * f' = f (blur / s)^2, since voxels do not resolve the fringe of a blur that is finer than they
  * are.
  *
- * Where grains are few blurs wide (narrow_throats.h) the minimum is far from 0 and 1: throats are
+ * Where grains are few blurs wide (restored.h) the minimum is far from 0 and 1: throats are
  * grey, and any threshold closes some of them. There the sum of w u (1 - u) over voxels is added,
  * with w rising slowly from 0 (graduated non-convexity, Blake and Zisserman 1987, Visual
  * Reconstruction): grain and pore become two phases, and a throat is as wide as the pore volume

@@ -3,7 +3,7 @@
 #ifndef TOSUI_CT2MODEL_SCANNER_FIELDS_H
 #define TOSUI_CT2MODEL_SCANNER_FIELDS_H
 
-#include "ct2model/scanner/blur_and_noise.h"
+#include "ct2model/scanner/scanner.h"
 
 struct scanner_field {
   const char *attribute, *key, *label, *unit, *meaning; /* label: NULL if `info` does not show it */

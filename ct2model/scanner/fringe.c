@@ -82,12 +82,6 @@ cleanup:
   return status;
 }
 
-/* Minimum of the parabola through three trials FRINGE_STEP apart. */
-static double parabola_minimum(const struct trial three[3]) {
-  const double up = three[2].misfit - three[1].misfit, down = three[0].misfit - three[1].misfit;
-  return three[1].fringe + 0.5 * FRINGE_STEP * (down - up) / (down + up);
-}
-
 enum status fringe_find(const struct windows *scan, const struct edge_response *seen,
                         const struct fringe_request *request, double ratio, struct edge_fit *fit) {
   enum status status = STATUS_OK;
@@ -109,7 +103,9 @@ enum status fringe_find(const struct windows *scan, const struct edge_response *
   if (!(best.misfit < (1.0 - FRINGE_CHANCE) * none.misfit)) {
     best = none;
   } else if (next.misfit > best.misfit) {
-    best = (struct trial){.fringe = parabola_minimum((struct trial[]){last, best, next})};
+    best = (struct trial){
+        .fringe =
+            best.fringe + FRINGE_STEP * parabola_minimum(last.misfit, best.misfit, next.misfit)};
     TRY(try_fringe(scan, seen, request, &ratio, &best, &found));
     if (!found) return STATUS_OK;
   }

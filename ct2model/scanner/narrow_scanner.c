@@ -7,7 +7,6 @@
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
-#include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/windows.h"
@@ -59,14 +58,8 @@ static void estimate_noise(const float *model, struct window *piece, const doubl
         piece->grey[i] - (float)(estimate->pore + estimate->contrast * (double)model[i]);
   noise_add(piece->smooth, piece->distance, piece->size, -WALL_RANGE - 1.0, 1.0, 0.0, INFINITY,
             &sums);
-  double length = 0.0, axes = 0.0;
-  for (int a = 0; a < 3; a++) {
-    if (sums.pairs[a] < 30.0) continue;
-    length += noise_length(&sums, a) * stretch[a];
-    axes += 1.0;
-  }
   estimate->noise = noise_deviation(&sums);
-  estimate->length = length / fmax(axes, 1.0);
+  estimate->length = fmax(noise_mean_length(&sums, stretch), 0.0);
 }
 
 /* Estimates blur, levels and noise on the first window, whose distances become those to the
@@ -89,9 +82,8 @@ static enum status estimate_scanner(struct windows *scan, const struct deblur_sc
   }
   *found = least > 0 && least + 1 < BLUR_TRIALS && estimate->contrast > 0.0;
   if (!*found) goto cleanup;
-  const double up = residual[least + 1] - residual[least],
-               down = residual[least - 1] - residual[least];
-  estimate->blur = BLUR_MIN * pow(BLUR_RATIO, least + 0.5 * (down - up) / (down + up));
+  const double off = parabola_minimum(residual[least - 1], residual[least], residual[least + 1]);
+  estimate->blur = BLUR_MIN * pow(BLUR_RATIO, least + off);
   TRY(windows_simulate(scan, estimate->blur, estimate->fringe, 0.0, 1.0, &blurred));
   fit_levels(blurred.window[0].grey, piece->grey, n, estimate);
   estimate_noise(blurred.window[0].grey, piece, scan->stretch, estimate);

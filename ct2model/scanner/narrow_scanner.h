@@ -4,7 +4,7 @@
 #define TOSUI_CT2MODEL_SCANNER_NARROW_SCANNER_H
 
 #include "ct2model/scan/region.h"
-#include "ct2model/scanner/blur_and_noise.h"
+#include "ct2model/scanner/scanner.h"
 
 /* Improves a scanner that is assumed, or was measured where each surface has another one near, or
  * whose blur is too wide and uncertain: the blur with which the restored grains look most like the

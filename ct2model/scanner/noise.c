@@ -101,6 +101,16 @@ double noise_length(const struct noise_sums *sums, int axis) {
   return 0.5 * (low + high);
 }
 
+double noise_mean_length(const struct noise_sums *sums, const double voxel[3]) {
+  double length = 0.0, axes = 0.0;
+  for (int a = 0; a < 3; a++) {
+    if (sums->pairs[a] < 30.0) continue;
+    length += noise_length(sums, a) * voxel[a];
+    axes += 1.0;
+  }
+  return axes > 0.0 ? length / axes : NAN;
+}
+
 /* Number of correlated voxels that give as much information on the variance as one independent
  * voxel: sum of rho^2 over all lags (Bartlett 1946, J. R. Stat. Soc. Suppl. 8: 27), with rho(r) =
  * exp(-r^2 / (4 l^2)). */

@@ -26,7 +26,8 @@ double noise_clipping_ratio(const struct noise_sums *sums);
 /* Correlation length along `axis`: standard deviation (voxels) of the Gaussian filter that gives
  * white noise the same correlation between neighbours; 0 if not correlated. */
 double noise_length(const struct noise_sums *sums, int axis);
-
+/* The mean of this over the axes, of voxels with these edges; NAN if there are no pairs. */
+double noise_mean_length(const struct noise_sums *sums, const double voxel[3]);
 /* Relative standard error of noise_deviation, for noise of correlation length `length` (voxels),
  * which leaves few independent voxels. */
 double noise_deviation_error(const struct noise_sums *sums, double length);

@@ -8,7 +8,6 @@
 #include "common/memory.h"
 #include "common/variants.h"
 #include "ct2model/scanner/constants.h"
-#include "ct2model/scanner/ramp.h"
 #include "ct2model/surface/specks.h"
 
 /* The probability that of two points a distance r apart, in any direction, one lies in the pore and

@@ -5,7 +5,7 @@
 #define TOSUI_CT2MODEL_SCANNER_RESTORE_H
 
 #include "ct2model/scan/region.h"
-#include "ct2model/scanner/blur_and_noise.h"
+#include "ct2model/scanner/scanner.h"
 #include "ct2model/scanner/deblur.h"
 #include "ct2model/surface/coarse.h"
 

@@ -7,6 +7,7 @@
 
 #include "ct2model/resample/resample.h"
 #include "ct2model/scan/enclosed.h"
+#include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/scanner.h"
 #include "ct2model/surface/coarse.h"
 
@@ -33,5 +34,23 @@ struct region restored_region(const struct restored *restored, const struct regi
 /* Resamples the levels into volume[size z][size y][size x], by a filter that reads rows. */
 enum status restored_resample(const struct restored *restored, enum filter filter,
                               const size_t size[3], float *volume);
+
+/* What the restoration of a scan needs where grains and throats are only a few blurs wide: pores do
+ * not show the grey of pore, and throats close unless grain and pore are told to be two phases. */
+struct narrow_throats {
+  double pore_width;     /* m: mean, 4 V / S, of the pore volume V and the surface S */
+  double grain_diameter; /* m: Sauter mean, 6 V / S, of the grain volume V */
+};
+
+/* Measures the sample of a restored scan, which is grain where its level is above `threshold`. NAN
+ * where there is no surface. */
+struct narrow_throats narrow_throats_measure(const struct restore *restore, double threshold);
+/* By how much the grey of pore is too bright, as a fraction of the contrast; 0 where nothing shows
+ * that it is. `threshold` is the level of 255 that encloses the measured void ratio. */
+double narrow_throats_pore_excess(const struct narrow_throats *throats,
+                                  const struct scanner *scanner, double threshold);
+/* Weight from 0 to 1 with which voxels are to be either grain or pore (deblur.h). */
+double narrow_throats_two_phases(const struct narrow_throats *throats,
+                                 const struct scanner *scanner);
 
 #endif

@@ -8,7 +8,6 @@
 #include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/few_surfaces.h"
 #include "ct2model/scanner/fringe.h"
-#include "ct2model/scanner/grain_windows.h"
 #include "ct2model/scanner/narrow_scanner.h"
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
@@ -66,17 +65,6 @@ static struct noise_sums sum_noise(const struct windows *all, double noise_ratio
   return sums;
 }
 
-/* Correlation length of the noise, averaged over the axes, in m; NAN if there are no pairs. */
-static double mean_length(const struct noise_sums *sums, const double voxel[3]) {
-  double length = 0.0, axes = 0.0;
-  for (int a = 0; a < 3; a++) {
-    if (sums->pairs[a] < 30.0) continue;
-    length += noise_length(sums, a) * voxel[a];
-    axes += 1.0;
-  }
-  return axes > 0.0 ? length / axes : NAN;
-}
-
 /* Whether the grains have significantly less noise than the pores. `ratio`: standard deviation in
  * the grains over that in the pores; lengths: correlation lengths in voxels. */
 static bool has_less_noise(const struct noise_sums *grain, double grain_length,
@@ -100,7 +88,8 @@ static double measure_noise(struct windows *all, double noise_ratio, const struc
   struct noise_sums pore = sum_noise(all, noise_ratio, fit, false, ends[0]);
   const struct noise_sums grain = sum_noise(all, noise_ratio, fit, true, ends[1]);
   if (pore.count < NOISE_VOXELS) pore = grain; /* too few voxels in pores */
-  const double pore_length = mean_length(&pore, voxel), grain_length = mean_length(&grain, voxel);
+  const double pore_length = noise_mean_length(&pore, voxel),
+               grain_length = noise_mean_length(&grain, voxel);
   const double kept = noise_clipping_ratio(&pore);
   const double pore_noise = noise_deviation(&pore), grain_noise = noise_deviation(&grain);
   const bool less = has_less_noise(&grain, grain_length / all->unit, &pore, pore_length / all->unit,

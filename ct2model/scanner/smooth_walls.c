@@ -7,9 +7,7 @@
 #include "ct2model/calibrate/calibrate.h"
 #include "ct2model/scanner/constants.h"
 #include "ct2model/scanner/deblur.h"
-#include "ct2model/scanner/least_risk.h"
 #include "ct2model/scanner/porod.h"
-#include "ct2model/scanner/ramp.h"
 #include "ct2model/scanner/restore.h"
 #include "ct2model/scanner/restored.h"
 #include "ct2model/scanner/windows.h"
@@ -26,7 +24,7 @@
  * low, or 10 % too high where fines add to it, and the removed moment grows faster than the noise.
  * So the simulated noise is adjusted until it leaves the same residual as the scan does.
  *
- * The cost changes by octaves: with the cost of least risk (least_risk.h) and with fine relief, so
+ * The cost changes by octaves: with the cost of least risk and with fine relief, so
  * that the error of k of generated sands is least. Under a wide blur corners look like relief, and
  * a reduction counts less. Noise with a correlation length like the blur, or a voxel, looks like
  * fine relief, too; under much noise what smooth walls would remove tells the relief then. */
@@ -42,7 +40,7 @@ struct removal {
 static enum status add_removal(const struct window *piece, const double surface[2],
                                struct deblur *deblur, float *lower, struct removal *removal) {
   enum status status = STATUS_OK;
-  const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
+  const size_t n = window_voxels(piece);
   for (int higher = lower != NULL ? 0 : 1; higher < 2; higher++) {
     memcpy(deblur->size, piece->size, sizeof deblur->size);
     memcpy(deblur->grey, piece->grey, n * sizeof *piece->grey);
@@ -64,7 +62,7 @@ static enum status measure_scan(struct windows *scan, const double surface[2],
                                 double *contrast) {
   enum status status = STATUS_OK;
   struct window *piece = &scan->window[0];
-  const size_t n = piece->size[0] * piece->size[1] * piece->size[2];
+  const size_t n = window_voxels(piece);
   double grain = 0.0, shares = 0.0;
   *seen = (struct removal){0};
   TRY(add_removal(piece, surface, deblur, lower, seen));
@@ -101,6 +99,74 @@ cleanup:
   return status;
 }
 
+/* Stein's unbiased estimate (1981, Ann. Statist. 9: 1135) of the risk |H A u - f|^2, where f is the
+ * scan without its noise and u the restored grains (deblur.c):
+ *
+ *   |H A u - g|^2 + 2 tr(J C),   J = d(H A u) / dg,
+ *
+ * with the scan g and the covariance C of its noise, up to the constant tr C. The trace is the mean
+ * of n . J n over simulated noise n, and J n is the change of H A u by a small multiple of n
+ * (Ramani, Blu and Unser 2008, IEEE Trans. Image Process. 17: 1540). */
+enum { COSTS = 6 };
+static const double COST[COSTS] = {0.25, 0.5, 1.0, 2.0, 4.0, 8.0}; /* each twice the previous one */
+/* Computes H A u of the piece after adding a multiple of the noise, and its misfit to the piece
+ * itself. */
+static enum status restore_and_blur(const struct window *piece, const float *noise, double multiple,
+                                    struct deblur *deblur, float *explained, double *misfit) {
+  enum status status = STATUS_OK;
+  const size_t n = window_voxels(piece);
+  memcpy(deblur->size, piece->size, sizeof deblur->size);
+  for (size_t i = 0; i < n; i++) deblur->grey[i] = piece->grey[i] + (float)multiple * noise[i];
+  TRY(deblur_run(deblur));
+  *misfit = deblur_misfit(deblur, piece->grey);
+  memcpy(explained, deblur->b, n * sizeof *explained);
+cleanup:
+  return status;
+}
+
+/* Position, in fractions of the index, of the minimum of the parabola through the smallest risk and
+ * its neighbours. */
+static double index_of_minimum(const double risk[COSTS]) {
+  int least = 0;
+  for (int i = 1; i < COSTS; i++)
+    if (risk[i] < risk[least]) least = i;
+  if (least == 0 || least + 1 == COSTS) return least;
+  return least + parabola_minimum(risk[least - 1], risk[least], risk[least + 1]);
+}
+
+/* Finds the cost of least risk, relative to the usual one, for the first window of `scan`, whose
+ * distances are overwritten. `noise`: standard deviation, `length`: correlation length (voxels). */
+static enum status find_least_risk(struct windows *scan, double noise, double length,
+                                   struct deblur *deblur, double *cost) {
+  enum status status = STATUS_OK;
+  struct window *piece = &scan->window[0];
+  const size_t n = window_voxels(piece);
+  struct windows simulated = {0};
+  double risk[COSTS], misfit;
+  float *explained = NULL, *perturbed = NULL;
+  TRY(memory_allocate(&explained, n, sizeof *explained, "a piece of the scan"));
+  TRY(memory_allocate(&perturbed, n, sizeof *perturbed, "a piece of the scan"));
+  for (size_t i = 0; i < n; i++)
+    piece->distance[i] = 1.0F; /* all pore: the simulated scan is noise alone */
+  TRY(windows_simulate(scan, 0.0, 0.0, noise, length, &simulated));
+  const float *added_noise = simulated.window[0].grey;
+  for (int i = 0; i < COSTS; i++) {
+    double trace = 0.0;
+    deblur->scanner.surface = COST[i];
+    TRY(restore_and_blur(piece, added_noise, PERTURBATION, deblur, perturbed, &misfit));
+    TRY(restore_and_blur(piece, added_noise, 0.0, deblur, explained, &misfit));
+    for (size_t v = 0; v < n; v++)
+      trace +=
+          (double)added_noise[v] * ((double)perturbed[v] - (double)explained[v]) / PERTURBATION;
+    risk[i] = misfit + 2.0 * trace;
+  }
+  *cost = COST[0] * exp2(index_of_minimum(risk));
+cleanup:
+  MEMORY_FREE(&explained, &perturbed);
+  windows_end(&simulated);
+  return status;
+}
+
 /* Change of the cost of surface, in octaves of the usual cost, for walls with relief. */
 static enum status find_octaves(const struct region *region, const struct scanner *scanner,
                                 double smooth_ratio, struct windows *scan, struct deblur *deblur,
@@ -114,7 +180,7 @@ static enum status find_octaves(const struct region *region, const struct scanne
   const double noise = 1.0 / (contrast * scanner->contrast_to_noise);
   TRY(compare(scan, scanner, noise, fine, &seen, deblur, NULL, &ratio));
   TRY(compare(scan, scanner, noise * sqrt(ratio.residual), fine, &seen, deblur, lower, &ratio));
-  TRY(least_risk_find(scan, 1.0 / scanner->contrast_to_noise,
+  TRY(find_least_risk(scan, 1.0 / scanner->contrast_to_noise,
                       scanner->noise_correlation / scan->unit, deblur, &least_risk));
   const double relief = ratio.cube < RATIO_IMPLAUSIBLE ? ratio.cube - 1.0 : 0.0;
   const double clear = ramp(scanner->contrast_to_noise, CONTRAST_NOISY, CONTRAST_CLEAR);

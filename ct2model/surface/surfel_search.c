@@ -86,23 +86,24 @@ INLINE void search_block(struct search *search, size_t block, const size_t at[3]
 /* Whether a disc of the block may be nearer to one of the points. */
 INLINE bool is_near(const struct search *search, size_t block, const size_t at[3]) {
   const struct surfel_box *box = &search->surfels->boxes[block];
-  float gap[POINTS] = {0};
+  float low[3], high[3];
   for (int d = 0; d < 3; d++) {
     const double corner = (double)(at[d] * BLOCK) - 1.0 - search->low[d];
-    const float low = (float)(corner + (double)box->low[d] * (1.0 / SURFELS_PARTS));
-    const float high = (float)(corner + (double)box->high[d] * (1.0 / SURFELS_PARTS));
-    const float *restrict relative = search->relative[d];
-#pragma omp simd
-    for (int p = 0; p < POINTS; p++) {
-      const float below = low - relative[p], above = relative[p] - high;
-      const float out = below > above ? below : above;
-      const float length = (out > 0.0f ? out : 0.0f) * search->stretch[d];
-      gap[p] += length * length;
-    }
+    low[d] = (float)(corner + (double)box->low[d] * (1.0 / SURFELS_PARTS));
+    high[d] = (float)(corner + (double)box->high[d] * (1.0 / SURFELS_PARTS));
   }
   int near = 0;
 #pragma omp simd reduction(| : near)
-  for (int p = 0; p < POINTS; p++) near |= gap[p] <= search->bound[p];
+  for (int p = 0; p < POINTS; p++) {
+    float gap = 0.0f;
+    for (int d = 0; d < 3; d++) {
+      const float below = low[d] - search->relative[d][p], above = search->relative[d][p] - high[d];
+      const float out = below > above ? below : above;
+      const float length = (out > 0.0f ? out : 0.0f) * search->stretch[d];
+      gap += length * length;
+    }
+    near |= gap <= search->bound[p];
+  }
   return near != 0;
 }
 

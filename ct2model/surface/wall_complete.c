@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "common/memory.h"
 
@@ -52,15 +53,34 @@ static bool update_voxel(float *distance, const size_t size[3], const double spa
   return true;
 }
 
-/* One pass over the open voxels in the direction given by the three bits of `corner`; `open` is a
- * bit set with whole words for each row. True if a distance changed. */
+/* The open voxels as bits, with whole words for each row, and those of them one of whose neighbours
+ * has changed since their last update: no other can change (Bak, McLaughlin, Renzi 2010). */
 enum { WORD = 64 };
-static size_t words_of(size_t nx) {
-  return (nx + WORD - 1) / WORD;
+struct open {
+  size_t words;
+  uint64_t *all, *due;
+};
+
+static void set_due(struct open *open, size_t row, size_t x) {
+  const size_t w = row * open->words + x / WORD;
+  open->due[w] |= open->all[w] & (uint64_t)1 << x % WORD;
 }
-static bool sweep(float *distance, const uint64_t *open, const size_t size[3],
-                  const double spacing[3], unsigned corner) {
-  const size_t ny = size[1], nz = size[2], words = words_of(size[0]);
+
+static void neighbours_due(struct open *open, const size_t size[3], size_t x, size_t y, size_t z) {
+  const size_t nx = size[0], ny = size[1], nz = size[2], row = z * ny + y;
+  set_due(open, row, (x + 1) % nx);
+  set_due(open, row, (x + nx - 1) % nx);
+  set_due(open, z * ny + (y + 1) % ny, x);
+  set_due(open, z * ny + (y + ny - 1) % ny, x);
+  set_due(open, (z + 1) % nz * ny + y, x);
+  set_due(open, (z + nz - 1) % nz * ny + y, x);
+}
+
+/* One pass over the open voxels in the direction given by the three bits of `corner`. True if a
+ * distance changed. */
+static bool sweep(float *distance, struct open *open, const size_t size[3], const double spacing[3],
+                  unsigned corner) {
+  const size_t ny = size[1], nz = size[2], words = open->words;
   bool changed = false;
   for (size_t k = 0; k < nz; k++) {
     const size_t z = (corner & 4) != 0 ? nz - 1 - k : k;
@@ -68,11 +88,18 @@ static bool sweep(float *distance, const uint64_t *open, const size_t size[3],
       const size_t y = (corner & 2) != 0 ? ny - 1 - j : j;
       for (size_t i = 0; i < words; i++) {
         const size_t w = (corner & 1) != 0 ? words - 1 - i : i;
-        for (uint64_t left = open[(z * ny + y) * words + w]; left != 0;) {
+        uint64_t *due = &open->due[(z * ny + y) * words + w], ahead = ~(uint64_t)0;
+        while ((*due & ahead) != 0) {
+          const uint64_t left = *due & ahead;
           const int bit =
               (corner & 1) != 0 ? WORD - 1 - __builtin_clzll(left) : __builtin_ctzll(left);
-          left &= ~((uint64_t)1 << bit);
-          changed |= update_voxel(distance, size, spacing, w * WORD + (size_t)bit, y, z);
+          const uint64_t one = (uint64_t)1 << bit;
+          const size_t x = w * WORD + (size_t)bit;
+          ahead = (corner & 1) != 0 ? one - 1 : ~(one | (one - 1));
+          *due &= ~one;
+          if (!update_voxel(distance, size, spacing, x, y, z)) continue;
+          neighbours_due(open, size, x, y, z);
+          changed = true;
         }
       }
     }
@@ -82,15 +109,17 @@ static bool sweep(float *distance, const uint64_t *open, const size_t size[3],
 
 static enum status fill_open(float *distance, const size_t size[3], const double spacing[3]) {
   enum status status = STATUS_OK;
-  const size_t nx = size[0], rows = size[1] * size[2], sites = nx * rows, words = words_of(nx);
+  const size_t nx = size[0], rows = size[1] * size[2], sites = nx * rows;
+  struct open open = {.words = (nx + WORD - 1) / WORD};
   size_t count = 0;
-  uint64_t *open = NULL;
-  TRY(memory_allocate(&open, rows * words, sizeof *open, "voxels far from a grain"));
+  TRY(memory_allocate(&open.all, 2 * rows * open.words, sizeof *open.all,
+                      "voxels far from a grain"));
+  open.due = open.all + rows * open.words;
 #pragma omp parallel for schedule(static) reduction(+ : count)
   for (size_t row = 0; row < rows; row++)
     for (size_t x = 0; x < nx; x++) {
       const bool is_open = !isfinite(distance[row * nx + x]);
-      open[row * words + x / WORD] |= (uint64_t)is_open << x % WORD;
+      open.all[row * open.words + x / WORD] |= (uint64_t)is_open << x % WORD;
       count += is_open;
     }
   if (count == sites) { /* no surface at all: larger than any distance */
@@ -99,18 +128,19 @@ static enum status fill_open(float *distance, const size_t size[3], const double
     for (size_t i = 0; i < sites; i++) distance[i] = (float)sqrt(diagonal);
     count = 0;
   }
+  memcpy(open.due, open.all, rows * open.words * sizeof *open.all);
   bool changed = count > 0;
   for (int round = 0; changed && round < 8; round++) {
     changed = false;
     for (unsigned corner = 0; corner < 8; corner++)
-      changed |= sweep(distance, open, size, spacing, corner);
+      changed |= sweep(distance, &open, size, spacing, corner);
   }
 #pragma omp parallel for schedule(static)
   for (size_t i = 0; i < sites; i++) { /* voxels that no sweep has reached */
     if (!isfinite(distance[i])) distance[i] = (float)((double)size[0] * spacing[0]);
   }
 cleanup:
-  memory_free(&open);
+  memory_free(&open.all);
   return status;
 }
 

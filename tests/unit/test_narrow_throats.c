@@ -7,7 +7,7 @@
 #include <stdint.h>
 #include <cmocka.h>
 
-#include "ct2model/scanner/narrow_throats.h"
+#include "ct2model/scanner/restored.h"
 
 enum { SIDE = 48, EDGE = 24 };
 #define RADIUS 9.0
