@@ -12,6 +12,9 @@
 #define ROUGHNESS_RATIO 2.0
 /* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
 #define ROUGHNESS_SCAN 0.8
+/* Widths that row_ends.c does not judge; and voxels of so small a part of a scan that one in twenty
+ * wrong sizes shows nothing. */
+enum { WIDTH_UNJUDGED = 8, VOXELS_UNJUDGED = 4000 };
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
 
@@ -140,12 +143,23 @@ enum status byte_order_check(const struct image *image) {
     goto cleanup;
   }
   pixels_to_float(pixels, stored, n, image->type);
+  if (image->size[0] <= WIDTH_UNJUDGED || n * image->pages < VOXELS_UNJUDGED)
+    log_warning("%s: too few voxels to see whether --raw is right: compare a slice with what is "
+                "known of it",
+                image->path);
   size_t better = better_width(pixels, image->size[0], n);
   TRY(row_ends_judge(image, &better));
   if (better > 0) {
     log_warning("%s: rows of %zu pixels, one below the other, are not alike, rows of %zu are: is "
                 "that the width in --raw?",
                 image->path, image->size[0], better);
+    goto cleanup;
+  }
+  TRY(row_ends_height(image, &better));
+  if (better > 0) {
+    log_warning("%s: slices of %zu rows end within the body, those of %zu rows do not: is that the "
+                "height in --raw?",
+                image->path, image->size[1], better);
     goto cleanup;
   }
   if (bytes == 1) goto cleanup;

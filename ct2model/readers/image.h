@@ -45,7 +45,8 @@ struct image {
   } widened;              /* stored so, read as type */
   bool columns;           /* contiguous pixels are ordered with z first, then y (as in
                              Fortran) */
-  uint64_t *page_offsets; /* offsets of the directories of a multi-page TIFF */
+  uint64_t *page_offsets; /* of a multi-page TIFF: offsets of the directories; of DICOM: numbers of
+                             the frames, where their order is not that in the file */
   unsigned orientation;   /* of a TIFF: position of its first row and column */
   bool invert;            /* white is zero */
   unsigned char top;      /* highest of samples of less than a byte; 0: those of `type` */
@@ -115,6 +116,9 @@ bool image_is_screen_resolution(double pixels_per_metre);
 void image_no_data(struct image *image, double from, double to, const char *name);
 /* For readers: what is told about images in colour. */
 #define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
+#define IMAGE_COMPRESSED_WITH_LOSS                                                                 \
+  "compressed with loss (JPEG): its greys, and its walls most, are not those of the scan; take "   \
+  "the slices before that"
 #define IMAGE_NUMBERS_OF_COLOURS                                                                   \
   "a palette of colours: the numbers of the colours are taken, as of labels"
 /* For readers: a palette of `size` colours, in the order red, green, blue. If all are grey, pixels

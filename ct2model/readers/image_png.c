@@ -78,10 +78,22 @@ static enum status palette_to_grey(struct png_session *session, const struct ima
                                    unsigned char *pixels) {
   uint16_t colours[3 * 256];
   const size_t size = read_palette(session, colours);
+  png_bytep told = NULL;
+  int count = 0;
+  unsigned char alpha[256];
+  memset(alpha, UINT8_MAX, sizeof alpha);
+  if (png_get_tRNS(session->png, session->info, &told, &count, NULL) && told != NULL)
+    memcpy(alpha, told, (size_t)count);
+  const unsigned char first = alpha[pixels[0]];
   for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
     if (pixels[i] >= size)
       return FAIL(STATUS_INPUT, "%s: pixel %zu,%zu is colour %d of a palette of %zu" EXPORT_AGAIN,
                   image->path, i % image->size[0], i / image->size[0], pixels[i], size);
+    if (alpha[pixels[i]] != first)
+      return FAIL(STATUS_INPUT,
+                  "%s: its palette makes some pixels transparent and others not (pixel %zu,%zu), "
+                  "as of a mask; save the scan alone, as grey",
+                  image->path, i % image->size[0], i / image->size[0]);
     if (image->palette == NULL) pixels[i] = (unsigned char)colours[3 * pixels[i]];
   }
   return STATUS_OK;
@@ -133,9 +145,13 @@ static enum status png_open(const char *path, struct image *image) {
   else if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
     image_note(image, IMAGE_STORED_IN_COLOUR);
   png_color_16p clear;
-  if (colour == PNG_COLOR_TYPE_GRAY &&
-      (png_get_tRNS(session.png, session.info, NULL, NULL, &clear) & PNG_INFO_tRNS) != 0)
-    image_no_data(image, clear->gray, clear->gray, "transparent grey (tRNS)");
+  const bool grey = colour == PNG_COLOR_TYPE_GRAY;
+  if ((grey || colour == PNG_COLOR_TYPE_RGB) &&
+      (png_get_tRNS(session.png, session.info, NULL, NULL, &clear) & PNG_INFO_tRNS) != 0 &&
+      (grey || (clear->red == clear->green && clear->red == clear->blue))) {
+    const uint16_t value = grey ? clear->gray : clear->red;
+    image_no_data(image, value, value, "transparent grey (tRNS)");
+  }
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&

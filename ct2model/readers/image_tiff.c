@@ -124,7 +124,8 @@ enum { SAMPLES_MOST = 8 }; /* a pixel */
 
 struct tiff_layout {
   uint32_t width, height;
-  uint16_t bits, samples, format, photometric, compression, planar, orientation;
+  uint16_t bits, samples, format, photometric, compression, planar, orientation, unit;
+  float resolution[2]; /* 0: not told */
 };
 
 static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
@@ -137,6 +138,9 @@ static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout->compression);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout->planar);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &layout->orientation);
+  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &layout->resolution[0]);
+  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &layout->resolution[1]);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &layout->unit);
   if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout->photometric))
     layout->photometric = PHOTOMETRIC_MINISBLACK;
 }
@@ -202,14 +206,21 @@ cleanup:
   return status;
 }
 
-static void read_resolution(TIFF *tiff, const char *description, struct image *image) {
-  float resolution[2] = {0, 0};
-  uint16_t unit = RESUNIT_INCH;
-  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &resolution[0]);
-  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &resolution[1]);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
-  const double metres = unit == RESUNIT_CENTIMETER ? 0.01 : unit == RESUNIT_INCH ? 0.0254 : NAN;
-  tiff_voxel_size(description, resolution, metres, image->voxel, &image->voxel_source);
+static void read_resolution(const struct tiff_layout *layout, const char *description,
+                            struct image *image) {
+  const double metres = layout->unit == RESUNIT_CENTIMETER ? 0.01
+                        : layout->unit == RESUNIT_INCH     ? 0.0254
+                                                           : NAN;
+  tiff_voxel_size(description, layout->resolution, metres, image->voxel, &image->voxel_source);
+}
+
+/* Whether both pages tell how large pixels are, and not the same. */
+static bool other_resolution(const struct tiff_layout *a, const struct tiff_layout *b) {
+  bool other = false;
+  for (int i = 0; i < 2; i++)
+    if (a->resolution[i] > 0.0f && b->resolution[i] > 0.0f)
+      other |= a->unit != b->unit || fabsf(a->resolution[i] / b->resolution[i] - 1.0f) > 0.01f;
+  return other;
 }
 
 /* ImageJ's calibration of greys: value = c0 + c1 * grey (cf=0). */
@@ -274,12 +285,37 @@ static void tell_gdal(TIFF *tiff, struct image *image) {
   }
 }
 
-/* MetaMorph's stacks: one directory, whose tag UIC2 has a value for each slice. */
-static unsigned long long count_metamorph(TIFF *tiff) {
-  enum { UIC2 = 33629 };
+/* Number of values of a tag that libtiff does not know. */
+static unsigned long long count_values(TIFF *tiff, uint32_t tag) {
   uint32_t count = 0;
   void *values = NULL;
-  return TIFFGetField(tiff, UIC2, &count, &values) ? count : 0;
+  return TIFFGetField(tiff, tag, &count, &values) ? count : 0;
+}
+
+/* Whether the present directory has a tag that libtiff ignores. */
+static bool has_ignored_tag(TIFF *tiff, unsigned tag) {
+  const struct source *source = TIFFClientdata(tiff);
+  const bool big = TIFFIsBigTIFF(tiff), motorola = TIFFIsBigEndian(tiff);
+  const size_t head = big ? 8 : 2, entry = big ? 20 : 12;
+  unsigned char at[8];
+  uint64_t where = TIFFCurrentDirOffset(tiff), entries = 0;
+  if (pread(source->file, at, head, (off_t)where) != (ssize_t)head) return false;
+  for (size_t i = 0; i < head; i++) entries = entries << 8 | at[motorola ? i : head - 1 - i];
+  for (where += head; entries > 0; entries--, where += entry)
+    if (pread(source->file, at, 2, (off_t)where) != 2)
+      return false;
+    else if ((at[motorola ? 0 : 1] << 8 | at[motorola ? 1 : 0]) == (int)tag)
+      return true;
+  return false;
+}
+
+/* What greys have gone through, or stand for, beside the numbers that are stored. */
+static void tell_greys(TIFF *tiff, const struct tiff_layout *layout, struct image *image) {
+  const uint16_t how = layout->compression;
+  if (how == COMPRESSION_JPEG || how == COMPRESSION_OJPEG || how == COMPRESSION_WEBP)
+    image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
+  if (has_ignored_tag(tiff, TIFFTAG_GRAYRESPONSECURVE))
+    image_note(image, "greys as stored, not as its GrayResponseCurve says");
 }
 
 /* ImageJ, of stacks of more than 4 GB, tifffile if asked to, and MetaMorph write a single
@@ -347,6 +383,24 @@ static size_t count_missing(TIFF *tiff) {
   return missing;
 }
 
+/* The numbers of a further page mean what those of the first do. `other` is for use here alone. */
+static enum status check_values(TIFF *tiff, const struct image *first, struct image *other) {
+  other->no_data_count = 0;
+  other->rescale[0] = 1.0;
+  other->rescale[1] = 0.0;
+  other->note[0] = '\0';
+  tell_gdal(tiff, other);
+  const bool scaled = other->rescale[0] != 1.0 || other->rescale[1] != 0.0;
+  if ((other->no_data_count > 0 &&
+       (first->no_data_count == 0 || other->no_data[0].from != first->no_data[0].from)) ||
+      (scaled && memcmp(other->rescale, first->rescale, sizeof first->rescale) != 0))
+    return FAIL(STATUS_INPUT,
+                "%s: page %zu has another GDAL_NODATA, scale or offset than the first: the same "
+                "number means something else; save pages of one kind",
+                first->path, first->pages);
+  return STATUS_OK;
+}
+
 /* Collects the offsets of all directories with slices, from the present one on; thumbnails and
  * masks are left out. */
 static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
@@ -355,6 +409,7 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   bool in_order = true;
   enum status status = STATUS_OK;
   struct image other = {.path = image->path, .type = image->type};
+  bool resized = false;
   const bool all_aside = is_aside(tiff); /* then they are the slices after all */
   do {
     struct tiff_layout layout;
@@ -393,6 +448,8 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
                "%s: page %zu has another palette than the first: its numbers mean other colours; "
                "save all with one",
                image->path, image->pages);
+    if (image->pages > 0) TRY(check_values(tiff, image, &other));
+    resized |= other_resolution(&layout, first);
     image->plain &= whole;
     missing += count_missing(tiff);
     if (TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count)) {
@@ -407,6 +464,8 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
+  if (resized)
+    image_note(image, "not all of its pages have the resolution of the first, which is taken");
   if (!in_order)
     image_note(image, "its pages are numbered in another order: read as they stand in the file");
   if (missing > 0)
@@ -470,16 +529,22 @@ static enum status tiff_open(const char *path, struct image *image) {
         layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
   if (layout.samples >= 3) image_note(image, IMAGE_STORED_IN_COLOUR);
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
-  read_resolution(tiff, description, image);
+  read_resolution(&layout, description, image);
   unsigned long long slices;
   bool follow;
+  char *program = NULL;
+  if (!TIFFGetField(tiff, TIFFTAG_SOFTWARE, &program)) program = NULL;
+  TRY(tiff_told_channels(path, description));
+  TRY(tiff_told_channels(path, program));
   TRY(tiff_told_slices(path, description,
                        (const size_t[]){layout.width, layout.height, layout.samples}, &slices,
                        &follow)); /* a text of this directory alone */
   tell_calibration(description, image);
   tell_axes(description, image);
   tell_gdal(tiff, image);
-  const unsigned long long metamorph = count_metamorph(tiff);
+  tell_greys(tiff, &layout, image);
+  enum { UIC2 = 33629 }; /* of MetaMorph: one directory, and a value of it for each slice */
+  const unsigned long long metamorph = count_values(tiff, UIC2);
   if (slices_follow(tiff, metamorph > 1 ? metamorph : follow ? slices : 0, &layout, image))
     goto cleanup;
   look_for_others(tiff, &layout, description, image);

@@ -124,6 +124,22 @@ static enum status refuse_hyperstack(const char *path, unsigned long long count,
               path, count, kind);
 }
 
+/* ScanImage: "SI.hChannels.channelSave = [1;2]", older "numberOfChannelsSave=2". */
+enum status tiff_told_channels(const char *path, const char *text) {
+  static const char *const LISTS[] = {"hannelSave", "hannelsSave"}, DIGITS[] = "0123456789";
+  const char *number = text != NULL ? after(text, "numberOfChannelsSave=") : NULL;
+  unsigned long long count = number != NULL ? strtoull(number, NULL, 10) : 0;
+  for (size_t i = 0; i < 2 && text != NULL && count == 0; i++) {
+    const char *list = after(text, LISTS[i]);
+    if (list != NULL) list += strspn(list, " =");
+    if (list == NULL || *list != '[') continue;
+    const char *end = list + strcspn(list, "]\n");
+    for (list += strcspn(list, DIGITS); list < end; list += strcspn(list, DIGITS), count++)
+      list += strspn(list, DIGITS);
+  }
+  return count > 1 ? refuse_hyperstack(path, count, "channels") : STATUS_OK;
+}
+
 /* The array of tifffile, {"shape": [57, 1, 256, 256], "axes": "ZCYX"}: pages are of its last axes,
  * the samples among them; those before are slices, or something else. */
 static enum status read_shape(const char *path, const char *description, const size_t page[3],

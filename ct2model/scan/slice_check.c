@@ -1,27 +1,38 @@
 #include "ct2model/scan/slice_check.h"
 
+#include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/provenance.h"
+#include "ct2model/constants.h"
 
 /* Fraction of pixels that differ from their left neighbour above which a slice is noisy: nearly all
  * differ where there is noise of a grey level or more, but only those at edges in labels and in
  * images without noise. */
 #define DIFFERENT_FRACTION 0.5
+/* A slice is sampled at SAMPLES x SAMPLES pixels of each of PARTS x PARTS parts. */
+enum { PARTS = 3, SAMPLES = 8, OF_PART = SAMPLES * SAMPLES, OF_SLICE = PARTS * PARTS * OF_PART };
 
 enum status slice_check_start(size_t count, struct slice_check *check) {
   enum status status = STATUS_OK;
   *check = (struct slice_check){.count = count};
   TRY(memory_allocate(&check->hash, count, sizeof *check->hash, "hashes of slices"));
   TRY(memory_allocate(&check->constant, count, sizeof *check->constant, "hashes of slices"));
+  TRY(memory_allocate(&check->greys, count * OF_SLICE, sizeof *check->greys, "samples of slices"));
 cleanup:
   return status;
 }
 
 void slice_check_end(struct slice_check *check) {
-  MEMORY_FREE(&check->hash, &check->constant);
+  MEMORY_FREE(&check->hash, &check->constant, &check->greys);
+}
+
+/* Pixel number `sample` of part `part` along an axis of n pixels. */
+static size_t place_of(size_t part, size_t sample, size_t n) {
+  return (2 * (part * SAMPLES + sample) + 1) * n / (2 * PARTS * SAMPLES);
 }
 
 void slice_check_add(struct slice_check *check, size_t z, const struct pixel_rows *rows,
@@ -37,6 +48,13 @@ void slice_check_add(struct slice_check *check, size_t z, const struct pixel_row
     constant =
         constant && memcmp(at, first, pixel) == 0 && memcmp(at, at + pixel, row - pixel) == 0;
   }
+  float *grey = check->greys + z * OF_SLICE;
+  for (size_t part = 0; part < PARTS * PARTS; part++)
+    for (size_t i = 0; i < OF_PART; i++, grey++) {
+      const size_t y = place_of(part / PARTS, i / SAMPLES, size[1]);
+      const size_t x = place_of(part % PARTS, i % SAMPLES, size[0]);
+      pixels_to_float(grey, first + y * rows->stride + x * pixel, 1, rows->type);
+    }
   check->hash[z] = hash;
   check->constant[z] = constant;
 }
@@ -68,6 +86,58 @@ static size_t varied_neighbour(const struct slice_check *check, size_t z) {
   return check->count;
 }
 
+static int by_value(const void *a, const void *b) {
+  const float x = *(const float *)a, y = *(const float *)b;
+  return x < y ? -1 : x > y;
+}
+
+/* By how much the greys of all parts of slice z are higher than those of the slice before, or
+ * lower: the least of the medians of their differences, 0 if these have not all the same sign.
+ * Pores and grains that begin or end do not move the medians of all parts at once. */
+static double jump_at(const struct slice_check *check, size_t z) {
+  const float *here = check->greys + z * OF_SLICE, *before = here - OF_SLICE;
+  float least = INFINITY, sign = 0.0f;
+  for (size_t part = 0; part < PARTS * PARTS; part++) {
+    float change[OF_PART];
+    size_t n = 0;
+    for (size_t i = part * OF_PART; i < (part + 1) * OF_PART; i++)
+      if (isfinite(here[i] - before[i])) change[n++] = here[i] - before[i];
+    if (n == 0) return 0.0;
+    qsort(change, n, sizeof *change, by_value);
+    const float median = 0.5f * (change[(n - 1) / 2] + change[n / 2]);
+    if (part == 0) sign = median;
+    if (!(median * sign > 0.0f)) return 0.0;
+    least = fminf(least, fabsf(median));
+  }
+  return (double)least;
+}
+
+/* Warns of slices whose greys were stretched each in its own way, as where a program took the range
+ * of each slice for that of the greys it wrote. */
+static void warn_of_jumps(const struct slice_check *check) {
+  double n = 0.0, sum = 0.0, squares = 0.0, most = 0.0;
+  size_t jumps = 0;
+  for (size_t i = 0; i < check->count * OF_SLICE; i++) {
+    const double grey = (double)check->greys[i];
+    if (!isfinite(grey)) continue;
+    n++;
+    sum += grey;
+    squares += grey * grey;
+  }
+  const double deviation = sqrt(fmax(0.0, squares / n - sum / n * (sum / n)));
+  for (size_t z = 1; z < check->count; z++) {
+    const double jump = check->constant[z] || check->constant[z - 1] ? 0.0 : jump_at(check, z);
+    jumps += jump > JUMP_LEAST * deviation;
+    most = fmax(most, jump);
+  }
+  if (jumps > JUMPS_SHARE * (double)(check->count - 1) && jumps > 1)
+    log_warning("the greys of %zu of %zu slices jump everywhere at once against those of the slice "
+                "before, by up to %.0f %% of their spread: were the slices stretched each to its "
+                "own range (auto contrast)? one threshold means another wall in each: save them "
+                "again with one range for all",
+                jumps, check->count, 100.0 * most / deviation);
+}
+
 enum status slice_check_warn(const struct slice_check *check, const struct region *region) {
   enum status status = STATUS_OK;
   const size_t n = check->count;
@@ -84,7 +154,7 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
       copy = z;
     }
   }
-  if (copies == 0 && (constants == 0 || constants == n)) goto cleanup;
+  if (constants == n) goto cleanup;
   TRY(memory_allocate(&slice, region->size[0] * region->size[1], sizeof *slice, "a slice"));
   if (copies > 0) TRY(is_noisy(region, copy, slice, &noisy));
   if (copies > 0 && noisy) {
@@ -97,9 +167,9 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
                 "out with --crop",
                 copies, n, name[0], name[1]);
   }
-  if (constants == 0 || constants == n) goto cleanup;
-  TRY(is_noisy(region, varied_neighbour(check, constant), slice, &noisy));
-  if (noisy) {
+  TRY(is_noisy(region, constants > 0 ? varied_neighbour(check, constant) : n / 2, slice, &noisy));
+  if (noisy) warn_of_jumps(check);
+  if (noisy && constants > 0) {
     stack_slice_name(region->stack, region->origin[2] + constant, name[0], sizeof name[0]);
     log_warning("%zu of %zu slices are of one grey (first: %s): no scan, but a gap or a plate in "
                 "the model; mend the stack, or leave them out with --crop",

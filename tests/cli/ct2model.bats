@@ -153,6 +153,16 @@ P
   grep -q "signed.nrrd: neighbouring pixels leap .*: unsigned greys that were stored as signed ones" signed.log
   run ! grep leap unsigned.log
   [[ "$(said noise.raw u8)" != *slices* ]] || false
+  # Slices stretched each to its own range, of which every third has a bright speck.
+  python3 -c 'import random, sys
+random.seed(1)
+scan = open("noise.raw", "rb").read()
+for z in range(12):
+    part = bytearray(scan[576 * z:576 * z + 576])
+    if z % 3 == 0: part[random.randrange(576)] = 170
+    low, high = min(part), max(part)
+    sys.stdout.buffer.write(bytes(round(255 * (v - low) / (high - low)) for v in part))' > stretched.raw
+  [[ "$(said stretched.raw u8)" == *"slices jump everywhere at once"*"(auto contrast)?"* ]] || false
   # Slabs without noise, as a program draws them: all slices are alike, and one is empty.
   awk 'BEGIN { for (i = 0; i < 6912; i++) printf "%c", (int(i / 576) == 5 ? 0 : i % 8 < 4 ? 60 : i % 8 < 6 ? 150 : 140) }' > drawn.raw
   [[ "$(said drawn.raw u8)" != *slices* ]] || false
@@ -181,6 +191,16 @@ END
   [ -z "$(said layers 37)" ]
   [[ "$(said cut 36)" == *"rows of 37 are: is that the width in --raw?"* ]]
   [[ "$(said cut 38)" == *"rows of 37 are: is that the width in --raw?"* ]]
+  # Rows and slices exchanged, or two slices for one: the bytes are as many, and the rows are right.
+  said() { "$CT" info $1.raw --raw $2:u8 2>&1 > /dev/null; }
+  for image in cut37 layers37; do
+    for size in 37x48x40 37x80x24 37x20x96; do
+      [[ "$(said $image $size)" == *"those of 40 rows do not: is that the height in --raw?"* ]] || false
+    done
+  done
+  # So few voxels that nothing can be seen.
+  head -c 1764 cut37.raw > few.raw
+  [[ "$(said few 42x7x6)" == *"too few voxels to see whether --raw is right"* ]] || false
 }
 
 @test "voxels too far from cubes to be solved are refused, others told with all edges" {

@@ -524,6 +524,8 @@ static struct {
   int number;                           /* of the slice; 0: none */
   const char *series, *distance, *thickness;
   const int *places;    /* of frames, in tenths of a mm */
+  const size_t *rank;   /* of frames in the body; NULL: one behind the other */
+  const double *mapped; /* slope and intercept of real world values, and the slope of the last */
   const char *scaled;   /* slope of the last frame */
   bool table, floats;   /* a table for the greys; pixels that are floats */
   int padding, limit;   /* values of padding, from one to the other; 0: none */
@@ -543,6 +545,21 @@ static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsi
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
     put(file, 0xe0ddfffe, 4), put(file, 0, 4);
   }
+}
+
+static void put_mapping(FILE *file, double slope, bool implicit) {
+  const double values[2] = {extra.mapped[1], slope};
+  put_item(file, true, implicit, 0x40, 0x9096);
+  put_item(file, true, implicit, 0x40, 0x08ea); /* its unit */
+  put_text(file, 0x08, 0x100, "SH", "{counts}", implicit);
+  put_item(file, false, implicit, 0, 0);
+  for (unsigned i = 0; i < 2; i++) {
+    uint64_t bits;
+    memcpy(&bits, &values[i], sizeof bits);
+    put_head(file, 0x40, 0x9224 + i, "FD", 8, implicit);
+    put(file, bits, 8);
+  }
+  put_item(file, false, implicit, 0, 0);
 }
 
 /* The functional groups of frames: what all share, and the position of each. */
@@ -568,6 +585,7 @@ static void put_frames(FILE *file, const struct dicom *d) {
     put_text(file, 0x28, 0x1053, "DS",
              extra.scaled != NULL && f + 1 == d->frames ? extra.scaled : "1", implicit);
     put_item(file, false, implicit, 0, 0);
+    if (extra.mapped != NULL) put_mapping(file, extra.mapped[f + 1 == d->frames ? 2 : 0], implicit);
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
   }
   put(file, 0xe0ddfffe, 4), put(file, 0, 4);
@@ -638,13 +656,15 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   if (extra.padding != 0) put_whole(file, 0x120, (unsigned)extra.padding & 0xffff, implicit);
   if (extra.limit != 0) put_whole(file, 0x121, (unsigned)extra.limit & 0xffff, implicit);
   if (d->slope != NULL) put_text(file, 0x28, 0x1053, "DS", d->slope, implicit);
+  if (extra.mapped != NULL && extra.places == NULL) put_mapping(file, extra.mapped[0], implicit);
   if (extra.places != NULL) put_frames(file, d);
   if (extra.table) put_item(file, true, implicit, 0x28, 0x3000);
   if (extra.table) put_item(file, false, implicit, 0, 0);
   put_head(file, 0x7fe0, extra.floats ? 0x08 : 0x10, extra.floats ? "OF" : "OW",
            2 * NX * NY * d->frames, implicit);
   for (size_t k = 0; k < NX * NY * d->frames; k++) {
-    const int value = (int)grey(k % NX, k / NX % NY, z + k / NX / NY) - (d->is_signed ? 100 : 0);
+    const size_t frame = k / NX / NY, at = z + (extra.rank != NULL ? extra.rank[frame] : frame);
+    const int value = (int)grey(k % NX, k / NX % NY, at) - (d->is_signed ? 100 : 0);
     put(file, ((unsigned)value & ((1u << d->stored) - 1u)) | d->dirt, 2);
   }
   fclose(file);
@@ -787,25 +807,35 @@ static void test_dicom_numbers(void **state) {
   memset(&extra, 0, sizeof extra);
 }
 
-/* Frames that tell their places are slices only in their order, at even distances. */
+/* Frames that tell their places are taken in their order, at even distances. */
 static void test_dicom_frames(void **state) {
   (void)state;
   const double deep[] = {10, 500}, apart[] = {10, 60}, thick[] = {10, 70};
   static const int places[][NZ] = {{-7, -2, 3, 8, 13}, {13, 8, 3, -2, -7}, {-7, 3, -2, 8, 13},
                                    {0, 5, 0, 5, 0},    {1, 1, 1, 1, 1},    {-7, -2, 3, 8, 16}};
+  static const size_t ranks[][NZ] = {{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {0, 2, 1, 3, 4}};
   struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
   for (int k = 0; k < 12; k++) {
     extra.places = places[k / 2];
     d.implicit = k % 2;
     d.syntax = d.implicit ? "1.2.840.10008.1.2" : EXPLICIT;
     write_dicom(0, 0, &d);
-    if (k < 4)
-      holds(1, NZ, 255, 1, 0, deep, NULL);
-    else
-      refused(1, "not slices one behind the other");
+    if (k >= 6) refused(1, "not slices one behind the other");
+    if (k >= 6) continue;
+    extra.rank = ranks[k / 2];
+    write_dicom(0, 0, &d);
+    holds(1, NZ, 255, 1, 0, deep, k < 2 ? NULL : "in the order of their positions, not as stored");
+    extra.rank = NULL;
   }
   extra.places = places[0];
   extra.scaled = "2";
+  write_dicom(0, 0, &d);
+  refused(1, "turned or scaled each in its own way");
+  extra.scaled = NULL;
+  extra.mapped = (const double[]){2, -5, 2};
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, deep, "before the slope 2 and intercept -5 of its Real World Value");
+  extra.mapped = (const double[]){2, -5, 3};
   write_dicom(0, 0, &d);
   refused(1, "turned or scaled each in its own way");
   memset(&extra, 0, sizeof extra);
@@ -826,6 +856,17 @@ static void test_dicom_values(void **state) {
   write_dicom(0, 0, &d);
   holds(1, NZ, 255, 1, 0, flat, "greys as stored, before its table");
   extra.table = false;
+  extra.mapped = (const double[]){1, 0};
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, NULL);
+  struct dicom slice = d;
+  slice.frames = 1;
+  for (size_t i = 0; i < 2; i++) {
+    extra.mapped = i == 0 ? (const double[]){2, 0} : (const double[]){3, 0};
+    write_dicom(i, i, &slice);
+  }
+  refused(2, "the same number means other densities");
+  extra.mapped = NULL;
   extra.floats = true;
   write_dicom(0, 0, &d);
   refused(1, "pixels that are floats");
@@ -893,7 +934,7 @@ static void test_dicom_geometry(void **state) {
   extra.places = places;
   extra.aside = 0.13;
   write_dicom(0, 0, &d);
-  refused(1, "its frames are shifted sideways, each by 0.13 mm");
+  refused(1, "its frames are shifted sideways, one by 0.13 mm");
   memset(&extra, 0, sizeof extra);
   extra.tilt = "-15";
   write_dicom(0, 0, &d);

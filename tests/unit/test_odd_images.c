@@ -54,6 +54,8 @@ struct page {
   const char *gdal[2]; /* its tags 42112 (metadata) and 42113 (no data) */
   bool reversed;       /* the bits of each byte */
   bool opaque;         /* the second sample is the same everywhere */
+  float resolution;    /* pixels per cm; 0: no tag */
+  const char *program;
 };
 
 static const struct page PLAIN = {.bits = 8,
@@ -97,6 +99,12 @@ static void add_page(TIFF *tiff, const struct page *page) {
     if (page->gdal[i] == NULL) continue;
     TIFFMergeFieldInfo(tiff, &GDAL[i], 1);
     TIFFSetField(tiff, 42112 + i, page->gdal[i]);
+  }
+  if (page->program != NULL) TIFFSetField(tiff, TIFFTAG_SOFTWARE, page->program);
+  if (page->resolution > 0.0f) {
+    TIFFSetField(tiff, TIFFTAG_XRESOLUTION, page->resolution);
+    TIFFSetField(tiff, TIFFTAG_YRESOLUTION, page->resolution);
+    TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
   }
   if (page->told > 0) TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page->told, 9);
   if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
@@ -351,6 +359,98 @@ static void test_lost_slices(void **state) {
   holds(slices, 3, 8, NULL, 0, 0, NULL);
 }
 
+/* Channels that follow one another on the pages, by the texts of ScanImage. */
+static void test_channels(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  static const struct {
+    const char *text;
+    bool several;
+  } TEXTS[] = {{"SI.VERSION = 5\nSI.hChannels.channelSave = [1;2]\nSI.a = 3", true},
+               {"scanimage.SI4.channelsSave = [1 3]\n", true},
+               {"state.acq.numberOfChannelsSave=2\r", true},
+               {"state.acq.numberOfChannelsSave=1\r", false},
+               {"SI.hChannels.channelSave = 2\nSI.b = [1;2]", false},
+               {"SI.hChannels.channelSave = [2]\nSI.b = [1;2]", false}};
+  for (size_t i = 0; i < 2 * sizeof TEXTS / sizeof *TEXTS; i++) {
+    struct page pages[2] = {PLAIN, PLAIN};
+    pages[1].number = 1;
+    *(i % 2 ? &pages[0].program : &pages[0].description) = TEXTS[i / 2].text;
+    write_pages("w", pages, 2);
+    if (TEXTS[i / 2].several)
+      refused("a hyperstack of 2 channels");
+    else
+      holds(slices, 2, 8, NULL, 0, 0, NULL);
+  }
+}
+
+/* Renames a tag of the only directory. */
+static void patch_number(const char *mode, unsigned from, unsigned to) {
+  static unsigned char bytes[8000];
+  const bool big = mode[1] == '8', motorola = mode[strlen(mode) - 1] == 'b';
+  FILE *whole = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, whole);
+  fclose(whole);
+  size_t at = 0, length = big ? 8 : 4;
+  for (size_t i = 0; i < length; i++)
+    at = at << 8 | bytes[length + (motorola ? i : length - 1 - i)];
+  at += big ? 8 : 2;
+  while ((unsigned)(bytes[at + !motorola] << 8 | bytes[at + motorola]) != from) at += big ? 20 : 12;
+  bytes[at + !motorola] = (unsigned char)(to >> 8);
+  bytes[at + motorola] = (unsigned char)(to & 255);
+  whole = fopen(file, "wb");
+  fwrite(bytes, 1, size, whole);
+  fclose(whole);
+}
+
+/* What later pages tell, and what greys have gone through. */
+static void test_told_by_pages(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  struct page pages[2] = {PLAIN, PLAIN};
+  pages[1].number = 1;
+  static const float RESOLUTIONS[] = {1715.0f, 1716.0f, 0.0f, 2000.0f};
+  pages[0].resolution = RESOLUTIONS[0];
+  for (size_t i = 0; i < 4; i++) {
+    pages[1].resolution = RESOLUTIONS[i];
+    write_pages("w", pages, 2);
+    holds(slices, 2, 8, NULL, 0, 0, i < 3 ? NULL : "not all of its pages have the resolution");
+  }
+  pages[0].resolution = pages[1].resolution = 0.0f;
+  static const char *const NO_DATA[][2] = {{"77", "77"}, {"77", NULL}, {"77", "78"}, {NULL, "78"}};
+  no_data = 77.0;
+  for (size_t i = 0; i < 4; i++) {
+    for (size_t k = 0; k < 2; k++) pages[k].gdal[1] = NO_DATA[i][k];
+    write_pages("w", pages, 2);
+    if (i < 2)
+      holds(slices, 2, 8, NULL, 0, 0, NULL);
+    else
+      refused("page 1 has another GDAL_NODATA, scale or offset than the first");
+  }
+  no_data = NAN;
+  for (size_t k = 0; k < 2; k++) pages[k].gdal[1] = NULL;
+  pages[1].gdal[0] = "<Item role=\"scale\">2</Item>";
+  write_pages("w", pages, 2);
+  refused("page 1 has another GDAL_NODATA, scale or offset than the first");
+  pages[1].gdal[0] = NULL;
+  for (int k = 0; k < 4;
+       k++) { /* libtiff writes no GrayResponseCurve: of another tag, its number */
+    static const char *const MODES[] = {"wl", "wb", "w8l", "w8b"};
+    pages[0].told = 9;
+    write_pages(MODES[k], pages, 1);
+    patch_number(MODES[k], TIFFTAG_PAGENUMBER, TIFFTAG_GRAYRESPONSECURVE);
+    pages[0].told = 0;
+    holds(slices, 1, 8, NULL, 0, 0, "greys as stored, not as its GrayResponseCurve says");
+  }
+  pages[0].compression = COMPRESSION_JPEG;
+  write_pages("w", pages, 1);
+  struct stack stack;
+  static float pixels[NX * NY];
+  assert_int_equal(read_all(&stack, pixels), STATUS_OK);
+  assert_non_null(strstr(stack.files[0].note, "compressed with loss (JPEG)"));
+  stack_close(&stack);
+}
+
 /* Slices behind the one page: bits that are reversed within bytes are not read as they stand. */
 static void test_slices_of_reversed_bits(void **state) {
   (void)state;
@@ -481,6 +581,7 @@ static void test_tiff_palettes(void **state) {
 
 static int clear_grey = -1; /* the transparent one; -1: none */
 static bool alpha_opaque;
+static int clear_entries; /* of the palette, from its first on */
 
 static void write_png(const char *path, int bits, int colour, unsigned turn) {
   FILE *out = fopen(path, "wb");
@@ -498,6 +599,8 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, (int)count);
   const png_color_16 clear = {.gray = (png_uint_16)clear_grey};
   if (clear_grey >= 0) png_set_tRNS(png, info, NULL, 0, &clear);
+  png_byte transparency[256] = {0};
+  if (clear_entries > 0) png_set_tRNS(png, info, transparency, clear_entries, NULL);
   png_write_info(png, info);
   for (size_t y = 0; y < NY; y++) {
     unsigned char row[256];
@@ -623,6 +726,17 @@ static void test_png_alpha(void **state) {
     else
       refused("those beyond the grey are not the same everywhere");
   }
+  static const int CLEAR[] = {0, 100, 256}; /* none, some, all */
+  for (size_t i = 0; i < 3; i++) {
+    clear_entries = CLEAR[i];
+    write_png(file, 8, PNG_COLOR_TYPE_PALETTE, 0);
+    if (i == 1)
+      refused(
+          "its palette makes some pixels transparent and others not (pixel 12,1), as of a mask");
+    else
+      holds(&first, 1, 8, NULL, 0, 0, "the numbers of the colours are taken");
+  }
+  clear_entries = 0;
 }
 
 int main(void) {
@@ -632,6 +746,8 @@ int main(void) {
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
       cmocka_unit_test(test_lengths),
+      cmocka_unit_test(test_channels),
+      cmocka_unit_test(test_told_by_pages),
       cmocka_unit_test(test_slices_without_a_directory),
       cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),
