@@ -1,6 +1,7 @@
 #include "ct2model/readers/byte_order.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
@@ -15,6 +16,9 @@
 /* Widths that row_ends.c does not judge; and voxels of so small a part of a scan that one in twenty
  * wrong sizes shows nothing. */
 enum { WIDTH_UNJUDGED = 8, VOXELS_UNJUDGED = 4000 };
+/* Difference of pixels a few apart, over that of neighbours, below which they are of one kind and
+ * neighbours are not. In a scan it is 1 or more. */
+#define TURN_RATIO 0.7
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
 
@@ -32,17 +36,34 @@ static double roughness(const float *pixels, size_t width, size_t height) {
   return distance > 0.0 ? step / distance : 0.0;
 }
 
-/* Whether pixels described as 16 bits are pairs of 8-bit pixels: then the two bytes of a pixel are
- * neighbours, and as alike as others. `pixels` is overwritten. */
-static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, float *pixels) {
-  size_t equal = 0;
-  for (size_t i = 0; i < width * height; i++) equal += bytes[2 * i] == bytes[2 * i + 1];
-  if ((double)equal > EQUAL_BYTES * (double)(width * height)) return false;
-  for (size_t half = 0; half < 2; half++) {
-    for (size_t y = 0; y < height; y++) {
-      const uint8_t *row = bytes + 2 * width * y + half * (width / 2) * 2;
-      for (size_t x = 0; x < width / 2 * 2; x++) pixels[y * (width / 2 * 2) + x] = (float)row[x];
+/* The type of which two make one of `type`; false if there is none. */
+static bool half_of(enum pixel_type type, enum pixel_type *half) {
+  static const enum pixel_type HALVES[][2] = {{PIXEL_U16, PIXEL_U8},
+                                              {PIXEL_I16, PIXEL_U8},
+                                              {PIXEL_U32, PIXEL_U16},
+                                              {PIXEL_I32, PIXEL_I16},
+                                              {PIXEL_F64, PIXEL_F32}};
+  for (size_t i = 0; i < sizeof HALVES / sizeof *HALVES; i++)
+    if (HALVES[i][0] == type) {
+      *half = HALVES[i][1];
+      return true;
     }
+  return false;
+}
+
+/* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
+ * neighbours, and as alike as others. `pixels` is overwritten. */
+static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, enum pixel_type half,
+                      float *pixels) {
+  const size_t one = pixel_size(half);
+  size_t equal = 0;
+  for (size_t i = 0; i < width * height; i++)
+    equal += memcmp(bytes + 2 * i * one, bytes + (2 * i + 1) * one, one) == 0;
+  if ((double)equal > EQUAL_BYTES * (double)(width * height)) return false;
+  for (size_t side = 0; side < 2; side++) {
+    for (size_t y = 0; y < height; y++)
+      pixels_to_float(pixels + y * (width / 2 * 2),
+                      bytes + (2 * width * y + side * (width / 2 * 2)) * one, width / 2 * 2, half);
     if (roughness(pixels, width / 2 * 2, height) > ROUGHNESS_SCAN) return false;
   }
   return true;
@@ -113,9 +134,33 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
   return best;
 }
 
+/* Of pixels that are not whole ones, but bytes or channels of such in turns, the number that makes
+ * one; 0 if neighbours are as alike as any. Bytes of one kind come round at that distance, and are
+ * more alike than neighbours are; or some neighbours, of one pixel, are alike and others not. */
+static size_t find_turns(const float *pixels, size_t n) {
+  enum { TURNS_MOST = 4 };
+  double step[TURNS_MOST + 1] = {0.0};
+  for (size_t k = 1; k <= TURNS_MOST; k++)
+    for (size_t i = 0; i + TURNS_MOST < n; i++)
+      step[k] += fabs((double)pixels[i + k] - (double)pixels[i]);
+  for (size_t k = 2; k <= TURNS_MOST; k++) {
+    double of_turn[TURNS_MOST] = {0.0}, most = 0.0, rest = 0.0;
+    if (step[k] < TURN_RATIO * step[1]) return k;
+    for (size_t i = 0; i + TURNS_MOST < n; i++)
+      of_turn[i % k] += sqrt(fabs((double)pixels[i + 1] - (double)pixels[i]));
+    for (size_t j = 0; j < k; j++) {
+      most = fmax(most, of_turn[j]);
+      rest += of_turn[j];
+    }
+    rest = (rest - most) / ((double)k - 1.0);
+    if (rest < TURN_RATIO * TURN_RATIO * most) return k;
+  }
+  return 0;
+}
+
 static char letter_of(enum pixel_type type) {
   if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
-  return type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
+  return type == PIXEL_U8 || type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
 }
 
 enum status byte_order_check(const struct image *image) {
@@ -126,11 +171,15 @@ enum status byte_order_check(const struct image *image) {
   TRY(memory_allocate(&stored, n, bytes, "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
-  if (bytes == 2 && are_pairs(stored, image->size[0], image->size[1], pixels)) {
-    log_warning(
-        "%s: the two bytes of a pixel are as alike as neighbours are: is %c8 meant in --raw, "
-        "with twice the width or twice the slices?",
-        image->path, letter_of(image->type));
+  enum pixel_type half;
+  if (half_of(image->type, &half) &&
+      are_pairs(stored, image->size[0], image->size[1], half, pixels)) {
+    log_warning("%s: the two halves of a pixel are as alike as neighbours are: is %c%zu%s meant in "
+                "--raw, with twice the width or twice the slices?",
+                image->path, letter_of(half), 4 * bytes,
+                bytes == 2    ? ""
+                : image->swap ? "be"
+                              : "le");
     goto cleanup;
   }
   if (are_unsigned(stored, image->size[0], n, image->type, pixels)) {
@@ -147,6 +196,13 @@ enum status byte_order_check(const struct image *image) {
     log_warning("%s: too few voxels to see whether --raw is right: compare a slice with what is "
                 "known of it",
                 image->path);
+  const size_t turns = find_turns(pixels, n);
+  if (turns > 0) {
+    log_warning("%s: pixels alternate in turns of %zu: are they the bytes of wider pixels, or "
+                "channels or colours, that --raw takes for pixels?",
+                image->path, turns);
+    goto cleanup;
+  }
   size_t better = better_width(pixels, image->size[0], n);
   TRY(row_ends_judge(image, &better));
   if (better > 0) {

@@ -28,12 +28,17 @@ struct dicom {
   double number, thickness, distance, location; /* of the series; of slices, mm; NAN: not told */
   bool placed, oriented, varied; /* varied: frames are turned or scaled each in its own way */
   bool in_time, in_several;      /* frames follow one another in time, or along several axes */
-  char series[65];
-  double (*places)[3]; /* positions that were told: one a frame */
-  size_t place_count, room;
-  double step;       /* from frame to frame, mm */
-  double mapping[2]; /* slope and intercept of real world values; NAN: not told */
-  bool mapped_each;  /* frames have several */
+  bool projected;                /* frames are of other directions */
+  bool lossy, written, logarithms, scout;
+  unsigned part;           /* of a concatenation; 0: none */
+  char series[65], of[40]; /* of: which echo and time of the series */
+  struct places {
+    double (*at)[3];
+    size_t count, room;
+  } places, numbers, indices; /* of frames: positions, mm; numbers in the stack; last indices */
+  double step;                /* from frame to frame, mm */
+  double mapping[2];          /* slope and intercept of real world values; NAN: not told */
+  bool mapped_each;           /* frames have several */
   uint64_t pixels;
   uint32_t length;
 };
@@ -141,16 +146,24 @@ static void along_axes(const struct dicom *d, const double p[3], double along[3]
              p[2] * (r[0] * c[1] - r[1] * c[0]);
 }
 
-/* Takes the position of a slice, or of one frame after the other. */
-static enum status take_position(struct dicom *d, const double p[3]) {
+/* Takes where a slice is, or one frame after the other. */
+static enum status take_place(struct places *places, const double p[3]) {
   enum status status = STATUS_OK;
-  if (d->place_count == d->room) {
-    d->room = d->room == 0 ? 1 : 2 * d->room;
-    TRY(memory_resize(&d->places, d->room, sizeof *d->places, "positions of frames"));
+  if (places->count == places->room) {
+    places->room = places->room == 0 ? 1 : 2 * places->room;
+    TRY(memory_resize(&places->at, places->room, sizeof *places->at, "positions of frames"));
   }
-  memcpy(d->places[d->place_count++], p, sizeof *d->places);
+  memcpy(places->at[places->count++], p, sizeof *places->at);
 cleanup:
   return status;
+}
+
+/* Takes the last of `count` whole numbers of 4 bytes as the place of a frame. */
+static enum status take_number(struct dicom *d, struct places *places, size_t count) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < count; i++)
+    if (!read_number(d->file, 4, &value)) return damaged(d);
+  return take_place(places, (const double[]){0.0, 0.0, value});
 }
 
 /* Takes a number of real world value mapping, of 8 bytes (PS3.3, C.7.6.16.2.11). */
@@ -171,6 +184,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                     : tag == 0x00280102 ? &dicom->high
                     : tag == 0x00280103 ? &dicom->is_signed
                     : tag == 0x00280002 ? &dicom->samples
+                    : tag == 0x00209162 ? &dicom->part
                                         : NULL;
   char text[200] = "";
   if (whole != NULL) {
@@ -187,6 +201,10 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   }
   if ((tag == 0x00409224 || tag == 0x00409225) && element->length == 8)
     return take_mapping(dicom, &dicom->mapping[tag == 0x00409224]);
+  if ((tag == 0x00209057 || tag == 0x00209157) && element->length > 0 && element->length % 4 == 0)
+    return take_number(dicom, tag == 0x00209057 ? &dicom->numbers : &dicom->indices,
+                       element->length / 4);
+  dicom->projected |= (tag == 0x00181520 || tag == 0x00181521) && element->length > 0;
   dicom->in_several |= tag == 0x00280009 && element->length > 4;
   if (tag == 0x00280009 && element->length == 4) {
     uint32_t group, number;
@@ -195,9 +213,11 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->in_time = group == 0x0018 && (number == 0x1063 || number == 0x1065);
     return STATUS_OK;
   }
-  static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
-                                   0x00200013, 0x00200032, 0x00200037, 0x00201041, 0x00280004,
-                                   0x00280008, 0x00280030, 0x00280034, 0x00281052, 0x00281053};
+  static const uint32_t TEXTS[] = {0x00080008, 0x00180086, 0x00181063, 0x00200100, 0x00280301,
+                                   0x00281040, 0x00282110, 0x20500020, 0x00020010, 0x00180050,
+                                   0x00180088, 0x00181120, 0x0020000e, 0x00200013, 0x00200032,
+                                   0x00200037, 0x00201041, 0x00280004, 0x00280008, 0x00280030,
+                                   0x00280034, 0x00281052, 0x00281053};
   bool is_text = false;
   for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++) is_text |= tag == TEXTS[i];
   if (!is_text || element->length >= sizeof text)
@@ -210,9 +230,25 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                   "%s: transfer syntax %s (compressed or big-endian) is not read; save it "
                   "uncompressed, little-endian",
                   dicom->path, text);
+  } else if (tag == 0x00080008) {
+    dicom->scout = strstr(text, "LOCALIZER") != NULL;
+  } else if (tag == 0x00180086 || tag == 0x00200100) {
+    const size_t used = strlen(dicom->of);
+    snprintf(dicom->of + used, sizeof dicom->of - used, " %s %.16s",
+             tag == 0x00180086 ? "echo" : "time", text);
+  } else if (tag == 0x00181063) {
+    dicom->in_time |= text[0] != '\0';
+  } else if (tag == 0x00280301) {
+    dicom->written = strcmp(text, "YES") == 0;
+  } else if (tag == 0x00281040) {
+    dicom->logarithms = strcmp(text, "LOG") == 0;
+  } else if (tag == 0x00282110) {
+    dicom->lossy = strcmp(text, "01") == 0;
+  } else if (tag == 0x20500020) {
+    dicom->white_is_zero |= strcmp(text, "INVERSE") == 0;
   } else if (tag == 0x00280004) {
-    dicom->white_is_zero = strcmp(text, "MONOCHROME1") == 0;
-    if (!dicom->white_is_zero && strcmp(text, "MONOCHROME2") != 0)
+    dicom->white_is_zero |= strcmp(text, "MONOCHROME1") == 0;
+    if (strncmp(text, "MONOCHROME", strlen("MONOCHROME")) != 0)
       return FAIL(STATUS_INPUT, "%s: pixels of the kind %s are not read; save as grey", dicom->path,
                   text);
   } else if (tag == 0x00280008) {
@@ -226,7 +262,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   } else if (tag == 0x00200032) {
     double position[3];
     dicom->placed = read_decimals(text, 3, position);
-    if (dicom->placed) return take_position(dicom, position);
+    if (dicom->placed) return take_place(&dicom->places, position);
   } else if (tag == 0x00200037) {
     double turned[6] = {0.0};
     const bool told = read_decimals(text, 6, turned);
@@ -255,8 +291,8 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
  * orientations, measures and scales of frames, of each or shared by all (PS3.3, C.7.6.16), and the
  * real world values that greys stand for. */
 static bool holds_frames(const struct element *element) {
-  static const uint32_t TAGS[] = {0x52009229, 0x52009230, 0x00209113, 0x00209116,
-                                  0x00289110, 0x00289145, 0x00409096};
+  static const uint32_t TAGS[] = {0x52009229, 0x52009230, 0x00209111, 0x00209113,
+                                  0x00209116, 0x00289110, 0x00289145, 0x00409096};
   for (size_t i = 0; i < sizeof TAGS / sizeof *TAGS; i++)
     if ((element->group << 16 | element->number) == TAGS[i]) return true;
   return element->group == 0xfffe; /* their items, and the ends of these */
@@ -333,38 +369,47 @@ static int by_distance(const void *a, const void *b) {
   return x < y ? -1 : x > y;
 }
 
-/* Puts frames that tell where they are in that order, as stack.c does with slices; frames lie one
- * behind the other at even distances. */
+/* Puts frames that tell where they are, or at least their numbers, in that order, as stack.c does
+ * with slices; frames lie one behind the other at even distances. */
 static enum status order_frames(struct dicom *d, struct image *image) {
   enum status status = STATUS_OK;
   const size_t n = d->frames;
   double(*along)[4] = NULL; /* across twice, along the normal, and the number of the frame */
-  bool even = d->place_count == n, turned = false;
-  if (n < 2 || d->place_count < 2) goto cleanup;
+  const bool placed = d->places.count > 1;
+  const struct places *places = placed                 ? &d->places
+                                : d->numbers.count > 1 ? &d->numbers
+                                                       : &d->indices;
+  bool even = places->count == n, turned = false;
+  double step = 0.0;
+  if (n < 2 || places->count < 2) goto cleanup;
   if (even) TRY(memory_allocate(&along, n, sizeof *along, "positions of frames"));
   for (size_t i = 0; i < n && even; i++) {
-    along_axes(d, d->places[i], along[i]);
+    memcpy(along[i], places->at[i], sizeof *places->at);
+    if (placed) along_axes(d, places->at[i], along[i]);
     along[i][3] = (double)i;
   }
   if (even) {
     qsort(along, n, sizeof *along, by_distance);
-    d->step = (along[n - 1][2] - along[0][2]) / (double)(n - 1);
+    step = (along[n - 1][2] - along[0][2]) / (double)(n - 1);
+    if (placed) d->step = step;
   }
+  if (places == &d->indices && step == 0.0) goto cleanup; /* of one place along another axis */
   for (size_t i = 1; i < n && even; i++) {
     const double aside = hypot(along[i][0] - along[0][0], along[i][1] - along[0][1]);
-    even = d->step > 0.0 && fabs(along[i][2] - along[i - 1][2] - d->step) <= EVEN * d->step;
+    even = step > 0.0 && fabs(along[i][2] - along[i - 1][2] - step) <= EVEN * step;
     turned |= along[i][3] < along[i - 1][3];
-    if (d->oriented && aside > 0.5 * d->spacing[0])
+    if (placed && d->oriented && aside > 0.5 * d->spacing[0])
       TRY_FAIL(STATUS_INPUT, "%s: its frames are shifted sideways, one by %g mm" SHEARED, d->path,
                aside);
   }
   if (!even)
     TRY_FAIL(STATUS_INPUT,
              "%s: its %u frames are not slices one behind the other at even distances, as their "
-             "%zu positions tell; save them as single slices",
-             d->path, d->frames, d->place_count);
+             "%zu positions or numbers tell; save them as single slices",
+             d->path, d->frames, places->count);
   if (!turned) goto cleanup;
-  image_note(image, "its frames are taken in the order of their positions, not as stored");
+  image_note(image,
+             "its frames are taken in the order of their positions or numbers, not as stored");
   TRY(memory_allocate(&image->page_offsets, n, sizeof *image->page_offsets, "order of frames"));
   for (size_t i = 0; i < n; i++) image->page_offsets[i] = (uint64_t)along[i][3];
 cleanup:
@@ -379,6 +424,11 @@ static enum status check_frames(const struct dicom *d) {
         STATUS_INPUT,
         "%s: its gantry is tilted by %g degrees, and no positions say how its slices lie" SHEARED,
         d->path, d->tilt);
+  if (d->frames > 1 && d->projected)
+    return FAIL(STATUS_INPUT,
+                "%s: its frames are projections at different angles, no slices; reconstruct them "
+                "first",
+                d->path);
   if (d->varied || (d->frames > 1 && d->mapped_each))
     return FAIL(STATUS_INPUT,
                 "%s: its frames are turned or scaled each in its own way; save them as single "
@@ -440,11 +490,20 @@ static enum status dicom_open(const char *path, struct image *image) {
   take_padding(&d, image);
   if (d.oriented) memcpy(image->axes, d.orientation, sizeof image->axes);
   /* Where nothing but a position or a location puts slices in order, it is taken to be along z. */
-  if (d.placed && (d.oriented || isnan(d.number))) along_axes(&d, d.places[0], image->at);
+  if (d.placed && (d.oriented || isnan(d.number))) along_axes(&d, d.places.at[0], image->at);
   if (!d.placed && isnan(d.number)) image->at[2] = d.location;
   for (int a = 0; a < 3; a++) image->at[a] *= 1e-3;
   image->number = d.number;
-  memcpy(image->series, d.series, sizeof d.series);
+  snprintf(image->series, sizeof image->series, "%s%s%s", d.series, d.of,
+           d.scout ? " localizer" : "");
+  if (d.lossy) image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
+  if (d.written)
+    image_note(image, "text is written into its pixels (BurnedInAnnotation): leave that out by "
+                      "--crop");
+  if (d.logarithms)
+    image_note(image, "its greys are logarithms (PixelIntensityRelationship), as of projections");
+  if (d.part > 0)
+    image_note(image, "part %u of a scan that was cut into several files: give all", d.part);
   const bool mapped = isnan(d.slope) && isfinite(d.mapping[0]) && isfinite(d.mapping[1]);
   if (isnan(d.slope)) d.slope = 1.0;
   if (isnan(d.intercept)) d.intercept = 0.0;
@@ -473,7 +532,7 @@ static enum status dicom_open(const char *path, struct image *image) {
                "Mapping",
                d.mapping[0], d.mapping[1]);
 cleanup:
-  memory_free(&d.places);
+  MEMORY_FREE(&d.places.at, &d.numbers.at, &d.indices.at);
   if (d.file != NULL) fclose(d.file);
   return status;
 }

@@ -117,7 +117,7 @@ static const char *after(const char *text, const char *key) {
   return at != NULL ? at + strlen(key) : NULL;
 }
 
-static enum status refuse_hyperstack(const char *path, unsigned long long count, const char *kind) {
+enum status tiff_refuse_hyperstack(const char *path, unsigned long long count, const char *kind) {
   return FAIL(STATUS_INPUT,
               "%s: a hyperstack of %llu %s; save one of them as a stack, or if they are slices "
               "say so (Fiji: Image > Properties) and save again",
@@ -137,7 +137,7 @@ enum status tiff_told_channels(const char *path, const char *text) {
     for (list += strcspn(list, DIGITS); list < end; list += strcspn(list, DIGITS), count++)
       list += strspn(list, DIGITS);
   }
-  return count > 1 ? refuse_hyperstack(path, count, "channels") : STATUS_OK;
+  return count > 1 ? tiff_refuse_hyperstack(path, count, "channels") : STATUS_OK;
 }
 
 /* The array of tifffile, {"shape": [57, 1, 256, 256], "axes": "ZCYX"}: pages are of its last axes,
@@ -172,7 +172,7 @@ static enum status read_shape(const char *path, const char *description, const s
     all = all < UINT32_MAX ? all * n[i] : all;
     if (n[i] > 1) longer++;
     if (n[i] > 1 && (axis == 'C' || axis == 'T'))
-      return refuse_hyperstack(path, n[i], axis == 'C' ? "channels" : "frames");
+      return tiff_refuse_hyperstack(path, n[i], axis == 'C' ? "channels" : "frames");
   }
   if (longer > 1)
     return FAIL(STATUS_INPUT,
@@ -230,7 +230,7 @@ enum status tiff_told_slices(const char *path, const char *description, const si
     unsigned long long count = at != NULL ? strtoull(at, NULL, 10) : 1;
     if (imagej && tiff_description_value(description, KEYS[i], text, sizeof text))
       count = strtoull(text, NULL, 10);
-    if (count > 1) return refuse_hyperstack(path, count, KEYS[i]);
+    if (count > 1) return tiff_refuse_hyperstack(path, count, KEYS[i]);
   }
   const char *ome_slices = ome ? xml_value(description, "SizeZ") : NULL;
   if (ome && check_order(path, description) != STATUS_OK) return STATUS_INPUT;

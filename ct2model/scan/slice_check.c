@@ -15,6 +15,7 @@
 #define DIFFERENT_FRACTION 0.5
 /* A slice is sampled at SAMPLES x SAMPLES pixels of each of PARTS x PARTS parts. */
 enum { PARTS = 3, SAMPLES = 8, OF_PART = SAMPLES * SAMPLES, OF_SLICE = PARTS * PARTS * OF_PART };
+enum { SLICES_JUDGED = 8 }; /* fewer do not tell how alike slices are */
 
 enum status slice_check_start(size_t count, struct slice_check *check) {
   enum status status = STATUS_OK;
@@ -112,6 +113,59 @@ static double jump_at(const struct slice_check *check, size_t z) {
   return (double)least;
 }
 
+/* Correlation of the greys of slice z with those of the slice before. */
+static double likeness(const struct slice_check *check, size_t z) {
+  const float *a = check->greys + z * OF_SLICE, *b = a - OF_SLICE;
+  double n = 0.0, sum[2] = {0.0}, square[2] = {0.0}, product = 0.0;
+  for (size_t i = 0; i < OF_SLICE; i++) {
+    const double x = (double)a[i], y = (double)b[i];
+    if (!isfinite(x) || !isfinite(y)) continue;
+    n++;
+    sum[0] += x;
+    sum[1] += y;
+    square[0] += x * x;
+    square[1] += y * y;
+    product += x * y;
+  }
+  const double spread = (square[0] - sum[0] * sum[0] / n) * (square[1] - sum[1] * sum[1] / n);
+  return spread > 0.0 ? (product - sum[0] * sum[1] / n) / sqrt(spread) : NAN;
+}
+
+/* Warns of slices that are much less like the one before than slices are: others were left out
+ * between them, or they were mirrored, turned, shifted or inverted. */
+static enum status warn_of_breaks(const struct slice_check *check, const struct region *region) {
+  enum status status = STATUS_OK;
+  float *like = NULL;
+  size_t n = 0, breaks = 0, first = 0;
+  char name[2][80];
+  TRY(memory_allocate(&like, check->count, sizeof *like, "likeness of slices"));
+  for (size_t z = 1; z < check->count; z++) {
+    const double here = likeness(check, z);
+    if (isfinite(here)) like[n++] = (float)here;
+  }
+  if (n < SLICES_JUDGED) goto cleanup;
+  qsort(like, n, sizeof *like, by_value);
+  const double usual = (double)like[n / 2];
+  for (size_t i = 0; i < n; i++) like[i] = fabsf(like[i] - (float)usual);
+  qsort(like, n, sizeof *like, by_value);
+  const double least = fmin(0.5 * usual, usual - BREAK_LEAST * (double)like[n / 2]);
+  for (size_t z = check->count; z-- > 1 && usual > LIKENESS_LEAST;)
+    if (likeness(check, z) < least) {
+      breaks++;
+      first = z;
+    }
+  if (breaks == 0) goto cleanup;
+  for (size_t i = 0; i < 2; i++)
+    stack_slice_name(region->stack, region->origin[2] + first - i, name[i], sizeof name[i]);
+  log_warning("%zu of %zu slices do not go on where the one before ends (first: %s after %s, "
+              "correlation %.2f, of others %.2f): are slices missing between, or was one mirrored, "
+              "turned, shifted or inverted? pores end there",
+              breaks, check->count, name[0], name[1], likeness(check, first), usual);
+cleanup:
+  memory_free(&like);
+  return status;
+}
+
 /* Warns of slices whose greys were stretched each in its own way, as where a program took the range
  * of each slice for that of the greys it wrote. */
 static void warn_of_jumps(const struct slice_check *check) {
@@ -136,6 +190,34 @@ static void warn_of_jumps(const struct slice_check *check) {
                 "own range (auto contrast)? one threshold means another wall in each: save them "
                 "again with one range for all",
                 jumps, check->count, 100.0 * most / deviation);
+}
+
+/* Warns of greys far from all others, at one end of them: voxels without a measurement, which no
+ * field of the file tells of. */
+static enum status warn_of_fill(const struct slice_check *check) {
+  enum status status = STATUS_OK;
+  float *greys = NULL;
+  size_t n = 0;
+  TRY(memory_allocate(&greys, check->count * OF_SLICE, sizeof *greys, "samples of slices"));
+  for (size_t i = 0; i < check->count * OF_SLICE; i++)
+    if (isfinite(check->greys[i])) greys[n++] = check->greys[i];
+  qsort(greys, n, sizeof *greys, by_value);
+  for (int end = 0; end < 2 && n > 0; end++) {
+    const double fill = (double)greys[end == 0 ? 0 : n - 1];
+    size_t others = 0; /* from one end to the other */
+    while (others < n && (double)greys[end == 0 ? others : n - 1 - others] == fill) others++;
+    if (others == n || (double)others < FILL_SHARE * (double)n) continue;
+    const double next = (double)greys[end == 0 ? others : n - 1 - others];
+    const double last = (double)greys[end == 0 ? n - 1 : 0];
+    if (fabs(next - fill) > FILL_GAP * fabs(last - next))
+      log_warning("%.1f %% of the voxels have the grey %g, far from all others (%g to %g): no "
+                  "measurement? it counts as %s: leave it out by --crop or --roi",
+                  100.0 * (double)others / (double)n, fill, fmin(next, last), fmax(next, last),
+                  end == 0 ? "dark" : "bright");
+  }
+cleanup:
+  memory_free(&greys);
+  return status;
 }
 
 enum status slice_check_warn(const struct slice_check *check, const struct region *region) {
@@ -169,6 +251,8 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
   }
   TRY(is_noisy(region, constants > 0 ? varied_neighbour(check, constant) : n / 2, slice, &noisy));
   if (noisy) warn_of_jumps(check);
+  if (noisy) TRY(warn_of_breaks(check, region));
+  if (noisy) TRY(warn_of_fill(check));
   if (noisy && constants > 0) {
     stack_slice_name(region->stack, region->origin[2] + constant, name[0], sizeof name[0]);
     log_warning("%zu of %zu slices are of one grey (first: %s): no scan, but a gap or a plate in "

@@ -1,5 +1,6 @@
 /* Checks for slices that no scanner produces: copies of an earlier slice, slices of a single grey,
- * and slices whose greys were stretched each in its own way. */
+ * slices whose greys were stretched each in its own way, and slices that do not go on where the one
+ * before ends. */
 #ifndef TOSUI_CT2MODEL_SCAN_SLICE_CHECK_H
 #define TOSUI_CT2MODEL_SCAN_SLICE_CHECK_H
 
