@@ -535,6 +535,10 @@ static struct {
   unsigned pointer; /* what the next frame follows by: an element of group 0x18 */
   bool several;     /* by that, and by an element of group 0x54 */
   bool unspaced;
+  const char *told[2];          /* one more text: tag as "GGGGEEEE" with its kind, and value */
+  const unsigned char *numbers; /* of frames in the stack; NULL: none */
+  unsigned numbered;            /* 0x9057 or 0x9157: as what */
+  unsigned part;                /* of a concatenation */
 } extra;
 
 static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsigned element) {
@@ -578,9 +582,17 @@ static void put_frames(FILE *file, const struct dicom *d) {
   for (unsigned f = 0; f < d->frames; f++) {
     put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
     put_item(file, true, implicit, 0x20, 0x9113);
-    snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + f * extra.aside, 0.1 * extra.places[f]);
-    put_text(file, 0x20, 0x32, "DS", text, implicit);
+    if (extra.numbers == NULL)
+      snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + f * extra.aside, 0.1 * extra.places[f]);
+    if (extra.numbers == NULL) put_text(file, 0x20, 0x32, "DS", text, implicit);
     put_item(file, false, implicit, 0, 0);
+    if (extra.numbers != NULL) {
+      put_item(file, true, implicit, 0x20, 0x9111);
+      put_head(file, 0x20, extra.numbered, "UL", extra.numbered == 0x9057 ? 4 : 8, implicit);
+      if (extra.numbered != 0x9057) put(file, 1, 4);
+      put(file, extra.numbers[f], 4);
+      put_item(file, false, implicit, 0, 0);
+    }
     put_item(file, true, implicit, 0x28, 0x9145);
     put_text(file, 0x28, 0x1053, "DS",
              extra.scaled != NULL && f + 1 == d->frames ? extra.scaled : "1", implicit);
@@ -616,6 +628,15 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
     put(file, 0x61626364, 4);
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
     put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+  }
+  if (extra.told[0] != NULL) {
+    const unsigned long tag = strtoul(extra.told[0], NULL, 16);
+    put_text(file, (unsigned)(tag >> 16), (unsigned)(tag & 0xffff), extra.told[0] + 9,
+             extra.told[1], implicit);
+  }
+  if (extra.part > 0) {
+    put_head(file, 0x20, 0x9162, "US", 2, implicit);
+    put(file, extra.part, 2);
   }
   if (extra.thickness != NULL) put_text(file, 0x18, 0x50, "DS", extra.thickness, implicit);
   if (extra.distance != NULL) put_text(file, 0x18, 0x88, "DS", extra.distance, implicit);
@@ -874,6 +895,84 @@ static void test_dicom_values(void **state) {
   memset(&extra, 0, sizeof extra);
 }
 
+/* Frames that tell their numbers in the stack alone. */
+static void test_dicom_numbered_frames(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  static const unsigned char numbers[][NZ] = {
+      {1, 2, 3, 4, 5}, {5, 4, 3, 2, 1}, {1, 3, 2, 4, 5}, {1, 2, 3, 1, 2}, {1, 1, 1, 1, 1}};
+  static const size_t ranks[][NZ] = {{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {0, 2, 1, 3, 4}};
+  static const int none[NZ] = {0};
+  const struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  for (int k = 0; k < 10; k++) {
+    extra.places = none;
+    extra.numbers = numbers[k / 2];
+    extra.numbered = k % 2 ? 0x9157 : 0x9057;
+    extra.rank = k < 6 ? ranks[k / 2] : NULL;
+    write_dicom(0, 0, &d);
+    if (k < 6 || k == 9) /* indices that are all the same are of another axis */
+      holds(1, NZ, 255, 1, 0, flat, k < 2 || k == 9 ? NULL : "in the order of their positions or");
+    else
+      refused(1, "not slices one behind the other");
+  }
+  memset(&extra, 0, sizeof extra);
+}
+
+/* What a file says of its pixels, and of what its frames are. */
+static void test_dicom_told(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  const struct {
+    const char *tag, *value, *told;
+    double factor, offset;
+    bool refused;
+  } cases[] = {{"20500020 CS", "INVERSE", NULL, -1, 65535, false},
+               {"20500020 CS", "IDENTITY", NULL, 1, 0, false},
+               {"00282110 CS", "01", "compressed with loss", 1, 0, false},
+               {"00282110 CS", "00", NULL, 1, 0, false},
+               {"00280301 CS", "YES", "text is written into its pixels", 1, 0, false},
+               {"00280301 CS", "NO", NULL, 1, 0, false},
+               {"00281040 CS", "LOG", "its greys are logarithms", 1, 0, false},
+               {"00181063 DS", "33.3", "follow one another in time", 1, 0, false},
+               {"00181520 DS", "1\\2\\3", "its frames are projections", 1, 0, true}};
+  struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    extra.told[0] = cases[i].tag;
+    extra.told[1] = cases[i].value;
+    write_dicom(0, 0, &d);
+    if (cases[i].refused)
+      refused(1, cases[i].told);
+    else
+      holds(1, NZ, 255, cases[i].factor, cases[i].offset, flat, cases[i].told);
+  }
+  extra.told[0] = NULL;
+  extra.part = 2;
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, "part 2 of a scan that was cut into several files");
+  memset(&extra, 0, sizeof extra);
+  /* Slices of one series that are of two echoes or times, or with a localizer, are not one scan. */
+  static const char *const OF[][3] = {
+      {"00180086 IS", "1", "2"},
+      {"00200100 IS", "1", "2"},
+      {"00080008 CS", "ORIGINAL\\PRIMARY\\AXIAL", "ORIGINAL\\PRIMARY\\LOCALIZER"}};
+  d.frames = 1;
+  for (size_t i = 0; i < 3; i++) {
+    struct stack stack;
+    static float pixels[N];
+    extra.series = "1.2.3";
+    for (size_t z = 0; z < 2; z++) {
+      extra.told[0] = OF[i][0];
+      extra.told[1] = OF[i][1 + z];
+      extra.number = (int)z + 1;
+      write_dicom(z, z, &d);
+    }
+    assert_int_equal(read_all(2, &stack, pixels), STATUS_OK);
+    assert_string_not_equal(stack.files[0].series, stack.files[1].series);
+    stack_close(&stack);
+  }
+  memset(&extra, 0, sizeof extra);
+}
+
 /* Values that fill up slices beyond what was measured. */
 static void test_dicom_padding(void **state) {
   (void)state;
@@ -979,6 +1078,8 @@ int main(void) {
       cmocka_unit_test(test_dicom_numbers),
       cmocka_unit_test(test_dicom_frames),
       cmocka_unit_test(test_dicom_values),
+      cmocka_unit_test(test_dicom_numbered_frames),
+      cmocka_unit_test(test_dicom_told),
       cmocka_unit_test(test_dicom_padding),
       cmocka_unit_test(test_dicom_geometry),
   };

@@ -56,6 +56,13 @@ struct page {
   bool opaque;         /* the second sample is the same everywhere */
   float resolution;    /* pixels per cm; 0: no tag */
   const char *program;
+  struct {
+    uint32_t number;
+    TIFFDataType type;
+    uint32_t count;
+    const void *values;
+  } own;       /* a private tag; number 0: none */
+  float place; /* XPosition; 0: no tag */
 };
 
 static const struct page PLAIN = {.bits = 8,
@@ -100,6 +107,13 @@ static void add_page(TIFF *tiff, const struct page *page) {
     TIFFMergeFieldInfo(tiff, &GDAL[i], 1);
     TIFFSetField(tiff, 42112 + i, page->gdal[i]);
   }
+  if (page->own.number > 0) {
+    const TIFFFieldInfo info = {page->own.number, TIFF_VARIABLE2, TIFF_VARIABLE2, page->own.type,
+                                FIELD_CUSTOM,     true,           true,           (char *)"own"};
+    TIFFMergeFieldInfo(tiff, &info, 1);
+    TIFFSetField(tiff, page->own.number, page->own.count, page->own.values);
+  }
+  if (page->place > 0.0f) TIFFSetField(tiff, TIFFTAG_XPOSITION, page->place);
   if (page->program != NULL) TIFFSetField(tiff, TIFFTAG_SOFTWARE, page->program);
   if (page->resolution > 0.0f) {
     TIFFSetField(tiff, TIFFTAG_XRESOLUTION, page->resolution);
@@ -384,6 +398,62 @@ static void test_channels(void **state) {
   }
 }
 
+/* What private tags and others tell of pages that are no slices, and of their greys. */
+static void test_private_tags(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  static unsigned char channels[64] = {[20] = 2, [24] = 1}, times[64] = {[20] = 1, [24] = 7},
+                       none[64] = {[20] = 1, [24] = 1};
+  static const char MANAGER[][40] = {"{\"ChannelIndex\": 1}", "{\"FrameIndex\": 3}",
+                                     "{\"ChannelIndex\": 0, \"SliceIndex\": 1}"};
+  static const char BAR[] = "[PrivateFei]\nDatabarHeight=4\n", NO_BAR[] = "DatabarHeight=0\n";
+  const uint16_t curve[] = {1, 2};
+  const struct {
+    uint32_t number;
+    TIFFDataType type;
+    uint32_t count;
+    const void *values;
+    const char *told;
+    bool refused;
+  } cases[] = {
+      {34412, TIFF_BYTE, 64, channels, "a hyperstack of 2 channels", true},
+      {34412, TIFF_BYTE, 64, times, "a hyperstack of 7 frames", true},
+      {34412, TIFF_BYTE, 64, none, NULL, false},
+      {51123, TIFF_ASCII, sizeof MANAGER[0], MANAGER[0], "a hyperstack of 2 channels", true},
+      {51123, TIFF_ASCII, sizeof MANAGER[1], MANAGER[1], "a hyperstack of 4 frames", true},
+      {51123, TIFF_ASCII, sizeof MANAGER[2], MANAGER[2], NULL, false},
+      {34682, TIFF_ASCII, sizeof BAR, BAR, "its last 4 rows are a bar of data", false},
+      {34682, TIFF_ASCII, sizeof NO_BAR, NO_BAR, NULL, false},
+      {50712, TIFF_SHORT, 2, curve, "before its LinearizationTable", false}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    struct page pages[2] = {PLAIN, PLAIN};
+    pages[1].number = 1;
+    for (size_t k = 0; k < 2; k++) {
+      pages[k].own.number = cases[i].number;
+      pages[k].own.type = cases[i].type;
+      pages[k].own.count = cases[i].count;
+      pages[k].own.values = cases[i].values;
+    }
+    write_pages("w", pages, 2);
+    if (cases[i].refused)
+      refused(cases[i].told);
+    else
+      holds(slices, 2, 8, NULL, 0, 0, cases[i].told);
+  }
+  struct page pages[2] = {PLAIN, PLAIN};
+  pages[1].number = 1;
+  for (int k = 0; k < 2; k++) { /* parts of a picture; one part */
+    pages[0].place = 1.0f;
+    pages[1].place = k == 0 ? 2.0f : 1.0f;
+    write_pages("w", pages, 2);
+    holds(slices, 2, 8, NULL, 0, 0, k == 0 ? "its pages lie beside each other" : NULL);
+  }
+  pages[0] = PLAIN;
+  pages[0].description = "ImageJ=1.53t\nimages=1\ncf=20\nvunit=Uncalibrated OD\n";
+  write_pages("w", pages, 1);
+  holds(slices, 1, 8, NULL, 0, 0, "before ImageJ's calibration by its function 20");
+}
+
 /* Renames a tag of the only directory. */
 static void patch_number(const char *mode, unsigned from, unsigned to) {
   static unsigned char bytes[8000];
@@ -616,24 +686,95 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
   fclose(out);
 }
 
+/* Writes a grey PNG with a chunk of that name and contents. */
+static void write_with_chunk(const char *name, const void *contents, size_t length) {
+  static unsigned char bytes[8000], chunk[200];
+  write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
+  FILE *in = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, in);
+  fclose(in);
+  chunk[3] = (unsigned char)length;
+  memcpy(chunk + 4, name, 4);
+  memcpy(chunk + 8, contents, length);
+  const uint32_t sum = (uint32_t)crc32(0, chunk + 4, (uInt)length + 4);
+  for (size_t i = 0; i < 4; i++) chunk[8 + length + i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
+  FILE *out = fopen(file, "wb");
+  fwrite(bytes, 1, 33, out); /* signature and IHDR */
+  fwrite(chunk, 1, length + 12, out);
+  fwrite(bytes + 33, 1, size - 33, out);
+  fclose(out);
+}
+
+/* What chunks tell of edges, greys and orientation; cut short they tell nothing. */
+static void test_png_chunks(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  struct stack stack;
+  const char *path = file;
+  static const char SCALE[] = "\1"
+                              "5e-6\0"
+                              "6e-6",
+                    GREYS[] = "HU\0\0\0\0\0\0\0\0\xff\0\2HU\0-1000\0"
+                              "20";
+  write_with_chunk("sCAL", SCALE, sizeof SCALE - 1);
+  assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+  assert_true(fabs(stack.voxel[0] - 5e-6) < 1e-12 && fabs(stack.voxel[1] - 6e-6) < 1e-12);
+  stack_close(&stack);
+  write_with_chunk("pCAL", GREYS, sizeof GREYS - 1);
+  assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+  assert_true(fabs(stack.files[0].rescale[0] - 20.0 / 255.0) < 1e-9);
+  assert_true(fabs(stack.files[0].rescale[1] + 1000.0) < 1e-9);
+  stack_close(&stack);
+  holds(&first, 1, 8, NULL, 0, 0, "before its calibration (pCAL)");
+  static const char EXIF[][27] = {"II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0",
+                                  "MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0\6\0\0\0\0\0\0"};
+  for (size_t k = 0; k < 2; k++) {
+    write_with_chunk("eXIf", EXIF[k], 26);
+    holds(&first, 1, 8, NULL, 0, 0, "its orientation 6 says to turn it");
+  }
+  for (size_t n = 1; n < 26; n++) {
+    write_with_chunk("eXIf", EXIF[0], n);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+    write_with_chunk("pCAL", GREYS, n < sizeof GREYS ? n : 1);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+    write_with_chunk("sCAL", SCALE, n < sizeof SCALE ? n : 1);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+  }
+}
+
+/* A page whose bytes are half those of the page before. */
+static void test_pages_of_the_same_bytes(void **state) {
+  (void)state;
+  static unsigned char bytes[8000];
+  struct page pages[2] = {PLAIN, PLAIN};
+  write_pages("wl", pages, 2);
+  FILE *whole = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, whole);
+  fclose(whole);
+  size_t at = bytes[4] + 256u * bytes[5];
+  at = bytes[at + 2 + 12 * (bytes[at] + 256u * bytes[at + 1])] +
+       256u * bytes[at + 3 + 12 * (bytes[at] + 256u * bytes[at + 1])]; /* the second directory */
+  for (at += 2; bytes[at] + 256u * bytes[at + 1] != TIFFTAG_STRIPOFFSETS;) at += 12;
+  unsigned char *offsets = bytes + bytes[at + 8] + 256u * bytes[at + 9];
+  for (size_t k = 0; k < 3; k++)
+    offsets[4 * k] = (unsigned char)(8 + 6 * NX * (k + 1)),
+                offsets[4 * k + 1] = (unsigned char)((8 + 6 * NX * (k + 1)) >> 8);
+  whole = fopen(file, "wb");
+  fwrite(bytes, 1, size, whole);
+  fclose(whole);
+  refused("page 1 has bytes of the page before");
+}
+
 /* An animation: libpng shows its first picture. */
 static void test_animated_png(void **state) {
   (void)state;
   const unsigned first = 0;
-  static unsigned char bytes[8000], chunk[20] = {0, 0, 0, 8, 'a', 'c', 'T', 'L'};
   for (unsigned pictures = 1; pictures <= 2; pictures++) {
-    write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
-    FILE *in = fopen(file, "rb");
-    const size_t size = fread(bytes, 1, sizeof bytes, in);
-    fclose(in);
-    chunk[11] = (unsigned char)pictures;
-    const uint32_t sum = (uint32_t)crc32(0, chunk + 4, 12);
-    for (int i = 0; i < 4; i++) chunk[16 + i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
-    FILE *out = fopen(file, "wb");
-    fwrite(bytes, 1, 33, out); /* signature and IHDR */
-    fwrite(chunk, 1, sizeof chunk, out);
-    fwrite(bytes + 33, 1, size - 33, out);
-    fclose(out);
+    const unsigned char control[8] = {0, 0, 0, (unsigned char)pictures};
+    write_with_chunk("acTL", control, sizeof control);
     if (pictures == 1)
       holds(&first, 1, 8, NULL, 0, 0, NULL);
     else
@@ -748,6 +889,9 @@ int main(void) {
       cmocka_unit_test(test_lengths),
       cmocka_unit_test(test_channels),
       cmocka_unit_test(test_told_by_pages),
+      cmocka_unit_test(test_private_tags),
+      cmocka_unit_test(test_pages_of_the_same_bytes),
+      cmocka_unit_test(test_png_chunks),
       cmocka_unit_test(test_slices_without_a_directory),
       cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),
