@@ -59,7 +59,7 @@ static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, enum pi
   size_t equal = 0;
   for (size_t i = 0; i < width * height; i++)
     equal += memcmp(bytes + 2 * i * one, bytes + (2 * i + 1) * one, one) == 0;
-  if ((double)equal > EQUAL_BYTES * (double)(width * height)) return false;
+  if (one == 1 && (double)equal > EQUAL_BYTES * (double)(width * height)) return false;
   for (size_t side = 0; side < 2; side++) {
     for (size_t y = 0; y < height; y++)
       pixels_to_float(pixels + y * (width / 2 * 2),
@@ -158,6 +158,18 @@ static size_t find_turns(const float *pixels, size_t n) {
   return 0;
 }
 
+/* Whether neighbours are much more alike with their bytes in the other order. Both arrays are
+ * overwritten. */
+static bool are_swapped(const struct image *image, void *stored, float *pixels) {
+  const size_t n = image->size[0] * image->size[1];
+  pixels_to_float(pixels, stored, n, image->type);
+  const double given = roughness(pixels, image->size[0], image->size[1]);
+  pixels_swap(stored, n, image->type);
+  pixels_to_float(pixels, stored, n, image->type);
+  const double other = roughness(pixels, image->size[0], image->size[1]);
+  return given > ROUGHNESS_RATIO * other && other > 0.0;
+}
+
 static char letter_of(enum pixel_type type) {
   if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
   return type == PIXEL_U8 || type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
@@ -219,11 +231,7 @@ enum status byte_order_check(const struct image *image) {
     goto cleanup;
   }
   if (bytes == 1) goto cleanup;
-  const double given = roughness(pixels, image->size[0], image->size[1]);
-  pixels_swap(stored, n, image->type);
-  pixels_to_float(pixels, stored, n, image->type);
-  const double other = roughness(pixels, image->size[0], image->size[1]);
-  if (given > ROUGHNESS_RATIO * other && other > 0.0)
+  if (are_swapped(image, stored, pixels))
     log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
                 "is %c%zu%s meant in --raw?",
                 image->path, letter_of(image->type), 8 * bytes, image->swap ? "le" : "be");
@@ -238,7 +246,7 @@ enum status byte_order_check_sign(const struct image *image) {
   const size_t n = image->size[0] * image->size[1];
   void *stored = NULL;
   float *pixels = NULL;
-  if (!image->plain || (image->type != PIXEL_I8 && image->type != PIXEL_I16)) return STATUS_OK;
+  if (!image->plain) return STATUS_OK;
   TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
@@ -246,6 +254,10 @@ enum status byte_order_check_sign(const struct image *image) {
     log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
                 "without a sign: unsigned greys that were stored as signed ones (BigDataViewer "
                 "does)? save them as unsigned",
+                image->path);
+  else if (pixel_size(image->type) == 2 && are_swapped(image, stored, pixels))
+    log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
+                "was it written on another kind of machine? save it again",
                 image->path);
 cleanup:
   memory_free(&stored);

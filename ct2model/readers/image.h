@@ -61,7 +61,7 @@ struct image {
   double axes[6];    /* unit vectors along a row and a column; NAN if the file does not tell */
   double at[3];      /* first pixel along the row, the column and their normal, m; likewise */
   double number;     /* of the slice in its series; NAN if the file does not tell */
-  char series[120];  /* to which the slice belongs, as of DICOM; "" if the file does not tell */
+  char series[160];  /* to which the slice belongs, as of DICOM; "" if the file does not tell */
   double rescale[2]; /* slope and intercept that make other numbers of the greys */
   bool plain;        /* every pixel is a value of `type` */
 };

@@ -29,9 +29,10 @@ struct dicom {
   bool placed, oriented, varied; /* varied: frames are turned or scaled each in its own way */
   bool in_time, in_several;      /* frames follow one another in time, or along several axes */
   bool projected;                /* frames are of other directions */
+  bool of_many; /* each pixel is of a whole line through the body */
   bool lossy, written, logarithms, scout;
   unsigned part;           /* of a concatenation; 0: none */
-  char series[65], of[40]; /* of: which echo and time of the series */
+  char series[65], of[80]; /* of: which echo, time, energy and filter of the series */
   struct places {
     double (*at)[3];
     size_t count, room;
@@ -213,7 +214,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->in_time = group == 0x0018 && (number == 0x1063 || number == 0x1065);
     return STATUS_OK;
   }
-  static const uint32_t TEXTS[] = {0x00080008, 0x00180086, 0x00181063, 0x00200100, 0x00280301,
+  static const uint32_t TEXTS[] = {0x00080008, 0x00180060, 0x00181210, 0x00180086, 0x00181063, 0x00200100, 0x00280301,
                                    0x00281040, 0x00282110, 0x20500020, 0x00020010, 0x00180050,
                                    0x00180088, 0x00181120, 0x0020000e, 0x00200013, 0x00200032,
                                    0x00200037, 0x00201041, 0x00280004, 0x00280008, 0x00280030,
@@ -232,10 +233,10 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                   dicom->path, text);
   } else if (tag == 0x00080008) {
     dicom->scout = strstr(text, "LOCALIZER") != NULL;
-  } else if (tag == 0x00180086 || tag == 0x00200100) {
+    dicom->of_many = strstr(text, "MIP") != NULL || strstr(text, "PROJECTION") != NULL;
+  } else if (tag == 0x00180060 || tag == 0x00180086 || tag == 0x00181210 || tag == 0x00200100) {
     const size_t used = strlen(dicom->of);
-    snprintf(dicom->of + used, sizeof dicom->of - used, " %s %.16s",
-             tag == 0x00180086 ? "echo" : "time", text);
+    snprintf(dicom->of + used, sizeof dicom->of - used, " %x %.11s", tag, text);
   } else if (tag == 0x00181063) {
     dicom->in_time |= text[0] != '\0';
   } else if (tag == 0x00280301) {
@@ -497,6 +498,8 @@ static enum status dicom_open(const char *path, struct image *image) {
   snprintf(image->series, sizeof image->series, "%s%s%s", d.series, d.of,
            d.scout ? " localizer" : "");
   if (d.lossy) image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
+  if (d.of_many)
+    image_note(image, "projections, as it says (ImageType): read as slices");
   if (d.written)
     image_note(image, "text is written into its pixels (BurnedInAnnotation): leave that out by "
                       "--crop");

@@ -57,7 +57,8 @@ static double ome_size(const char *xml, char axis) {
   snprintf(key, sizeof key, "PhysicalSize%cUnit", axis);
   const char *unit_at = xml_value(xml, key);
   if (unit_at != NULL) (void)sscanf(unit_at, "%15[^\"']", unit);
-  return at != NULL ? whole_number(at) * length_unit(unit) : NAN;
+  const double size = at != NULL ? whole_number(at) * length_unit(unit) : NAN;
+  return size > 0.0 ? size : NAN;
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,

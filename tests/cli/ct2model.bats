@@ -152,6 +152,16 @@ P
   for file in signed unsigned; do "$CT" sweep $file.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $file.log; done
   grep -q "signed.nrrd: neighbouring pixels leap .*: unsigned greys that were stored as signed ones" signed.log
   run ! grep leap unsigned.log
+  # Bytes in the other order than the file says.
+  python3 -c 'import random, struct, sys
+random.seed(4)
+for end in "little", "big":
+    with open(end + ".nrrd", "wb") as f:
+        f.write(b"NRRD0004\ntype: uint16\ndimension: 3\nsizes: 24 24 12\nendian: little\nencoding: raw\n\n")
+        f.write(b"".join(struct.pack("<H" if end == "little" else ">H", 200 * v + random.randrange(200)) for v in open("noise.raw", "rb").read()))'
+  for end in little big; do "$CT" sweep $end.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $end.log || true; done
+  grep -q "big.nrrd: with its bytes in the other order neighbouring pixels are much more alike" big.log
+  run ! grep "other order" little.log
   [[ "$(said noise.raw u8)" != *slices* ]] || false
   # Slices of another place, and inverted ones; voxels that a fill value stands for.
   python3 -c 'import array, math, random
@@ -224,7 +234,7 @@ wide = array.array("H", (200 * v + random.randrange(200) for v in cut)).tobytes(
 open("wide.raw", "wb").write(wide)
 open("colours.raw", "wb").write(bytes(v for v in cut for _ in range(3)))
 open("channels.raw", "wb").write(bytes(w for v in cut for w in (v, 250 - v)))
-open("floats.raw", "wb").write(array.array("f", cut).tobytes())
+open("floats.raw", "wb").write(array.array("f", list(cut)).tobytes())
 END
   for size in "wide 37x40x96" "wide 74x40x48" "colours 37x40x144" "channels 37x40x96"; do
     [[ "$(said $size)" == *"pixels alternate in turns of "[23]*"channels or colours, that --raw takes for pixels?"* ]] || false

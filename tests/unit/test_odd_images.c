@@ -283,6 +283,7 @@ static void test_lengths(void **state) {
   } cases[] = {
       {"<OME><Pixels PhysicalSizeX=\"5.83\"></Pixels></OME>", 5.83},
       {"<OME><Pixels PhysicalSizeX = '5.83' PhysicalSizeXUnit='nm'></Pixels></OME>", 5.83e-3},
+      {"<OME><Pixels PhysicalSizeX=\"0.0\"></Pixels></OME>", NAN},
       {"<OME><Pixels PhysicalSizeX=\"5,83\"></Pixels></OME>", NAN}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     struct page page = PLAIN;
