@@ -5,6 +5,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/row_ends.h"
 
 /* Ratio of roughness from which the other byte order is suggested. Random numbers have a roughness
@@ -16,9 +17,6 @@
 /* Widths that row_ends.c does not judge; and voxels of so small a part of a scan that one in twenty
  * wrong sizes shows nothing. */
 enum { WIDTH_UNJUDGED = 8, VOXELS_UNJUDGED = 4000 };
-/* Difference of pixels a few apart, over that of neighbours, below which they are of one kind and
- * neighbours are not. In a scan it is 1 or more. */
-#define TURN_RATIO 0.7
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
 

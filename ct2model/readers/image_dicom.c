@@ -7,6 +7,7 @@
 
 #include "common/input_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 
 /* DICOM (PS3.5, PS3.10): little-endian and uncompressed, of one grey a pixel; one slice, or frames
  * one behind the other; with a preamble or, as older programs write, without, and with or without
@@ -14,7 +15,6 @@
  * positions or numbers. */
 
 enum { PREAMBLE = 128, NESTED_MOST = 16 };
-#define EVEN 0.1 /* steps from frame to frame are alike to this part of them */
 #define UNDEFINED 0xffffffffu
 
 struct dicom {
@@ -29,7 +29,7 @@ struct dicom {
   bool placed, oriented, varied; /* varied: frames are turned or scaled each in its own way */
   bool in_time, in_several;      /* frames follow one another in time, or along several axes */
   bool projected;                /* frames are of other directions */
-  bool of_many; /* each pixel is of a whole line through the body */
+  bool of_many;                  /* each pixel is of a whole line through the body */
   bool lossy, written, logarithms, scout;
   unsigned part;           /* of a concatenation; 0: none */
   char series[65], of[80]; /* of: which echo, time, energy and filter of the series */
@@ -214,11 +214,11 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->in_time = group == 0x0018 && (number == 0x1063 || number == 0x1065);
     return STATUS_OK;
   }
-  static const uint32_t TEXTS[] = {0x00080008, 0x00180060, 0x00181210, 0x00180086, 0x00181063, 0x00200100, 0x00280301,
-                                   0x00281040, 0x00282110, 0x20500020, 0x00020010, 0x00180050,
-                                   0x00180088, 0x00181120, 0x0020000e, 0x00200013, 0x00200032,
-                                   0x00200037, 0x00201041, 0x00280004, 0x00280008, 0x00280030,
-                                   0x00280034, 0x00281052, 0x00281053};
+  static const uint32_t TEXTS[] = {0x00080008, 0x00180060, 0x00181210, 0x00180086, 0x00181063,
+                                   0x00200100, 0x00280301, 0x00281040, 0x00282110, 0x20500020,
+                                   0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
+                                   0x00200013, 0x00200032, 0x00200037, 0x00201041, 0x00280004,
+                                   0x00280008, 0x00280030, 0x00280034, 0x00281052, 0x00281053};
   bool is_text = false;
   for (size_t i = 0; i < sizeof TEXTS / sizeof *TEXTS; i++) is_text |= tag == TEXTS[i];
   if (!is_text || element->length >= sizeof text)
@@ -397,7 +397,7 @@ static enum status order_frames(struct dicom *d, struct image *image) {
   if (places == &d->indices && step == 0.0) goto cleanup; /* of one place along another axis */
   for (size_t i = 1; i < n && even; i++) {
     const double aside = hypot(along[i][0] - along[0][0], along[i][1] - along[0][1]);
-    even = step > 0.0 && fabs(along[i][2] - along[i - 1][2] - step) <= EVEN * step;
+    even = step > 0.0 && fabs(along[i][2] - along[i - 1][2] - step) <= STEPS_ALIKE * step;
     turned |= along[i][3] < along[i - 1][3];
     if (placed && d->oriented && aside > 0.5 * d->spacing[0])
       TRY_FAIL(STATUS_INPUT, "%s: its frames are shifted sideways, one by %g mm" SHEARED, d->path,
@@ -498,8 +498,7 @@ static enum status dicom_open(const char *path, struct image *image) {
   snprintf(image->series, sizeof image->series, "%s%s%s", d.series, d.of,
            d.scout ? " localizer" : "");
   if (d.lossy) image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
-  if (d.of_many)
-    image_note(image, "projections, as it says (ImageType): read as slices");
+  if (d.of_many) image_note(image, "projections, as it says (ImageType): read as slices");
   if (d.written)
     image_note(image, "text is written into its pixels (BurnedInAnnotation): leave that out by "
                       "--crop");

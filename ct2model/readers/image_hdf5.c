@@ -8,6 +8,7 @@
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/image_shape.h"
 #include "ct2model/readers/length_unit.h"
@@ -15,7 +16,6 @@
 /* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
 #define BLOCK_BYTES 64e6
 enum { BLOCK_MOST = 64 };
-#define EVEN 0.1 /* distances of voxels are alike to this part of them */
 
 struct image_dataset {
   struct h5_file *file;
@@ -204,7 +204,7 @@ static enum status take_places(struct h5_file *file, const char *places, size_t 
   }
   const double step = (at[count - 1] - at[0]) / (double)(count - 1);
   for (size_t i = 1; i < count; i++)
-    if (!(fabs(at[i] - at[i - 1] - step) <= EVEN * fabs(step)) || step == 0.0)
+    if (!(fabs(at[i] - at[i - 1] - step) <= STEPS_ALIKE * fabs(step)) || step == 0.0)
       TRY_FAIL(STATUS_INPUT,
                "%s: its voxels along %c are at uneven distances, as %s tells (%g after %g); "
                "resample them",

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/image_shape.h"
 #include "ct2model/readers/tiff_description.h"
 
@@ -221,7 +222,8 @@ static bool other_resolution(const struct tiff_layout *a, const struct tiff_layo
   bool other = false;
   for (int i = 0; i < 2; i++)
     if (a->resolution[i] > 0.0f && b->resolution[i] > 0.0f)
-      other |= a->unit != b->unit || fabsf(a->resolution[i] / b->resolution[i] - 1.0f) > 0.01f;
+      other |= a->unit != b->unit ||
+               fabs((double)(a->resolution[i] / b->resolution[i]) - 1.0) > RESOLUTIONS_ALIKE;
   return other;
 }
 

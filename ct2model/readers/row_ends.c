@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 
 /* Widths that are compared: that of the image, up to ASIDE less or more, and one further width. */
 enum { ASIDE = 4, GIVEN = ASIDE, MORE = 2 * ASIDE + 1, WIDTHS, ROWS = 4000, ENDS_LEAST = 3 };
@@ -92,7 +93,10 @@ static size_t best_height(const struct row_steps *steps, size_t given) {
     const double other = (sum - at_ends) / (n - ends);
     if (!(explained > most)) continue;
     most = explained;
-    best = at_ends / ends > 1.2 * other && at_ends / ends - other > 5.0 * error ? h : 0;
+    best =
+        at_ends / ends > ROW_STEP_LEAST * other && at_ends / ends - other > ROW_STEP_ERRORS * error
+            ? h
+            : 0;
   }
   return best == given ? 0 : best;
 }

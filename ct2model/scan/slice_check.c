@@ -7,7 +7,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/provenance.h"
-#include "ct2model/constants.h"
+#include "ct2model/scan/constants.h"
 
 /* Fraction of pixels that differ from their left neighbour above which a slice is noisy: nearly all
  * differ where there is noise of a grey level or more, but only those at edges in labels and in

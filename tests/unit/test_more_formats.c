@@ -933,7 +933,7 @@ static void test_dicom_told(void **state) {
                {"00280301 CS", "YES", "text is written into its pixels", 1, 0, false},
                {"00280301 CS", "NO", NULL, 1, 0, false},
                {"00080008 CS", "DERIVED\\SECONDARY\\MIP", "projections, as it says", 1, 0, false},
-{"00281040 CS", "LOG", "its greys are logarithms", 1, 0, false},
+               {"00281040 CS", "LOG", "its greys are logarithms", 1, 0, false},
                {"00181063 DS", "33.3", "follow one another in time", 1, 0, false},
                {"00181520 DS", "1\\2\\3", "its frames are projections", 1, 0, true}};
   struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
@@ -955,8 +955,8 @@ static void test_dicom_told(void **state) {
   static const char *const OF[][3] = {
       {"00180086 IS", "1", "2"},
       {"00200100 IS", "1", "2"},
- {"00180060 DS", "80", "140"},
- {"00181210 SH", "B30s", "B80s"},
+      {"00180060 DS", "80", "140"},
+      {"00181210 SH", "B30s", "B80s"},
       {"00080008 CS", "ORIGINAL\\PRIMARY\\AXIAL", "ORIGINAL\\PRIMARY\\LOCALIZER"}};
   d.frames = 1;
   for (size_t i = 0; i < sizeof OF / sizeof *OF; i++) {
