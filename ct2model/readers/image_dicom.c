@@ -205,8 +205,8 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   if ((tag == 0x00209057 || tag == 0x00209157) && element->length > 0 && element->length % 4 == 0)
     return take_number(dicom, tag == 0x00209057 ? &dicom->numbers : &dicom->indices,
                        element->length / 4);
-  dicom->projected |= (tag == 0x00181520 || tag == 0x00181521) && element->length > 0;
-  dicom->in_several |= tag == 0x00280009 && element->length > 4;
+  if ((tag == 0x00181520 || tag == 0x00181521) && element->length > 0) dicom->projected = true;
+  if (tag == 0x00280009 && element->length > 4) dicom->in_several = true;
   if (tag == 0x00280009 && element->length == 4) {
     uint32_t group, number;
     if (!read_number(dicom->file, 2, &group) || !read_number(dicom->file, 2, &number))

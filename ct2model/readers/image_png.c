@@ -77,7 +77,7 @@ static size_t read_palette(struct png_session *session, uint16_t colours[3 * 256
 /* Turns numbers of a palette's colours into its greys; where it has colours they are kept. */
 static enum status palette_to_grey(struct png_session *session, const struct image *image,
                                    unsigned char *pixels) {
-  uint16_t colours[3 * 256];
+  uint16_t colours[3 * 256] = {0};
   const size_t size = read_palette(session, colours);
   png_bytep told = NULL;
   int count = 0;
