@@ -212,6 +212,7 @@ cleanup:
 enum status h5_read_slab(struct h5_file *file, const char *name, enum h5_type type, int rank,
                          int axis, size_t first, size_t length, void *data) {
   size_t dims[H5S_MAX_RANK];
+  H5Eset_auto2(H5E_DEFAULT, NULL, NULL); /* in this thread too, as h5_open in its own */
   return read_rows(file, name, type, rank, axis, first, length, dims, data);
 }
 

@@ -1,9 +1,11 @@
 #include "ct2model/readers/byte_order.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/row_ends.h"
 
 /* Ratio of roughness from which the other byte order is suggested. Random numbers have a roughness
@@ -12,6 +14,9 @@
 #define ROUGHNESS_RATIO 2.0
 /* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
 #define ROUGHNESS_SCAN 0.8
+/* Widths that row_ends.c does not judge; and voxels of so small a part of a scan that one in twenty
+ * wrong sizes shows nothing. */
+enum { WIDTH_UNJUDGED = 8, VOXELS_UNJUDGED = 4000 };
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
 
@@ -29,17 +34,34 @@ static double roughness(const float *pixels, size_t width, size_t height) {
   return distance > 0.0 ? step / distance : 0.0;
 }
 
-/* Whether pixels described as 16 bits are pairs of 8-bit pixels: then the two bytes of a pixel are
- * neighbours, and as alike as others. `pixels` is overwritten. */
-static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, float *pixels) {
-  size_t equal = 0;
-  for (size_t i = 0; i < width * height; i++) equal += bytes[2 * i] == bytes[2 * i + 1];
-  if ((double)equal > EQUAL_BYTES * (double)(width * height)) return false;
-  for (size_t half = 0; half < 2; half++) {
-    for (size_t y = 0; y < height; y++) {
-      const uint8_t *row = bytes + 2 * width * y + half * (width / 2) * 2;
-      for (size_t x = 0; x < width / 2 * 2; x++) pixels[y * (width / 2 * 2) + x] = (float)row[x];
+/* The type of which two make one of `type`; false if there is none. */
+static bool half_of(enum pixel_type type, enum pixel_type *half) {
+  static const enum pixel_type HALVES[][2] = {{PIXEL_U16, PIXEL_U8},
+                                              {PIXEL_I16, PIXEL_U8},
+                                              {PIXEL_U32, PIXEL_U16},
+                                              {PIXEL_I32, PIXEL_I16},
+                                              {PIXEL_F64, PIXEL_F32}};
+  for (size_t i = 0; i < sizeof HALVES / sizeof *HALVES; i++)
+    if (HALVES[i][0] == type) {
+      *half = HALVES[i][1];
+      return true;
     }
+  return false;
+}
+
+/* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
+ * neighbours, and as alike as others. `pixels` is overwritten. */
+static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, enum pixel_type half,
+                      float *pixels) {
+  const size_t one = pixel_size(half);
+  size_t equal = 0;
+  for (size_t i = 0; i < width * height; i++)
+    equal += memcmp(bytes + 2 * i * one, bytes + (2 * i + 1) * one, one) == 0;
+  if (one == 1 && (double)equal > EQUAL_BYTES * (double)(width * height)) return false;
+  for (size_t side = 0; side < 2; side++) {
+    for (size_t y = 0; y < height; y++)
+      pixels_to_float(pixels + y * (width / 2 * 2),
+                      bytes + (2 * width * y + side * (width / 2 * 2)) * one, width / 2 * 2, half);
     if (roughness(pixels, width / 2 * 2, height) > ROUGHNESS_SCAN) return false;
   }
   return true;
@@ -110,9 +132,45 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
   return best;
 }
 
+/* Of pixels that are not whole ones, but bytes or channels of such in turns, the number that makes
+ * one; 0 if neighbours are as alike as any. Bytes of one kind come round at that distance, and are
+ * more alike than neighbours are; or some neighbours, of one pixel, are alike and others not. */
+static size_t find_turns(const float *pixels, size_t n) {
+  enum { TURNS_MOST = 4 };
+  double step[TURNS_MOST + 1] = {0.0};
+  for (size_t k = 1; k <= TURNS_MOST; k++)
+    for (size_t i = 0; i + TURNS_MOST < n; i++)
+      step[k] += fabs((double)pixels[i + k] - (double)pixels[i]);
+  for (size_t k = 2; k <= TURNS_MOST; k++) {
+    double of_turn[TURNS_MOST] = {0.0}, most = 0.0, rest = 0.0;
+    if (step[k] < TURN_RATIO * step[1]) return k;
+    for (size_t i = 0; i + TURNS_MOST < n; i++)
+      of_turn[i % k] += sqrt(fabs((double)pixels[i + 1] - (double)pixels[i]));
+    for (size_t j = 0; j < k; j++) {
+      most = fmax(most, of_turn[j]);
+      rest += of_turn[j];
+    }
+    rest = (rest - most) / ((double)k - 1.0);
+    if (rest < TURN_RATIO * TURN_RATIO * most) return k;
+  }
+  return 0;
+}
+
+/* Whether neighbours are much more alike with their bytes in the other order. Both arrays are
+ * overwritten. */
+static bool are_swapped(const struct image *image, void *stored, float *pixels) {
+  const size_t n = image->size[0] * image->size[1];
+  pixels_to_float(pixels, stored, n, image->type);
+  const double given = roughness(pixels, image->size[0], image->size[1]);
+  pixels_swap(stored, n, image->type);
+  pixels_to_float(pixels, stored, n, image->type);
+  const double other = roughness(pixels, image->size[0], image->size[1]);
+  return given > ROUGHNESS_RATIO * other && other > 0.0;
+}
+
 static char letter_of(enum pixel_type type) {
   if (type == PIXEL_F32 || type == PIXEL_F64) return 'f';
-  return type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
+  return type == PIXEL_U8 || type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
 }
 
 enum status byte_order_check(const struct image *image) {
@@ -123,11 +181,15 @@ enum status byte_order_check(const struct image *image) {
   TRY(memory_allocate(&stored, n, bytes, "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
-  if (bytes == 2 && are_pairs(stored, image->size[0], image->size[1], pixels)) {
-    log_warning(
-        "%s: the two bytes of a pixel are as alike as neighbours are: is %c8 meant in --raw, "
-        "with twice the width or twice the slices?",
-        image->path, letter_of(image->type));
+  enum pixel_type half;
+  if (half_of(image->type, &half) &&
+      are_pairs(stored, image->size[0], image->size[1], half, pixels)) {
+    log_warning("%s: the two halves of a pixel are as alike as neighbours are: is %c%zu%s meant in "
+                "--raw, with twice the width or twice the slices?",
+                image->path, letter_of(half), 4 * bytes,
+                bytes == 2    ? ""
+                : image->swap ? "be"
+                              : "le");
     goto cleanup;
   }
   if (are_unsigned(stored, image->size[0], n, image->type, pixels)) {
@@ -140,6 +202,17 @@ enum status byte_order_check(const struct image *image) {
     goto cleanup;
   }
   pixels_to_float(pixels, stored, n, image->type);
+  if (image->size[0] <= WIDTH_UNJUDGED || n * image->pages < VOXELS_UNJUDGED)
+    log_warning("%s: too few voxels to see whether --raw is right: compare a slice with what is "
+                "known of it",
+                image->path);
+  const size_t turns = find_turns(pixels, n);
+  if (turns > 0) {
+    log_warning("%s: pixels alternate in turns of %zu: are they the bytes of wider pixels, or "
+                "channels or colours, that --raw takes for pixels?",
+                image->path, turns);
+    goto cleanup;
+  }
   size_t better = better_width(pixels, image->size[0], n);
   TRY(row_ends_judge(image, &better));
   if (better > 0) {
@@ -148,12 +221,15 @@ enum status byte_order_check(const struct image *image) {
                 image->path, image->size[0], better);
     goto cleanup;
   }
+  TRY(row_ends_height(image, &better));
+  if (better > 0) {
+    log_warning("%s: slices of %zu rows end within the body, those of %zu rows do not: is that the "
+                "height in --raw?",
+                image->path, image->size[1], better);
+    goto cleanup;
+  }
   if (bytes == 1) goto cleanup;
-  const double given = roughness(pixels, image->size[0], image->size[1]);
-  pixels_swap(stored, n, image->type);
-  pixels_to_float(pixels, stored, n, image->type);
-  const double other = roughness(pixels, image->size[0], image->size[1]);
-  if (given > ROUGHNESS_RATIO * other && other > 0.0)
+  if (are_swapped(image, stored, pixels))
     log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
                 "is %c%zu%s meant in --raw?",
                 image->path, letter_of(image->type), 8 * bytes, image->swap ? "le" : "be");
@@ -168,7 +244,7 @@ enum status byte_order_check_sign(const struct image *image) {
   const size_t n = image->size[0] * image->size[1];
   void *stored = NULL;
   float *pixels = NULL;
-  if (!image->plain || (image->type != PIXEL_I8 && image->type != PIXEL_I16)) return STATUS_OK;
+  if (!image->plain) return STATUS_OK;
   TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
   TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
   TRY(image->reader->read(image, image->pages / 2, stored));
@@ -176,6 +252,10 @@ enum status byte_order_check_sign(const struct image *image) {
     log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
                 "without a sign: unsigned greys that were stored as signed ones (BigDataViewer "
                 "does)? save them as unsigned",
+                image->path);
+  else if (pixel_size(image->type) == 2 && are_swapped(image, stored, pixels))
+    log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
+                "was it written on another kind of machine? save it again",
                 image->path);
 cleanup:
   memory_free(&stored);

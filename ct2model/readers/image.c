@@ -251,6 +251,16 @@ void image_note(struct image *image, const char *format, ...) {
   va_end(arguments);
 }
 
+void image_tell_orientation(struct image *image) {
+  enum { UPRIGHT = 1, LAST_MIRRORED = 4 };
+  /* Boxes refer to pixels as in ImageJ and in arrays, which ignore the orientation, too. */
+  if (image->orientation > UPRIGHT)
+    image_note(
+        image,
+        "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
+        image->orientation, image->orientation <= LAST_MIRRORED ? "mirror" : "turn");
+}
+
 void image_no_data(struct image *image, double from, double to, const char *name) {
   if (!(from <= to) || image->no_data_count == NO_DATA_MOST) return;
   image->no_data[image->no_data_count].from = (float)from;

@@ -45,8 +45,9 @@ struct image {
   } widened;              /* stored so, read as type */
   bool columns;           /* contiguous pixels are ordered with z first, then y (as in
                              Fortran) */
-  uint64_t *page_offsets; /* offsets of the directories of a multi-page TIFF */
-  unsigned orientation;   /* of a TIFF: position of its first row and column */
+  uint64_t *page_offsets; /* of a multi-page TIFF: offsets of the directories; of DICOM: numbers of
+                             the frames, where their order is not that in the file */
+  unsigned orientation;   /* of TIFF and Exif: position of its first row and column */
   bool invert;            /* white is zero */
   unsigned char top;      /* highest of samples of less than a byte; 0: those of `type` */
   uint16_t *palette;      /* colours, by three, whose numbers the pixels are: labels */
@@ -60,7 +61,7 @@ struct image {
   double axes[6];    /* unit vectors along a row and a column; NAN if the file does not tell */
   double at[3];      /* first pixel along the row, the column and their normal, m; likewise */
   double number;     /* of the slice in its series; NAN if the file does not tell */
-  char series[65];   /* to which the slice belongs, as of DICOM; "" if the file does not tell */
+  char series[160];  /* to which the slice belongs, as of DICOM; "" if the file does not tell */
   double rescale[2]; /* slope and intercept that make other numbers of the greys */
   bool plain;        /* every pixel is a value of `type` */
 };
@@ -113,8 +114,14 @@ bool image_is_screen_resolution(double pixels_per_metre);
 /* For readers: stored values `from` to `to` are no measurement, as the field `name` (static) says:
  * no data, fill, padding. NAN: nothing is said. */
 void image_no_data(struct image *image, double from, double to, const char *name);
+/* For readers: tells that the image is read as stored, where `orientation` is another. */
+void image_tell_orientation(struct image *image);
 /* For readers: what is told about images in colour. */
 #define IMAGE_STORED_IN_COLOUR "stored in colour; build takes it only where it is grey"
+#define IMAGE_COMPRESSED_WITH_LOSS                                                                 \
+  "compressed with loss (JPEG, say): its greys, and its walls most, are not those of the scan; "   \
+  "take "                                                                                          \
+  "the slices before that"
 #define IMAGE_NUMBERS_OF_COLOURS                                                                   \
   "a palette of colours: the numbers of the colours are taken, as of labels"
 /* For readers: a palette of `size` colours, in the order red, green, blue. If all are grey, pixels

@@ -7,6 +7,7 @@
 
 #include "common/input_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 
 /* DICOM (PS3.5, PS3.10): little-endian and uncompressed, of one grey a pixel; one slice, or frames
  * one behind the other; with a preamble or, as older programs write, without, and with or without
@@ -14,7 +15,6 @@
  * positions or numbers. */
 
 enum { PREAMBLE = 128, NESTED_MOST = 16 };
-enum { EVEN = 10 }; /* steps from frame to frame are alike to a tenth of them */
 #define UNDEFINED 0xffffffffu
 
 struct dicom {
@@ -23,15 +23,23 @@ struct dicom {
   bool implicit;
   unsigned rows, columns, allocated, stored, high, is_signed, samples, frames;
   bool white_is_zero, by_table; /* by_table: greys are to be looked up in one */
-  double spacing[2], position[3], orientation[6], slope, intercept;
+  double spacing[2], orientation[6], slope, intercept;
   double padding[2], tilt, aspect[2]; /* padding: stored values; tilt: of the gantry, degrees */
   double number, thickness, distance, location; /* of the series; of slices, mm; NAN: not told */
   bool placed, oriented, varied; /* varied: frames are turned or scaled each in its own way */
   bool in_time, in_several;      /* frames follow one another in time, or along several axes */
-  char series[65];
-  size_t places;  /* positions that were told: one a frame */
-  double step[3]; /* from the first to the second of them, mm */
-  bool uneven;    /* other steps follow */
+  bool projected;                /* frames are of other directions */
+  bool of_many;                  /* each pixel is of a whole line through the body */
+  bool lossy, written, logarithms, scout;
+  unsigned part;           /* of a concatenation; 0: none */
+  char series[65], of[80]; /* of: which echo, time, energy and filter of the series */
+  struct places {
+    double (*at)[3];
+    size_t count, room;
+  } places, numbers, indices; /* of frames: positions, mm; numbers in the stack; last indices */
+  double step;                /* from frame to frame, mm */
+  double mapping[2];          /* slope and intercept of real world values; NAN: not told */
+  bool mapped_each;           /* frames have several */
   uint64_t pixels;
   uint32_t length;
 };
@@ -139,18 +147,33 @@ static void along_axes(const struct dicom *d, const double p[3], double along[3]
              p[2] * (r[0] * c[1] - r[1] * c[0]);
 }
 
-/* Takes the position of a slice, or of one frame after the other. */
-static void take_position(struct dicom *d, const double p[3]) {
-  double change = 0.0, length = 0.0;
-  for (int a = 0; a < 3; a++) {
-    const double step = p[a] - d->position[a];
-    if (d->places == 1) d->step[a] = step;
-    change += (step - d->step[a]) * (step - d->step[a]);
-    length += d->step[a] * d->step[a];
-    d->position[a] = p[a];
+/* Takes where a slice is, or one frame after the other. */
+static enum status take_place(struct places *places, const double p[3]) {
+  enum status status = STATUS_OK;
+  if (places->count == places->room) {
+    places->room = places->room == 0 ? 1 : 2 * places->room;
+    TRY(memory_resize(&places->at, places->room, sizeof *places->at, "positions of frames"));
   }
-  if (d->places > 0) d->uneven |= !(EVEN * EVEN * change <= length) || length == 0.0;
-  d->places++;
+  memcpy(places->at[places->count++], p, sizeof *places->at);
+cleanup:
+  return status;
+}
+
+/* Takes the last of `count` whole numbers of 4 bytes as the place of a frame. */
+static enum status take_number(struct dicom *d, struct places *places, size_t count) {
+  uint32_t value = 0;
+  for (size_t i = 0; i < count; i++)
+    if (!read_number(d->file, 4, &value)) return damaged(d);
+  return take_place(places, (const double[]){0.0, 0.0, value});
+}
+
+/* Takes a number of real world value mapping, of 8 bytes (PS3.3, C.7.6.16.2.11). */
+static enum status take_mapping(struct dicom *d, double *told) {
+  double value;
+  if (fread(&value, sizeof value, 1, d->file) != 1) return damaged(d);
+  d->mapped_each |= isfinite(*told) && value != *told;
+  if (isnan(*told)) *told = value;
+  return STATUS_OK;
 }
 
 static enum status take_element(struct dicom *dicom, const struct element *element) {
@@ -162,6 +185,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                     : tag == 0x00280102 ? &dicom->high
                     : tag == 0x00280103 ? &dicom->is_signed
                     : tag == 0x00280002 ? &dicom->samples
+                    : tag == 0x00209162 ? &dicom->part
                                         : NULL;
   char text[200] = "";
   if (whole != NULL) {
@@ -176,7 +200,13 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->padding[tag & 1] = dicom->is_signed ? (int16_t)value : (double)value;
     return STATUS_OK;
   }
-  dicom->in_several |= tag == 0x00280009 && element->length > 4;
+  if ((tag == 0x00409224 || tag == 0x00409225) && element->length == 8)
+    return take_mapping(dicom, &dicom->mapping[tag == 0x00409224]);
+  if ((tag == 0x00209057 || tag == 0x00209157) && element->length > 0 && element->length % 4 == 0)
+    return take_number(dicom, tag == 0x00209057 ? &dicom->numbers : &dicom->indices,
+                       element->length / 4);
+  if ((tag == 0x00181520 || tag == 0x00181521) && element->length > 0) dicom->projected = true;
+  if (tag == 0x00280009 && element->length > 4) dicom->in_several = true;
   if (tag == 0x00280009 && element->length == 4) {
     uint32_t group, number;
     if (!read_number(dicom->file, 2, &group) || !read_number(dicom->file, 2, &number))
@@ -184,7 +214,9 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
     dicom->in_time = group == 0x0018 && (number == 0x1063 || number == 0x1065);
     return STATUS_OK;
   }
-  static const uint32_t TEXTS[] = {0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
+  static const uint32_t TEXTS[] = {0x00080008, 0x00180060, 0x00181210, 0x00180086, 0x00181063,
+                                   0x00200100, 0x00280301, 0x00281040, 0x00282110, 0x20500020,
+                                   0x00020010, 0x00180050, 0x00180088, 0x00181120, 0x0020000e,
                                    0x00200013, 0x00200032, 0x00200037, 0x00201041, 0x00280004,
                                    0x00280008, 0x00280030, 0x00280034, 0x00281052, 0x00281053};
   bool is_text = false;
@@ -199,9 +231,25 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
                   "%s: transfer syntax %s (compressed or big-endian) is not read; save it "
                   "uncompressed, little-endian",
                   dicom->path, text);
+  } else if (tag == 0x00080008) {
+    dicom->scout = strstr(text, "LOCALIZER") != NULL;
+    dicom->of_many = strstr(text, "MIP") != NULL || strstr(text, "PROJECTION") != NULL;
+  } else if (tag == 0x00180060 || tag == 0x00180086 || tag == 0x00181210 || tag == 0x00200100) {
+    const size_t used = strlen(dicom->of);
+    snprintf(dicom->of + used, sizeof dicom->of - used, " %x %.11s", tag, text);
+  } else if (tag == 0x00181063) {
+    dicom->in_time |= text[0] != '\0';
+  } else if (tag == 0x00280301) {
+    dicom->written = strcmp(text, "YES") == 0;
+  } else if (tag == 0x00281040) {
+    dicom->logarithms = strcmp(text, "LOG") == 0;
+  } else if (tag == 0x00282110) {
+    dicom->lossy = strcmp(text, "01") == 0;
+  } else if (tag == 0x20500020) {
+    dicom->white_is_zero |= strcmp(text, "INVERSE") == 0;
   } else if (tag == 0x00280004) {
-    dicom->white_is_zero = strcmp(text, "MONOCHROME1") == 0;
-    if (!dicom->white_is_zero && strcmp(text, "MONOCHROME2") != 0)
+    dicom->white_is_zero |= strcmp(text, "MONOCHROME1") == 0;
+    if (strncmp(text, "MONOCHROME", strlen("MONOCHROME")) != 0)
       return FAIL(STATUS_INPUT, "%s: pixels of the kind %s are not read; save as grey", dicom->path,
                   text);
   } else if (tag == 0x00280008) {
@@ -215,7 +263,7 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
   } else if (tag == 0x00200032) {
     double position[3];
     dicom->placed = read_decimals(text, 3, position);
-    if (dicom->placed) take_position(dicom, position);
+    if (dicom->placed) return take_place(&dicom->places, position);
   } else if (tag == 0x00200037) {
     double turned[6] = {0.0};
     const bool told = read_decimals(text, 6, turned);
@@ -241,10 +289,11 @@ static enum status take_element(struct dicom *dicom, const struct element *eleme
 }
 
 /* Whether what an element of frames holds is read on, one element after the other: the positions,
- * orientations, measures and scales of frames, of each or shared by all (PS3.3, C.7.6.16). */
+ * orientations, measures and scales of frames, of each or shared by all (PS3.3, C.7.6.16), and the
+ * real world values that greys stand for. */
 static bool holds_frames(const struct element *element) {
-  static const uint32_t TAGS[] = {0x52009229, 0x52009230, 0x00209113,
-                                  0x00209116, 0x00289110, 0x00289145};
+  static const uint32_t TAGS[] = {0x52009229, 0x52009230, 0x00209111, 0x00209113,
+                                  0x00209116, 0x00289110, 0x00289145, 0x00409096};
   for (size_t i = 0; i < sizeof TAGS / sizeof *TAGS; i++)
     if ((element->group << 16 | element->number) == TAGS[i]) return true;
   return element->group == 0xfffe; /* their items, and the ends of these */
@@ -282,6 +331,8 @@ static enum status read_header(const char *path, struct dicom *dicom) {
                           .thickness = NAN,
                           .distance = NAN,
                           .location = NAN,
+                          .step = NAN,
+                          .mapping = {NAN, NAN},
                           .orientation = {1, 0, 0, 0, 1, 0}}; /* where it is not told */
   TRY(input_open(path, &dicom->file));
   const bool marked = fread(head, 1, sizeof head, dicom->file) == sizeof head &&
@@ -299,7 +350,8 @@ static enum status read_header(const char *path, struct dicom *dicom) {
     if (element.group == 0x7fe0 && element.number == 0x0010) break;
     if (element.group == 0x7fe0)
       TRY_FAIL(STATUS_INPUT, "%s: pixels that are floats are not read; save as 8 or 16 bit", path);
-    dicom->by_table |= element.group == 0x0028 && element.number == 0x3000 && element.length > 0;
+    const uint32_t tag = element.group << 16 | element.number;
+    dicom->by_table |= (tag == 0x00283000 || tag == 0x00409212) && element.length > 0;
     if (holds_frames(&element)) continue;
     if (element.length == UNDEFINED) {
       if (!skip_undefined(dicom, &element, 0)) TRY(damaged(dicom));
@@ -309,31 +361,76 @@ static enum status read_header(const char *path, struct dicom *dicom) {
   }
   dicom->pixels = (uint64_t)ftello(dicom->file);
   dicom->length = element.length;
-  if (isnan(dicom->slope)) dicom->slope = 1.0;
-  if (isnan(dicom->intercept)) dicom->intercept = 0.0;
 cleanup:
+  return status;
+}
+
+static int by_distance(const void *a, const void *b) {
+  const double x = ((const double *)a)[2], y = ((const double *)b)[2];
+  return x < y ? -1 : x > y;
+}
+
+/* Puts frames that tell where they are, or at least their numbers, in that order, as stack.c does
+ * with slices; frames lie one behind the other at even distances. */
+static enum status order_frames(struct dicom *d, struct image *image) {
+  enum status status = STATUS_OK;
+  const size_t n = d->frames;
+  double(*along)[4] = NULL; /* across twice, along the normal, and the number of the frame */
+  const bool placed = d->places.count > 1;
+  const struct places *places = placed                 ? &d->places
+                                : d->numbers.count > 1 ? &d->numbers
+                                                       : &d->indices;
+  bool even = places->count == n, turned = false;
+  double step = 0.0;
+  if (n < 2 || places->count < 2) goto cleanup;
+  if (even) TRY(memory_allocate(&along, n, sizeof *along, "positions of frames"));
+  for (size_t i = 0; i < n && even; i++) {
+    memcpy(along[i], places->at[i], sizeof *places->at);
+    if (placed) along_axes(d, places->at[i], along[i]);
+    along[i][3] = (double)i;
+  }
+  if (even) {
+    qsort(along, n, sizeof *along, by_distance);
+    step = (along[n - 1][2] - along[0][2]) / (double)(n - 1);
+    if (placed) d->step = step;
+  }
+  if (places == &d->indices && step == 0.0) goto cleanup; /* of one place along another axis */
+  for (size_t i = 1; i < n && even; i++) {
+    const double aside = hypot(along[i][0] - along[0][0], along[i][1] - along[0][1]);
+    even = step > 0.0 && fabs(along[i][2] - along[i - 1][2] - step) <= STEPS_ALIKE * step;
+    turned |= along[i][3] < along[i - 1][3];
+    if (placed && d->oriented && aside > 0.5 * d->spacing[0])
+      TRY_FAIL(STATUS_INPUT, "%s: its frames are shifted sideways, one by %g mm" SHEARED, d->path,
+               aside);
+  }
+  if (!even)
+    TRY_FAIL(STATUS_INPUT,
+             "%s: its %u frames are not slices one behind the other at even distances, as their "
+             "%zu positions or numbers tell; save them as single slices",
+             d->path, d->frames, places->count);
+  if (!turned) goto cleanup;
+  image_note(image,
+             "its frames are taken in the order of their positions or numbers, not as stored");
+  TRY(memory_allocate(&image->page_offsets, n, sizeof *image->page_offsets, "order of frames"));
+  for (size_t i = 0; i < n; i++) image->page_offsets[i] = (uint64_t)along[i][3];
+cleanup:
+  memory_free(&along);
   return status;
 }
 
 /* Slices lie one behind the other, and frames are of one kind. */
 static enum status check_frames(const struct dicom *d) {
-  double step[3];
-  along_axes(d, d->step, step);
   if (d->tilt != 0.0 && isfinite(d->tilt) && !(d->placed && d->oriented))
     return FAIL(
         STATUS_INPUT,
         "%s: its gantry is tilted by %g degrees, and no positions say how its slices lie" SHEARED,
         d->path, d->tilt);
-  if (d->frames > 1 && d->places > 1 && d->oriented &&
-      hypot(step[0], step[1]) * (d->frames - 1.0) > 0.5 * d->spacing[0])
-    return FAIL(STATUS_INPUT, "%s: its frames are shifted sideways, each by %g mm" SHEARED, d->path,
-                hypot(step[0], step[1]));
-  if (d->frames > 1 && d->places > 1 && (d->places != d->frames || d->uneven))
+  if (d->frames > 1 && d->projected)
     return FAIL(STATUS_INPUT,
-                "%s: its %u frames are not slices one behind the other at even distances, as their "
-                "%zu positions tell; save them as single slices",
-                d->path, d->frames, d->places);
-  if (d->varied)
+                "%s: its frames are projections at different angles, no slices; reconstruct them "
+                "first",
+                d->path);
+  if (d->varied || (d->frames > 1 && d->mapped_each))
     return FAIL(STATUS_INPUT,
                 "%s: its frames are turned or scaled each in its own way; save them as single "
                 "slices of one kind",
@@ -343,11 +440,7 @@ static enum status check_frames(const struct dicom *d) {
 
 /* The distance of slices, m: from frame to frame by their positions, or as told. */
 static double slice_distance(const struct dicom *d) {
-  const double *s = d->step;
-  const double step = sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
-  const double mm = d->frames > 1 && d->places > 1 ? step
-                    : d->distance > 0.0            ? d->distance
-                                                   : d->thickness;
+  const double mm = d->step > 0.0 ? d->step : d->distance > 0.0 ? d->distance : d->thickness;
   return mm > 0.0 ? 1e-3 * mm : NAN;
 }
 
@@ -365,7 +458,7 @@ static void take_padding(const struct dicom *d, struct image *image) {
 
 static enum status dicom_open(const char *path, struct image *image) {
   enum status status = STATUS_OK;
-  struct dicom d;
+  struct dicom d = {0};
   uint64_t bytes;
   TRY(read_header(path, &d));
   TRY(image_file_size(path, &bytes));
@@ -373,6 +466,7 @@ static enum status dicom_open(const char *path, struct image *image) {
     TRY_FAIL(STATUS_INPUT, "%s: %u x %u pixels, %u frames" EXPORT_AGAIN, path, d.columns, d.rows,
              d.frames);
   TRY(check_frames(&d));
+  TRY(order_frames(&d, image));
   if (d.samples != 1)
     TRY_FAIL(STATUS_INPUT, "%s: %u samples a pixel; one is read: save as grey", path, d.samples);
   if (!pixel_type_of((int)d.allocated, d.is_signed ? 'i' : 'u', &image->type) || d.stored < 1 ||
@@ -397,13 +491,26 @@ static enum status dicom_open(const char *path, struct image *image) {
   take_padding(&d, image);
   if (d.oriented) memcpy(image->axes, d.orientation, sizeof image->axes);
   /* Where nothing but a position or a location puts slices in order, it is taken to be along z. */
-  if (d.placed && (d.oriented || isnan(d.number))) along_axes(&d, d.position, image->at);
+  if (d.placed && (d.oriented || isnan(d.number))) along_axes(&d, d.places.at[0], image->at);
   if (!d.placed && isnan(d.number)) image->at[2] = d.location;
   for (int a = 0; a < 3; a++) image->at[a] *= 1e-3;
   image->number = d.number;
-  memcpy(image->series, d.series, sizeof d.series);
-  image->rescale[0] = d.slope;
-  image->rescale[1] = d.intercept;
+  snprintf(image->series, sizeof image->series, "%s%s%s", d.series, d.of,
+           d.scout ? " localizer" : "");
+  if (d.lossy) image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
+  if (d.of_many) image_note(image, "projections, as it says (ImageType): read as slices");
+  if (d.written)
+    image_note(image, "text is written into its pixels (BurnedInAnnotation): leave that out by "
+                      "--crop");
+  if (d.logarithms)
+    image_note(image, "its greys are logarithms (PixelIntensityRelationship), as of projections");
+  if (d.part > 0)
+    image_note(image, "part %u of a scan that was cut into several files: give all", d.part);
+  const bool mapped = isnan(d.slope) && isfinite(d.mapping[0]) && isfinite(d.mapping[1]);
+  if (isnan(d.slope)) d.slope = 1.0;
+  if (isnan(d.intercept)) d.intercept = 0.0;
+  image->rescale[0] = mapped ? d.mapping[0] : d.slope;
+  image->rescale[1] = mapped ? d.mapping[1] : d.intercept;
   if (d.spacing[0] > 0.0 && d.spacing[1] > 0.0) {
     image->voxel[0] = 1e-3 * d.spacing[1];
     image->voxel[1] = 1e-3 * d.spacing[0];
@@ -421,14 +528,21 @@ static enum status dicom_open(const char *path, struct image *image) {
   if (d.slope != 1.0 || d.intercept != 0.0)
     image_note(image, "greys as stored, before its slope %g and intercept %g", d.slope,
                d.intercept);
+  if (isfinite(d.mapping[0]) && (d.mapping[0] != 1.0 || d.mapping[1] != 0.0))
+    image_note(image,
+               "greys as stored, before the slope %g and intercept %g of its Real World Value "
+               "Mapping",
+               d.mapping[0], d.mapping[1]);
 cleanup:
+  MEMORY_FREE(&d.places.at, &d.numbers.at, &d.indices.at);
   if (d.file != NULL) fclose(d.file);
   return status;
 }
 
 /* Bits above those that are used may hold anything; those of a sign go on to the top. */
 static enum status dicom_read(const struct image *image, size_t page, void *out) {
-  const enum status status = image_read_contiguous(image, page, out);
+  const size_t frame = image->page_offsets != NULL ? (size_t)image->page_offsets[page] : page;
+  const enum status status = image_read_contiguous(image, frame, out);
   const size_t n = image->size[0] * image->size[1], bytes = pixel_size(image->type);
   const bool is_signed =
       image->type == PIXEL_I8 || image->type == PIXEL_I16 || image->type == PIXEL_I32;

@@ -8,8 +8,10 @@
 
 #include "common/hdf5_file.h"
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/image_shape.h"
+#include "ct2model/readers/length_unit.h"
 
 /* Pages are read several at a time, as a chunk may hold many; HDF5 is not thread-safe. */
 #define BLOCK_BYTES 64e6
@@ -185,11 +187,92 @@ cleanup:
   return status;
 }
 
+/* Takes where voxels are along an axis, by the array of places after which the axis is named, as in
+ * netCDF and NXdata: at even distances, or no image. */
+static enum status take_places(struct h5_file *file, const char *places, size_t count, int axis,
+                               struct image *image) {
+  enum status status = STATUS_OK;
+  double *at = NULL;
+  char *unit = NULL;
+  size_t found;
+  int rank;
+  if (count < 3 || !h5_exists(file, places)) return STATUS_OK;
+  if (h5_shape(file, places, 1, &rank, &found) != STATUS_OK || rank != 1 || found != count ||
+      h5_read(file, places, H5_F64, 1, &found, &at) != STATUS_OK) {
+    error_clear();
+    goto cleanup;
+  }
+  const double step = (at[count - 1] - at[0]) / (double)(count - 1);
+  for (size_t i = 1; i < count; i++)
+    if (!(fabs(at[i] - at[i - 1] - step) <= STEPS_ALIKE * fabs(step)) || step == 0.0)
+      TRY_FAIL(STATUS_INPUT,
+               "%s: its voxels along %c are at uneven distances, as %s tells (%g after %g); "
+               "resample them",
+               h5_path(file), 'x' + axis, places, at[i], at[i - 1]);
+  if (step < 0.0)
+    image_note(image, "%s falls: read as stored, mirrored along %c", places, 'x' + axis);
+  if (h5_attribute_exists(file, places, "units") &&
+      h5_read_attribute_text(file, places, "units", &unit) != STATUS_OK)
+    error_clear();
+  if (unit != NULL) image->voxel[axis] = fabs(step) * length_unit(unit);
+  if (isfinite(image->voxel[axis])) image->voxel_source = "places of the voxels in HDF5";
+cleanup:
+  memory_free(&at);
+  memory_free(&unit);
+  return status;
+}
+
+/* The arrays of places of the axes, slowest first: `text` has their names. */
+static enum status take_axes(struct h5_file *file, const char *group, const char *text,
+                             struct image *image) {
+  enum status status = STATUS_OK;
+  const size_t sizes[3] = {image->size[0], image->size[1], image->pages};
+  char places[240];
+  for (int axis = 2; axis >= 0 && *text != '\0'; axis--) {
+    const size_t n = strcspn(text, ":");
+    snprintf(places, sizeof places, "%s%s%.*s", text[0] == '/' ? "" : group,
+             text[0] == '/' || strcmp(group, "/") == 0 ? "" : "/", (int)n, text);
+    TRY(take_places(file, places, sizes[axis], axis, image));
+    text += n + (text[n] == ':');
+  }
+cleanup:
+  return status;
+}
+
+/* MINC scales each slice by values beside it: image-min and image-max. */
+static enum status check_minc(struct h5_file *file, const char *group, struct image *image) {
+  enum status status = STATUS_OK;
+  static const char *const NAMES[] = {"image-min", "image-max"};
+  char beside[240];
+  double *values = NULL;
+  for (int i = 0; i < 2; i++) {
+    size_t count = 0;
+    int rank = 0;
+    snprintf(beside, sizeof beside, "%.200s/%s", group, NAMES[i]);
+    if (!h5_exists(file, beside)) continue;
+    if (i == 0) image_note(image, "greys as stored, before image-min and image-max beside it");
+    TRY(h5_shape(file, beside, 1, &rank, &count));
+    if (rank != 1) continue;
+    TRY(h5_read(file, beside, H5_F64, 1, &count, &values));
+    for (size_t z = 1; z < count; z++)
+      if (values[z] != values[0])
+        TRY_FAIL(STATUS_INPUT,
+                 "%s: its slices are scaled each in its own way (%s): the same number means other "
+                 "densities; export them with one scale",
+                 h5_path(file), beside);
+    memory_free(&values);
+  }
+cleanup:
+  memory_free(&values);
+  return status;
+}
+
 /* Tells where the axes are named, slowest first, in another order than z, y, x: by attributes of
  * the array or of its group (those of NeXus, the keys of vigra's tags, HDF5's labels and its
  * scales, which are the dimensions of netCDF), or by the scales of EMD. */
-static void tell_axes(struct h5_file *file, const char *name, const char *group,
-                      struct image *image) {
+static enum status tell_axes(struct h5_file *file, const char *name, const char *group,
+                             struct image *image) {
+  enum status status = STATUS_OK;
   static const char *const NAMES[] = {"axes", "axistags", "DIMENSION_LABELS", "DIMENSION_LIST"};
   char order[4], scales[16];
   for (int i = 0; i < 6; i++) {
@@ -200,21 +283,28 @@ static void tell_axes(struct h5_file *file, const char *name, const char *group,
     if (text != NULL && image_names_other_order(text, false, order))
       image_note(image, "its axes are %s by its attribute %s: read as stored, as z, y, x", order,
                  attribute);
+    else if (text != NULL)
+      status = take_axes(file, group, text, image);
     memory_free(&text);
+    if (status != STATUS_OK) goto cleanup;
   }
   if (names_of_scales(file, group, scales) != STATUS_OK) error_clear();
   if (image_names_other_order(scales, false, order))
     image_note(image, "its axes are %s by dim1, dim2 ... beside it: read as stored, as z, y, x",
                order);
+cleanup:
+  return status;
 }
 
 /* Tells of attributes by which other programs take the numbers for other greys (CF conventions,
  * 8.1; HDF5 Image), and of those of Imaris that say which part of an array is the scan. */
-static void tell_attributes(struct h5_file *file, const char *name, struct image *image) {
+static enum status tell_attributes(struct h5_file *file, const char *name, struct image *image) {
+  enum status status = STATUS_OK;
   static const struct {
     const char *name;
     double idle; /* a value that changes nothing */
-  } CHANGING[] = {{"scale_factor", 1.0}, {"add_offset", 0.0}, {"IMAGE_WHITE_IS_ZERO", 0.0}};
+  } CHANGING[] = {
+      {"scale_factor", 1.0}, {"add_offset", 0.0}, {"IMAGE_WHITE_IS_ZERO", 0.0}, {"PALETTE", 0.0}};
   for (size_t i = 0; i < sizeof CHANGING / sizeof *CHANGING; i++) {
     if (!h5_attribute_exists(file, name, CHANGING[i].name)) continue;
     const double value = h5_attribute_or_nan(file, name, CHANGING[i].name);
@@ -234,7 +324,19 @@ static void tell_attributes(struct h5_file *file, const char *name, struct image
   char group[200], scale[240];
   const int length = (int)(strrchr(name, '/') - name);
   snprintf(group, sizeof group, "%.*s", length, name);
-  tell_axes(file, name, length > 0 ? group : "/", image);
+  TRY(tell_axes(file, name, length > 0 ? group : "/", image));
+  TRY(check_minc(file, group, image));
+  snprintf(scale, sizeof scale, "%s/Spacing", group);
+  if (h5_exists(file, scale)) image_note(image, "%s has no unit; --voxel-size decides", scale);
+  double edges[3]; /* z, y, x, of ilastik and others */
+  if (h5_attribute_exists(file, name, "element_size_um")) {
+    if (h5_read_attribute(file, name, "element_size_um", H5_F64, 3, edges) == STATUS_OK) {
+      for (int axis = 0; axis < 3; axis++) image->voxel[axis] = 1e-6 * edges[2 - axis];
+      image->voxel_source = "HDF5 element_size_um";
+    } else {
+      error_clear();
+    }
+  }
   static const char *const BESIDE[] = {"_scaling_factor", "_offset"}; /* of NXdata */
   for (int i = 0; i < 2; i++) {
     snprintf(scale, sizeof scale, "%s%s", name, BESIDE[i]);
@@ -246,6 +348,8 @@ static void tell_attributes(struct h5_file *file, const char *name, struct image
                "beyond ImageSizeX, Y and Z of %s it is filled up, no scan: leave that out "
                "by --crop",
                group);
+cleanup:
+  return status;
 }
 
 static enum status hdf5_open(const char *path, struct image *image) {
@@ -293,7 +397,7 @@ static enum status hdf5_open(const char *path, struct image *image) {
   dataset->z_axis = axis[2] < 0 ? -1 : dataset->rank - 1 - axis[2];
   read_no_data(dataset->file, name, bits, meant, other, image);
   TRY(check_slices(dataset->file, name, image->pages));
-  tell_attributes(dataset->file, name, image);
+  TRY(tell_attributes(dataset->file, name, image));
   if (h5_is_partial(dataset->file, name))
     image_note(image, "%s was not written to its end: the rest is filled in", name);
   if (image->size[0] == 0 || image->size[1] == 0 || image->pages == 0 ||

@@ -51,7 +51,8 @@ static enum status session_start(struct png_session *session, const char *path) 
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
                               1);
-  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_ALWAYS, (png_const_bytep) "acTL", 1);
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_ALWAYS,
+                              (png_const_bytep) "acTL\0pCAL\0sCAL\0eXIf", 4);
   return STATUS_OK;
 }
 
@@ -76,25 +77,95 @@ static size_t read_palette(struct png_session *session, uint16_t colours[3 * 256
 /* Turns numbers of a palette's colours into its greys; where it has colours they are kept. */
 static enum status palette_to_grey(struct png_session *session, const struct image *image,
                                    unsigned char *pixels) {
-  uint16_t colours[3 * 256];
+  uint16_t colours[3 * 256] = {0};
   const size_t size = read_palette(session, colours);
+  png_bytep told = NULL;
+  int count = 0;
+  unsigned char alpha[256];
+  memset(alpha, UINT8_MAX, sizeof alpha);
+  if (png_get_tRNS(session->png, session->info, &told, &count, NULL) && told != NULL)
+    memcpy(alpha, told, (size_t)count);
+  const unsigned char first = alpha[pixels[0]];
   for (size_t i = 0; i < image->size[0] * image->size[1]; i++) {
     if (pixels[i] >= size)
       return FAIL(STATUS_INPUT, "%s: pixel %zu,%zu is colour %d of a palette of %zu" EXPORT_AGAIN,
                   image->path, i % image->size[0], i / image->size[0], pixels[i], size);
+    if (alpha[pixels[i]] != first)
+      return FAIL(STATUS_INPUT,
+                  "%s: its palette makes some pixels transparent and others not (pixel %zu,%zu), "
+                  "as of a mask; save the scan alone, as grey",
+                  image->path, i % image->size[0], i / image->size[0]);
     if (image->palette == NULL) pixels[i] = (unsigned char)colours[3 * pixels[i]];
   }
   return STATUS_OK;
 }
 
-/* The number of pictures of an animation, of which the first alone would be read (APNG, acTL). */
-static uint32_t count_pictures(struct png_session *session) {
+/* Copies a chunk that was kept as it is, with zeros behind it that end any texts in it; returns its
+ * length, 0 if there is none. */
+enum { ZEROS = 4 };
+static size_t find_chunk(struct png_session *session, const char *name, char *copy, size_t room) {
   png_unknown_chunkp chunks;
   const int count = png_get_unknown_chunks(session->png, session->info, &chunks);
+  memset(copy, 0, room);
   for (int i = 0; i < count; i++)
-    if (memcmp(chunks[i].name, "acTL", 4) == 0 && chunks[i].size >= 4)
-      return png_get_uint_32(chunks[i].data);
-  return 1;
+    if (memcmp(chunks[i].name, name, 4) == 0 && chunks[i].size > 0) {
+      const size_t n = chunks[i].size < room - ZEROS ? chunks[i].size : room - ZEROS;
+      memcpy(copy, chunks[i].data, n);
+      return n;
+    }
+  return 0;
+}
+
+/* The number of pictures of an animation, of which the first alone would be read (APNG, acTL). */
+static uint32_t count_pictures(struct png_session *session) {
+  char chunk[16];
+  return find_chunk(session, "acTL", chunk, sizeof chunk) >= 4
+             ? png_get_uint_32((png_const_bytep)chunk)
+             : 1;
+}
+
+/* Lengths in metres (PNG, extensions, sCAL): a unit, and the two edges of a pixel as texts. */
+static void take_scale(struct png_session *session, struct image *image) {
+  char chunk[100];
+  if (find_chunk(session, "sCAL", chunk, sizeof chunk) == 0 || chunk[0] != 1) return;
+  const double x = strtod(chunk + 1, NULL), y = strtod(chunk + 2 + strlen(chunk + 1), NULL);
+  if (!(x > 0.0 && y > 0.0 && isfinite(x) && isfinite(y))) return;
+  image->voxel[0] = x;
+  image->voxel[1] = y;
+  image->voxel_source = "PNG sCAL";
+}
+
+/* What greys stand for (PNG, extensions, pCAL): a name, the greys from and to, the equation (0:
+ * linear), the number of parameters, a unit, and the parameters as texts. */
+static void take_calibration(struct png_session *session, struct image *image) {
+  enum { ENDS = 8, LINEAR = 0 };
+  char chunk[300];
+  if (find_chunk(session, "pCAL", chunk, sizeof chunk) == 0) return;
+  const char *at = chunk + strnlen(chunk, 80) + 1, *unit = at + ENDS + 2;
+  const double from = png_get_int_32((png_const_bytep)at);
+  const double to = png_get_int_32((png_const_bytep)at + 4);
+  const char *first = unit + strlen(unit) + 1, *second = first + strlen(first) + 1;
+  if (at[ENDS] == LINEAR && to > from && second < chunk + sizeof chunk) {
+    image->rescale[0] = strtod(second, NULL) / (to - from);
+    image->rescale[1] = strtod(first, NULL) - image->rescale[0] * from;
+  }
+  image_note(image, "greys as stored, before its calibration (pCAL)");
+}
+
+/* The orientation of a photograph (Exif 2.32, tag 274): the first directory has it in itself. */
+static void take_orientation(struct png_session *session, struct image *image) {
+  enum { ENTRY = 12, ORIENTATION = 274 };
+  unsigned char chunk[300];
+  const size_t n = find_chunk(session, "eXIf", (char *)chunk, sizeof chunk);
+  const bool motorola = chunk[0] == 'M';
+#define PAIR(at) (chunk[(at) + !motorola] << 8 | chunk[(at) + motorola])
+  size_t at = n > ENTRY ? (size_t)PAIR(motorola ? 6 : 4) : n;
+  const size_t entries = at + 2 < n ? (size_t)PAIR(at) : 0;
+  at += 2;
+  for (size_t i = 0; i < entries && at + ENTRY <= n; i++, at += ENTRY)
+    if (PAIR(at) == ORIENTATION) image->orientation = (unsigned)PAIR(at + 8);
+#undef PAIR
+  image_tell_orientation(image);
 }
 
 static enum status png_open(const char *path, struct image *image) {
@@ -133,9 +204,16 @@ static enum status png_open(const char *path, struct image *image) {
   else if (colour != PNG_COLOR_TYPE_GRAY && colour != PNG_COLOR_TYPE_GRAY_ALPHA)
     image_note(image, IMAGE_STORED_IN_COLOUR);
   png_color_16p clear;
-  if (colour == PNG_COLOR_TYPE_GRAY &&
-      (png_get_tRNS(session.png, session.info, NULL, NULL, &clear) & PNG_INFO_tRNS) != 0)
-    image_no_data(image, clear->gray, clear->gray, "transparent grey (tRNS)");
+  const bool grey = colour == PNG_COLOR_TYPE_GRAY;
+  if ((grey || colour == PNG_COLOR_TYPE_RGB) &&
+      (png_get_tRNS(session.png, session.info, NULL, NULL, &clear) & PNG_INFO_tRNS) != 0 &&
+      (grey || (clear->red == clear->green && clear->red == clear->blue))) {
+    const uint16_t value = grey ? clear->gray : clear->red;
+    image_no_data(image, value, value, "transparent grey (tRNS)");
+  }
+  take_calibration(&session, image);
+  take_orientation(&session, image);
+  take_scale(&session, image);
   png_uint_32 x, y;
   int unit;
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&

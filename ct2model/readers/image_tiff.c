@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/image_shape.h"
 #include "ct2model/readers/tiff_description.h"
 
@@ -124,7 +125,8 @@ enum { SAMPLES_MOST = 8 }; /* a pixel */
 
 struct tiff_layout {
   uint32_t width, height;
-  uint16_t bits, samples, format, photometric, compression, planar, orientation;
+  uint16_t bits, samples, format, photometric, compression, planar, orientation, unit;
+  float resolution[2], place[2]; /* place: of the page in a larger picture; 0: not told */
 };
 
 static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
@@ -137,6 +139,11 @@ static void layout_read(TIFF *tiff, struct tiff_layout *layout) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &layout->compression);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &layout->planar);
   TIFFGetFieldDefaulted(tiff, TIFFTAG_ORIENTATION, &layout->orientation);
+  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &layout->resolution[0]);
+  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &layout->resolution[1]);
+  TIFFGetField(tiff, TIFFTAG_XPOSITION, &layout->place[0]);
+  TIFFGetField(tiff, TIFFTAG_YPOSITION, &layout->place[1]);
+  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &layout->unit);
   if (!TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &layout->photometric))
     layout->photometric = PHOTOMETRIC_MINISBLACK;
 }
@@ -202,19 +209,32 @@ cleanup:
   return status;
 }
 
-static void read_resolution(TIFF *tiff, const char *description, struct image *image) {
-  float resolution[2] = {0, 0};
-  uint16_t unit = RESUNIT_INCH;
-  TIFFGetField(tiff, TIFFTAG_XRESOLUTION, &resolution[0]);
-  TIFFGetField(tiff, TIFFTAG_YRESOLUTION, &resolution[1]);
-  TIFFGetFieldDefaulted(tiff, TIFFTAG_RESOLUTIONUNIT, &unit);
-  const double metres = unit == RESUNIT_CENTIMETER ? 0.01 : unit == RESUNIT_INCH ? 0.0254 : NAN;
-  tiff_voxel_size(description, resolution, metres, image->voxel, &image->voxel_source);
+static void read_resolution(const struct tiff_layout *layout, const char *description,
+                            struct image *image) {
+  const double metres = layout->unit == RESUNIT_CENTIMETER ? 0.01
+                        : layout->unit == RESUNIT_INCH     ? 0.0254
+                                                           : NAN;
+  tiff_voxel_size(description, layout->resolution, metres, image->voxel, &image->voxel_source);
 }
 
-/* ImageJ's calibration of greys: value = c0 + c1 * grey (cf=0). */
+/* Whether both pages tell how large pixels are, and not the same. */
+static bool other_resolution(const struct tiff_layout *a, const struct tiff_layout *b) {
+  bool other = false;
+  for (int i = 0; i < 2; i++)
+    if (a->resolution[i] > 0.0f && b->resolution[i] > 0.0f)
+      other |= a->unit != b->unit ||
+               fabs((double)(a->resolution[i] / b->resolution[i]) - 1.0) > RESOLUTIONS_ALIKE;
+  return other;
+}
+
+/* ImageJ's calibration of greys: value = c0 + c1 * grey (cf=0), or another function of them. */
 static void tell_calibration(const char *description, struct image *image) {
   char c0[40], c1[40];
+  if (description != NULL && tiff_description_value(description, "cf", c0, sizeof c0) &&
+      strcmp(c0, "0") != 0) {
+    image_note(image, "greys as stored, before ImageJ's calibration by its function %s", c0);
+    return;
+  }
   if (description != NULL && tiff_description_value(description, "c0", c0, sizeof c0) &&
       tiff_description_value(description, "c1", c1, sizeof c1)) {
     image_note(image, "greys as stored, before ImageJ's calibration (%s + %s times the grey)", c0,
@@ -244,8 +264,10 @@ static void tell_axes(const char *description, struct image *image) {
     image_note(image, "its axes are %s by its text: read as stored, as z, y, x", order);
 }
 
-/* The text of one of GDAL's tags, at most `size` - 1 letters of it. */
-static bool gdal_text(TIFF *tiff, uint32_t tag, char *text, size_t size) {
+enum { TEXT_MOST = 8192 }; /* letters that are looked at of a tag's text */
+
+/* The text of a tag that libtiff does not know, at most `size` - 1 letters of it. */
+static bool tag_text(TIFF *tiff, uint32_t tag, char *text, size_t size) {
   uint32_t count = 0;
   const char *value = NULL;
   if (!TIFFGetField(tiff, tag, &count, &value) || value == NULL) return false;
@@ -255,15 +277,15 @@ static bool gdal_text(TIFF *tiff, uint32_t tag, char *text, size_t size) {
 
 /* GDAL's tags: the value that is no measurement, and the numbers that the greys stand for. */
 static void tell_gdal(TIFF *tiff, struct image *image) {
-  enum { METADATA = 42112, NO_DATA = 42113, TEXT_MOST = 8192 };
+  enum { METADATA = 42112, NO_DATA = 42113 };
   static const char *const ROLES[] = {"scale", "offset"};
   char text[TEXT_MOST], role[24];
-  if (gdal_text(tiff, NO_DATA, text, sizeof text)) {
+  if (tag_text(tiff, NO_DATA, text, sizeof text)) {
     char *end;
     const double value = strtod(text, &end);
     if (end > text) image_no_data(image, value, value, "GDAL_NODATA");
   }
-  if (!gdal_text(tiff, METADATA, text, sizeof text)) return;
+  if (!tag_text(tiff, METADATA, text, sizeof text)) return;
   for (int i = 0; i < 2; i++) {
     snprintf(role, sizeof role, "role=\"%s\">", ROLES[i]);
     const char *at = strstr(text, role);
@@ -274,12 +296,49 @@ static void tell_gdal(TIFF *tiff, struct image *image) {
   }
 }
 
-/* MetaMorph's stacks: one directory, whose tag UIC2 has a value for each slice. */
-static unsigned long long count_metamorph(TIFF *tiff) {
-  enum { UIC2 = 33629 };
+/* Number of values of a tag that libtiff does not know. */
+static unsigned long long count_values(TIFF *tiff, uint32_t tag) {
   uint32_t count = 0;
   void *values = NULL;
-  return TIFFGetField(tiff, UIC2, &count, &values) ? count : 0;
+  return TIFFGetField(tiff, tag, &count, &values) ? count : 0;
+}
+
+/* Whether the present directory has a tag that libtiff ignores. */
+static bool has_ignored_tag(TIFF *tiff, unsigned tag) {
+  const struct source *source = TIFFClientdata(tiff);
+  const bool big = TIFFIsBigTIFF(tiff), motorola = TIFFIsBigEndian(tiff);
+  const size_t head = big ? 8 : 2, entry = big ? 20 : 12;
+  unsigned char at[8];
+  uint64_t where = TIFFCurrentDirOffset(tiff), entries = 0;
+  if (pread(source->file, at, head, (off_t)where) != (ssize_t)head) return false;
+  for (size_t i = 0; i < head; i++) entries = entries << 8 | at[motorola ? i : head - 1 - i];
+  for (where += head; entries > 0; entries--, where += entry)
+    if (pread(source->file, at, 2, (off_t)where) != 2)
+      return false;
+    else if ((at[motorola ? 0 : 1] << 8 | at[motorola ? 1 : 0]) == (int)tag)
+      return true;
+  return false;
+}
+
+/* What greys have gone through, or stand for, beside the numbers that are stored. */
+static void tell_greys(TIFF *tiff, const struct tiff_layout *layout, struct image *image) {
+  const uint16_t how = layout->compression;
+  if (how == COMPRESSION_JPEG || how == COMPRESSION_OJPEG || how == COMPRESSION_WEBP)
+    image_note(image, IMAGE_COMPRESSED_WITH_LOSS);
+  enum { FEI = 34682, LINEARIZATION = 50712 };
+  if (count_values(tiff, LINEARIZATION) > 0)
+    image_note(image, "greys as stored, before its LinearizationTable");
+  static const char BAR[] = "DatabarHeight=";
+  char text[TEXT_MOST];
+  if (tag_text(tiff, FEI, text, sizeof text)) {
+    const char *at = strstr(text, BAR);
+    const long rows = at != NULL ? strtol(at + strlen(BAR), NULL, 10) : 0;
+    if (rows > 0)
+      image_note(image, "its last %ld rows are a bar of data, no scan: leave them out by --crop",
+                 rows);
+  }
+  if (has_ignored_tag(tiff, TIFFTAG_GRAYRESPONSECURVE))
+    image_note(image, "greys as stored, not as its GrayResponseCurve says");
 }
 
 /* ImageJ, of stacks of more than 4 GB, tifffile if asked to, and MetaMorph write a single
@@ -347,6 +406,57 @@ static size_t count_missing(TIFF *tiff) {
   return missing;
 }
 
+/* Channels and times that follow one another on the pages, as private tags tell: LSM's table of
+ * Zeiss, and Micro-Manager's text of each page. */
+static enum status check_channels(TIFF *tiff, const char *path) {
+  enum { LSM = 34412, LSM_CHANNELS = 20, LSM_LEAST = 28, MICRO_MANAGER = 51123 };
+  static const char *const KEYS[] = {"ChannelIndex", "FrameIndex"};
+  static const char *const KINDS[] = {"channels", "frames"};
+  uint32_t count = 0;
+  const unsigned char *table = NULL;
+  char text[TEXT_MOST];
+  const bool lsm = TIFFGetField(tiff, LSM, &count, &table) && count >= LSM_LEAST && table != NULL;
+  const bool told = tag_text(tiff, MICRO_MANAGER, text, sizeof text);
+  for (int i = 0; i < 2; i++) {
+    const unsigned char *at = lsm ? table + LSM_CHANNELS + 4 * i : NULL;
+    const char *number = told ? tiff_json_value(text, KEYS[i]) : NULL;
+    unsigned long long several = at != NULL ? at[0] + 256ull * at[1] : 1;
+    if (number != NULL) several = 1 + strtoull(number, NULL, 10);
+    if (several > 1) return tiff_refuse_hyperstack(path, several, KINDS[i]);
+  }
+  return STATUS_OK;
+}
+
+/* The bytes of a page in the file, from its first strip or tile to the end of its last. */
+static void find_bytes(TIFF *tiff, uint64_t range[2]) {
+  const uint32_t count = TIFFIsTiled(tiff) ? TIFFNumberOfTiles(tiff) : TIFFNumberOfStrips(tiff);
+  range[0] = UINT64_MAX;
+  range[1] = 0;
+  for (uint32_t i = 0; i < count; i++) {
+    const uint64_t from = TIFFGetStrileOffset(tiff, i), n = TIFFGetStrileByteCount(tiff, i);
+    if (n > 0 && from < range[0]) range[0] = from;
+    if (n > 0 && n <= UINT64_MAX - from && from + n > range[1]) range[1] = from + n;
+  }
+}
+
+/* The numbers of a further page mean what those of the first do. `other` is for use here alone. */
+static enum status check_values(TIFF *tiff, const struct image *first, struct image *other) {
+  other->no_data_count = 0;
+  other->rescale[0] = 1.0;
+  other->rescale[1] = 0.0;
+  other->note[0] = '\0';
+  tell_gdal(tiff, other);
+  const bool scaled = other->rescale[0] != 1.0 || other->rescale[1] != 0.0;
+  if ((other->no_data_count > 0 &&
+       (first->no_data_count == 0 || other->no_data[0].from != first->no_data[0].from)) ||
+      (scaled && memcmp(other->rescale, first->rescale, sizeof first->rescale) != 0))
+    return FAIL(STATUS_INPUT,
+                "%s: page %zu has another GDAL_NODATA, scale or offset than the first: the same "
+                "number means something else; save pages of one kind",
+                first->path, first->pages);
+  return STATUS_OK;
+}
+
 /* Collects the offsets of all directories with slices, from the present one on; thumbnails and
  * masks are left out. */
 static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, struct image *image) {
@@ -355,6 +465,8 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   bool in_order = true;
   enum status status = STATUS_OK;
   struct image other = {.path = image->path, .type = image->type};
+  bool resized = false, aside = false;
+  uint64_t bytes[2], before[2] = {UINT64_MAX, 0};
   const bool all_aside = is_aside(tiff); /* then they are the slices after all */
   do {
     struct tiff_layout layout;
@@ -393,6 +505,15 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
                "%s: page %zu has another palette than the first: its numbers mean other colours; "
                "save all with one",
                image->path, image->pages);
+    if (image->pages > 0) TRY(check_values(tiff, image, &other));
+    TRY(check_channels(tiff, image->path));
+    resized |= other_resolution(&layout, first);
+    aside |= memcmp(layout.place, first->place, sizeof layout.place) != 0;
+    find_bytes(tiff, bytes);
+    if (bytes[0] < before[1] && before[0] < bytes[1] && memcmp(bytes, before, sizeof bytes) != 0)
+      TRY_FAIL(STATUS_INPUT, "%s: page %zu has bytes of the page before" EXPORT_AGAIN, image->path,
+               image->pages);
+    memcpy(before, bytes, sizeof before);
     image->plain &= whole;
     missing += count_missing(tiff);
     if (TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &number, &count)) {
@@ -407,6 +528,11 @@ static enum status collect_pages(TIFF *tiff, const struct tiff_layout *first, st
   if (tiff_message[0] != '\0')
     TRY_FAIL(STATUS_INPUT, "%s: broken after page %zu: %s" EXPORT_AGAIN, image->path, image->pages,
              tiff_message);
+  if (resized)
+    image_note(image, "not all of its pages have the resolution of the first, which is taken");
+  if (aside)
+    image_note(image, "its pages lie beside each other (XPosition, YPosition), as parts of one "
+                      "picture: read as slices");
   if (!in_order)
     image_note(image, "its pages are numbered in another order: read as they stand in the file");
   if (missing > 0)
@@ -462,24 +588,25 @@ static enum status tiff_open(const char *path, struct image *image) {
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   image->plain = true;
   image->orientation = layout.orientation;
-  /* Boxes refer to pixels as in ImageJ and in arrays, which ignore the orientation, too. */
-  if (layout.orientation != ORIENTATION_TOPLEFT)
-    image_note(
-        image,
-        "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
-        layout.orientation, layout.orientation <= ORIENTATION_BOTLEFT ? "mirror" : "turn");
+  image_tell_orientation(image);
   if (layout.samples >= 3) image_note(image, IMAGE_STORED_IN_COLOUR);
   if (!TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &description)) description = NULL;
-  read_resolution(tiff, description, image);
+  read_resolution(&layout, description, image);
   unsigned long long slices;
   bool follow;
+  char *program = NULL;
+  if (!TIFFGetField(tiff, TIFFTAG_SOFTWARE, &program)) program = NULL;
+  TRY(tiff_told_channels(path, description));
+  TRY(tiff_told_channels(path, program));
   TRY(tiff_told_slices(path, description,
                        (const size_t[]){layout.width, layout.height, layout.samples}, &slices,
                        &follow)); /* a text of this directory alone */
   tell_calibration(description, image);
   tell_axes(description, image);
   tell_gdal(tiff, image);
-  const unsigned long long metamorph = count_metamorph(tiff);
+  tell_greys(tiff, &layout, image);
+  enum { UIC2 = 33629 }; /* of MetaMorph: one directory, and a value of it for each slice */
+  const unsigned long long metamorph = count_values(tiff, UIC2);
   if (slices_follow(tiff, metamorph > 1 ? metamorph : follow ? slices : 0, &layout, image))
     goto cleanup;
   look_for_others(tiff, &layout, description, image);

@@ -57,7 +57,8 @@ static double ome_size(const char *xml, char axis) {
   snprintf(key, sizeof key, "PhysicalSize%cUnit", axis);
   const char *unit_at = xml_value(xml, key);
   if (unit_at != NULL) (void)sscanf(unit_at, "%15[^\"']", unit);
-  return at != NULL ? whole_number(at) * length_unit(unit) : NAN;
+  const double size = at != NULL ? whole_number(at) * length_unit(unit) : NAN;
+  return size > 0.0 ? size : NAN;
 }
 
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
@@ -117,11 +118,27 @@ static const char *after(const char *text, const char *key) {
   return at != NULL ? at + strlen(key) : NULL;
 }
 
-static enum status refuse_hyperstack(const char *path, unsigned long long count, const char *kind) {
+enum status tiff_refuse_hyperstack(const char *path, unsigned long long count, const char *kind) {
   return FAIL(STATUS_INPUT,
               "%s: a hyperstack of %llu %s; save one of them as a stack, or if they are slices "
               "say so (Fiji: Image > Properties) and save again",
               path, count, kind);
+}
+
+/* ScanImage: "SI.hChannels.channelSave = [1;2]", older "numberOfChannelsSave=2". */
+enum status tiff_told_channels(const char *path, const char *text) {
+  static const char *const LISTS[] = {"hannelSave", "hannelsSave"}, DIGITS[] = "0123456789";
+  const char *number = text != NULL ? after(text, "numberOfChannelsSave=") : NULL;
+  unsigned long long count = number != NULL ? strtoull(number, NULL, 10) : 0;
+  for (size_t i = 0; i < 2 && text != NULL && count == 0; i++) {
+    const char *list = after(text, LISTS[i]);
+    if (list != NULL) list += strspn(list, " =");
+    if (list == NULL || *list != '[') continue;
+    const char *end = list + strcspn(list, "]\n");
+    for (list += strcspn(list, DIGITS); list < end; list += strcspn(list, DIGITS), count++)
+      list += strspn(list, DIGITS);
+  }
+  return count > 1 ? tiff_refuse_hyperstack(path, count, "channels") : STATUS_OK;
 }
 
 /* The array of tifffile, {"shape": [57, 1, 256, 256], "axes": "ZCYX"}: pages are of its last axes,
@@ -156,7 +173,7 @@ static enum status read_shape(const char *path, const char *description, const s
     all = all < UINT32_MAX ? all * n[i] : all;
     if (n[i] > 1) longer++;
     if (n[i] > 1 && (axis == 'C' || axis == 'T'))
-      return refuse_hyperstack(path, n[i], axis == 'C' ? "channels" : "frames");
+      return tiff_refuse_hyperstack(path, n[i], axis == 'C' ? "channels" : "frames");
   }
   if (longer > 1)
     return FAIL(STATUS_INPUT,
@@ -214,7 +231,7 @@ enum status tiff_told_slices(const char *path, const char *description, const si
     unsigned long long count = at != NULL ? strtoull(at, NULL, 10) : 1;
     if (imagej && tiff_description_value(description, KEYS[i], text, sizeof text))
       count = strtoull(text, NULL, 10);
-    if (count > 1) return refuse_hyperstack(path, count, KEYS[i]);
+    if (count > 1) return tiff_refuse_hyperstack(path, count, KEYS[i]);
   }
   const char *ome_slices = ome ? xml_value(description, "SizeZ") : NULL;
   if (ome && check_order(path, description) != STATUS_OK) return STATUS_INPUT;

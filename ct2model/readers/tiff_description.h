@@ -19,6 +19,11 @@ const char *tiff_json_value(const char *description, const char *key);
  * size was found; it and the voxel are unchanged if there is none. */
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
                      double voxel[3], const char **source);
+/* Refuses (STATUS_INPUT) channels that follow one another on the pages, as a text of ScanImage
+ * tells, in the description or in the name of the program; `text` may be NULL. */
+enum status tiff_told_channels(const char *path, const char *text);
+/* Refuses `count` of what are no slices: channels, frames. */
+enum status tiff_refuse_hyperstack(const char *path, unsigned long long count, const char *kind);
 /* The number of slices; 0 if it is not told. *follow: they may follow the first without directories
  * of their own. Refuses (STATUS_INPUT) channels, time steps and arrays of more than three axes,
  * which are no slices. `page`: width, height and samples of a page; `description` may be NULL. */

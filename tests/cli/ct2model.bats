@@ -152,7 +152,44 @@ P
   for file in signed unsigned; do "$CT" sweep $file.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $file.log; done
   grep -q "signed.nrrd: neighbouring pixels leap .*: unsigned greys that were stored as signed ones" signed.log
   run ! grep leap unsigned.log
+  # Bytes in the other order than the file says.
+  python3 -c 'import random, struct, sys
+random.seed(4)
+for end in "little", "big":
+    with open(end + ".nrrd", "wb") as f:
+        f.write(b"NRRD0004\ntype: uint16\ndimension: 3\nsizes: 24 24 12\nendian: little\nencoding: raw\n\n")
+        f.write(b"".join(struct.pack("<H" if end == "little" else ">H", 200 * v + random.randrange(200)) for v in open("noise.raw", "rb").read()))'
+  for end in little big; do "$CT" sweep $end.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $end.log || true; done
+  grep -q "big.nrrd: with its bytes in the other order neighbouring pixels are much more alike" big.log
+  run ! grep "other order" little.log
   [[ "$(said noise.raw u8)" != *slices* ]] || false
+  # Slices of another place, and inverted ones; voxels that a fill value stands for.
+  python3 -c 'import array, math, random
+random.seed(2)
+c = [[random.random() * n for n in (30, 30, 24)] for _ in range(40)]
+near = lambda x, y, z: min(math.dist((x, y, z), p) for p in c)
+scan = [[120 - int(12 * near(x, y, z)) + random.randrange(12) for y in range(30) for x in range(30)] for z in range(24)]
+write = lambda name, slices: open(name, "wb").write(array.array("h", [v for s in slices for v in s]).tobytes())
+write("whole.raw", scan)
+write("gap.raw", scan[:8] + scan[16:])
+write("negative.raw", scan[:9] + [[120 - v for v in scan[9]]] + scan[10:])
+write("fill.raw", [s[:-30] + [-32000] * 30 for s in scan])'
+  told() { "$CT" sweep $1.raw --raw 30x30x$2:i16le --void-ratio 1 --voxel-size 1um --threads 1 -o said.csv 2>&1 > /dev/null; }
+  [[ "$(told whole 24)" != *"do not go on"* ]] || false
+  [[ "$(told whole 24)" != *"far from all others"* ]] || false
+  [[ "$(told gap 16)" == *"1 of 16 slices do not go on where the one before ends (first: gap.raw[8] after gap.raw[7]"* ]] || false
+  [[ "$(told negative 24)" == *"2 of 24 slices do not go on"*"first: negative.raw[9]"* ]] || false
+  [[ "$(told fill 24)" == *"voxels have the grey -32000, far from all others"* ]] || false
+  # Slices stretched each to its own range, of which every third has a bright speck.
+  python3 -c 'import random, sys
+random.seed(1)
+scan = open("noise.raw", "rb").read()
+for z in range(12):
+    part = bytearray(scan[576 * z:576 * z + 576])
+    if z % 3 == 0: part[random.randrange(576)] = 170
+    low, high = min(part), max(part)
+    sys.stdout.buffer.write(bytes(round(255 * (v - low) / (high - low)) for v in part))' > stretched.raw
+  [[ "$(said stretched.raw u8)" == *"slices jump everywhere at once"*"(auto contrast)?"* ]] || false
   # Slabs without noise, as a program draws them: all slices are alike, and one is empty.
   awk 'BEGIN { for (i = 0; i < 6912; i++) printf "%c", (int(i / 576) == 5 ? 0 : i % 8 < 4 ? 60 : i % 8 < 6 ? 150 : 140) }' > drawn.raw
   [[ "$(said drawn.raw u8)" != *slices* ]] || false
@@ -181,6 +218,32 @@ END
   [ -z "$(said layers 37)" ]
   [[ "$(said cut 36)" == *"rows of 37 are: is that the width in --raw?"* ]]
   [[ "$(said cut 38)" == *"rows of 37 are: is that the width in --raw?"* ]]
+  # Rows and slices exchanged, or two slices for one: the bytes are as many, and the rows are right.
+  said() { "$CT" info $1.raw --raw $2:u8 2>&1 > /dev/null; }
+  for image in cut37 layers37; do
+    for size in 37x48x40 37x80x24 37x20x96; do
+      [[ "$(said $image $size)" == *"those of 40 rows do not: is that the height in --raw?"* ]] || false
+    done
+  done
+  # Wider pixels taken for twice as many, channels and colours for pixels, and two pixels taken for one.
+  python3 - << 'END'
+import array, random
+random.seed(5)
+cut = open("cut37.raw", "rb").read()
+wide = array.array("H", (200 * v + random.randrange(200) for v in cut)).tobytes()
+open("wide.raw", "wb").write(wide)
+open("colours.raw", "wb").write(bytes(v for v in cut for _ in range(3)))
+open("channels.raw", "wb").write(bytes(w for v in cut for w in (v, 250 - v)))
+open("floats.raw", "wb").write(array.array("f", list(cut)).tobytes())
+END
+  for size in "wide 37x40x96" "wide 74x40x48" "colours 37x40x144" "channels 37x40x96"; do
+    [[ "$(said $size)" == *"pixels alternate in turns of "[23]*"channels or colours, that --raw takes for pixels?"* ]] || false
+  done
+  run --separate-stderr "$CT" info floats.raw --raw 37x40x24:f64le
+  [[ "$stderr" == *"is f32le meant in --raw"* ]] || false
+  # So few voxels that nothing can be seen.
+  head -c 1764 cut37.raw > few.raw
+  [[ "$(said few 42x7x6)" == *"too few voxels to see whether --raw is right"* ]] || false
 }
 
 @test "voxels too far from cubes to be solved are refused, others told with all edges" {

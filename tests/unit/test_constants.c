@@ -18,6 +18,8 @@
 static const struct constant ct2model_constants[] = {
 #define CONSTANT CONSTANT_ROW
 #include "ct2model/constants.def"
+#include "ct2model/readers/constants.def"
+#include "ct2model/scan/constants.def"
 #undef CONSTANT
     {0}};
 

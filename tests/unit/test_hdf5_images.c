@@ -102,6 +102,83 @@ static void refused(const char *inside, const char *word) {
 
 static const hsize_t VOLUME[] = {NZ, NY, NX};
 
+static void add_numbers(hid_t to, const char *name, const double *values, hsize_t n) {
+  hid_t space = H5Screate_simple(1, &n, NULL);
+  hid_t set = H5Dcreate2(to, name, H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0);
+  H5Dclose(set);
+  H5Sclose(space);
+}
+
+static void add_attribute(hid_t file_id, const char *of, const char *name, hid_t type,
+                          const void *value, hsize_t n) {
+  hid_t object = H5Oopen(file_id, of, H5P_DEFAULT);
+  hid_t space = n > 1 ? H5Screate_simple(1, &n, NULL) : H5Screate(H5S_SCALAR);
+  hid_t attribute = H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT);
+  assert_true(H5Awrite(attribute, type, value) >= 0);
+  H5Aclose(attribute);
+  H5Sclose(space);
+  H5Oclose(object);
+}
+
+/* The places of the voxels: at even distances, or no image; and their edges. */
+static void test_places(void **state) {
+  (void)state;
+  hid_t names = H5Tcopy(H5T_C_S1), unit = H5Tcopy(H5T_C_S1);
+  H5Tset_size(names, 6);
+  H5Tset_size(unit, 2);
+  for (int k = 0; k < 4; k++) { /* even, falling, uneven, of other axes */
+    double z[NZ];
+    for (int i = 0; i < NZ; i++) z[i] = k == 0 ? 0.005 * i : k == 1 ? -i : i * i;
+    hid_t h5 = begin();
+    add(h5, "v", 3, VOLUME, 0);
+    add_numbers(h5, "z", z, k == 3 ? NZ - 1 : NZ);
+    add_attribute(h5, "v", "axes", names, "z:y:x", 1);
+    if (k == 0) add_attribute(h5, "z", "units", unit, "mm", 1);
+    H5Fclose(h5);
+    if (k == 2)
+      refused(":/v", "its voxels along z are at uneven distances, as /z tells (1 after 0)");
+    else
+      holds(":/v", NZ, k == 1 ? "/z falls: read as stored, mirrored along z" : NULL);
+    if (k > 0) continue;
+    char path[160];
+    const char *paths = path;
+    struct stack stack;
+    snprintf(path, sizeof path, "%s:/v", file);
+    assert_int_equal(stack_open(&paths, 1, NULL, &stack), STATUS_OK);
+    assert_true(fabs(stack.voxel[2] - 5e-6) < 1e-12);
+    stack_close(&stack);
+  }
+  const double edges[3] = {7, 6, 5}, index[2] = {0, 0};
+  hid_t h5 = begin();
+  add(h5, "v", 3, VOLUME, 0);
+  add_attribute(h5, "v", "element_size_um", H5T_NATIVE_DOUBLE, edges, 3);
+  add_attribute(h5, "v", "PALETTE", H5T_NATIVE_DOUBLE, index, 2);
+  add_numbers(h5, "Spacing", edges, 3);
+  H5Fclose(h5);
+  holds(":/v", NZ, "not as its attribute PALETTE says; /Spacing has no unit");
+  H5Tclose(names);
+  H5Tclose(unit);
+}
+
+/* MINC scales slices by values beside them. */
+static void test_scaled_slices(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    double most[NZ], least[NZ] = {0.0};
+    for (int z = 0; z < NZ; z++) most[z] = k == 0 ? 1000.0 : 1000.0 + z;
+    hid_t h5 = begin();
+    add(h5, "minc-2.0/image/0/image", 3, VOLUME, 0);
+    add_numbers(h5, "minc-2.0/image/0/image-min", least, NZ);
+    add_numbers(h5, "minc-2.0/image/0/image-max", most, NZ);
+    H5Fclose(h5);
+    if (k == 0)
+      holds(":/minc-2.0/image/0/image", NZ, "before image-min and image-max beside it");
+    else
+      refused(":/minc-2.0/image/0/image", "its slices are scaled each in its own way");
+  }
+}
+
 static void test_only_array(void **state) {
   (void)state;
   const hsize_t angles[] = {N};
@@ -469,6 +546,8 @@ static void test_deflated_twice(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_places),
+      cmocka_unit_test(test_scaled_slices),
       cmocka_unit_test(test_only_array),
       cmocka_unit_test(test_axes_of_one),
       cmocka_unit_test(test_part_that_was_never_written),

@@ -524,6 +524,8 @@ static struct {
   int number;                           /* of the slice; 0: none */
   const char *series, *distance, *thickness;
   const int *places;    /* of frames, in tenths of a mm */
+  const size_t *rank;   /* of frames in the body; NULL: one behind the other */
+  const double *mapped; /* slope and intercept of real world values, and the slope of the last */
   const char *scaled;   /* slope of the last frame */
   bool table, floats;   /* a table for the greys; pixels that are floats */
   int padding, limit;   /* values of padding, from one to the other; 0: none */
@@ -533,6 +535,10 @@ static struct {
   unsigned pointer; /* what the next frame follows by: an element of group 0x18 */
   bool several;     /* by that, and by an element of group 0x54 */
   bool unspaced;
+  const char *told[2];          /* one more text: tag as "GGGGEEEE" with its kind, and value */
+  const unsigned char *numbers; /* of frames in the stack; NULL: none */
+  unsigned numbered;            /* 0x9057 or 0x9157: as what */
+  unsigned part;                /* of a concatenation */
 } extra;
 
 static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsigned element) {
@@ -543,6 +549,21 @@ static void put_item(FILE *file, bool begin, bool implicit, unsigned group, unsi
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
     put(file, 0xe0ddfffe, 4), put(file, 0, 4);
   }
+}
+
+static void put_mapping(FILE *file, double slope, bool implicit) {
+  const double values[2] = {extra.mapped[1], slope};
+  put_item(file, true, implicit, 0x40, 0x9096);
+  put_item(file, true, implicit, 0x40, 0x08ea); /* its unit */
+  put_text(file, 0x08, 0x100, "SH", "{counts}", implicit);
+  put_item(file, false, implicit, 0, 0);
+  for (unsigned i = 0; i < 2; i++) {
+    uint64_t bits;
+    memcpy(&bits, &values[i], sizeof bits);
+    put_head(file, 0x40, 0x9224 + i, "FD", 8, implicit);
+    put(file, bits, 8);
+  }
+  put_item(file, false, implicit, 0, 0);
 }
 
 /* The functional groups of frames: what all share, and the position of each. */
@@ -561,13 +582,22 @@ static void put_frames(FILE *file, const struct dicom *d) {
   for (unsigned f = 0; f < d->frames; f++) {
     put(file, 0xe000fffe, 4), put(file, 0xffffffff, 4);
     put_item(file, true, implicit, 0x20, 0x9113);
-    snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + f * extra.aside, 0.1 * extra.places[f]);
-    put_text(file, 0x20, 0x32, "DS", text, implicit);
+    if (extra.numbers == NULL)
+      snprintf(text, sizeof text, "-10.5\\%g\\%g", 20.0 + f * extra.aside, 0.1 * extra.places[f]);
+    if (extra.numbers == NULL) put_text(file, 0x20, 0x32, "DS", text, implicit);
     put_item(file, false, implicit, 0, 0);
+    if (extra.numbers != NULL) {
+      put_item(file, true, implicit, 0x20, 0x9111);
+      put_head(file, 0x20, extra.numbered, "UL", extra.numbered == 0x9057 ? 4 : 8, implicit);
+      if (extra.numbered != 0x9057) put(file, 1, 4);
+      put(file, extra.numbers[f], 4);
+      put_item(file, false, implicit, 0, 0);
+    }
     put_item(file, true, implicit, 0x28, 0x9145);
     put_text(file, 0x28, 0x1053, "DS",
              extra.scaled != NULL && f + 1 == d->frames ? extra.scaled : "1", implicit);
     put_item(file, false, implicit, 0, 0);
+    if (extra.mapped != NULL) put_mapping(file, extra.mapped[f + 1 == d->frames ? 2 : 0], implicit);
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
   }
   put(file, 0xe0ddfffe, 4), put(file, 0, 4);
@@ -598,6 +628,15 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
     put(file, 0x61626364, 4);
     put(file, 0xe00dfffe, 4), put(file, 0, 4);
     put(file, 0xe0ddfffe, 4), put(file, 0, 4);
+  }
+  if (extra.told[0] != NULL) {
+    const unsigned long tag = strtoul(extra.told[0], NULL, 16);
+    put_text(file, (unsigned)(tag >> 16), (unsigned)(tag & 0xffff), extra.told[0] + 9,
+             extra.told[1], implicit);
+  }
+  if (extra.part > 0) {
+    put_head(file, 0x20, 0x9162, "US", 2, implicit);
+    put(file, extra.part, 2);
   }
   if (extra.thickness != NULL) put_text(file, 0x18, 0x50, "DS", extra.thickness, implicit);
   if (extra.distance != NULL) put_text(file, 0x18, 0x88, "DS", extra.distance, implicit);
@@ -638,13 +677,15 @@ static void write_dicom(size_t i, size_t z, const struct dicom *d) {
   if (extra.padding != 0) put_whole(file, 0x120, (unsigned)extra.padding & 0xffff, implicit);
   if (extra.limit != 0) put_whole(file, 0x121, (unsigned)extra.limit & 0xffff, implicit);
   if (d->slope != NULL) put_text(file, 0x28, 0x1053, "DS", d->slope, implicit);
+  if (extra.mapped != NULL && extra.places == NULL) put_mapping(file, extra.mapped[0], implicit);
   if (extra.places != NULL) put_frames(file, d);
   if (extra.table) put_item(file, true, implicit, 0x28, 0x3000);
   if (extra.table) put_item(file, false, implicit, 0, 0);
   put_head(file, 0x7fe0, extra.floats ? 0x08 : 0x10, extra.floats ? "OF" : "OW",
            2 * NX * NY * d->frames, implicit);
   for (size_t k = 0; k < NX * NY * d->frames; k++) {
-    const int value = (int)grey(k % NX, k / NX % NY, z + k / NX / NY) - (d->is_signed ? 100 : 0);
+    const size_t frame = k / NX / NY, at = z + (extra.rank != NULL ? extra.rank[frame] : frame);
+    const int value = (int)grey(k % NX, k / NX % NY, at) - (d->is_signed ? 100 : 0);
     put(file, ((unsigned)value & ((1u << d->stored) - 1u)) | d->dirt, 2);
   }
   fclose(file);
@@ -787,25 +828,36 @@ static void test_dicom_numbers(void **state) {
   memset(&extra, 0, sizeof extra);
 }
 
-/* Frames that tell their places are slices only in their order, at even distances. */
+/* Frames that tell their places are taken in their order, at even distances. */
 static void test_dicom_frames(void **state) {
   (void)state;
   const double deep[] = {10, 500}, apart[] = {10, 60}, thick[] = {10, 70};
   static const int places[][NZ] = {{-7, -2, 3, 8, 13}, {13, 8, 3, -2, -7}, {-7, 3, -2, 8, 13},
                                    {0, 5, 0, 5, 0},    {1, 1, 1, 1, 1},    {-7, -2, 3, 8, 16}};
+  static const size_t ranks[][NZ] = {{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {0, 2, 1, 3, 4}};
   struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
   for (int k = 0; k < 12; k++) {
     extra.places = places[k / 2];
     d.implicit = k % 2;
     d.syntax = d.implicit ? "1.2.840.10008.1.2" : EXPLICIT;
     write_dicom(0, 0, &d);
-    if (k < 4)
-      holds(1, NZ, 255, 1, 0, deep, NULL);
-    else
-      refused(1, "not slices one behind the other");
+    if (k >= 6) refused(1, "not slices one behind the other");
+    if (k >= 6) continue;
+    extra.rank = ranks[k / 2];
+    write_dicom(0, 0, &d);
+    holds(1, NZ, 255, 1, 0, deep,
+          k < 2 ? NULL : "in the order of their positions or numbers, not as stored");
+    extra.rank = NULL;
   }
   extra.places = places[0];
   extra.scaled = "2";
+  write_dicom(0, 0, &d);
+  refused(1, "turned or scaled each in its own way");
+  extra.scaled = NULL;
+  extra.mapped = (const double[]){2, -5, 2};
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, deep, "before the slope 2 and intercept -5 of its Real World Value");
+  extra.mapped = (const double[]){2, -5, 3};
   write_dicom(0, 0, &d);
   refused(1, "turned or scaled each in its own way");
   memset(&extra, 0, sizeof extra);
@@ -826,9 +878,101 @@ static void test_dicom_values(void **state) {
   write_dicom(0, 0, &d);
   holds(1, NZ, 255, 1, 0, flat, "greys as stored, before its table");
   extra.table = false;
+  extra.mapped = (const double[]){1, 0};
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, NULL);
+  struct dicom slice = d;
+  slice.frames = 1;
+  for (size_t i = 0; i < 2; i++) {
+    extra.mapped = i == 0 ? (const double[]){2, 0} : (const double[]){3, 0};
+    write_dicom(i, i, &slice);
+  }
+  refused(2, "the same number means other densities");
+  extra.mapped = NULL;
   extra.floats = true;
   write_dicom(0, 0, &d);
   refused(1, "pixels that are floats");
+  memset(&extra, 0, sizeof extra);
+}
+
+/* Frames that tell their numbers in the stack alone. */
+static void test_dicom_numbered_frames(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  static const unsigned char numbers[][NZ] = {
+      {1, 2, 3, 4, 5}, {5, 4, 3, 2, 1}, {1, 3, 2, 4, 5}, {1, 2, 3, 1, 2}, {1, 1, 1, 1, 1}};
+  static const size_t ranks[][NZ] = {{0, 1, 2, 3, 4}, {4, 3, 2, 1, 0}, {0, 2, 1, 3, 4}};
+  static const int none[NZ] = {0};
+  const struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  for (int k = 0; k < 10; k++) {
+    extra.places = none;
+    extra.numbers = numbers[k / 2];
+    extra.numbered = k % 2 ? 0x9157 : 0x9057;
+    extra.rank = k < 6 ? ranks[k / 2] : NULL;
+    write_dicom(0, 0, &d);
+    if (k < 6 || k == 9) /* indices that are all the same are of another axis */
+      holds(1, NZ, 255, 1, 0, flat, k < 2 || k == 9 ? NULL : "in the order of their positions or");
+    else
+      refused(1, "not slices one behind the other");
+  }
+  memset(&extra, 0, sizeof extra);
+}
+
+/* What a file says of its pixels, and of what its frames are. */
+static void test_dicom_told(void **state) {
+  (void)state;
+  const double flat[] = {10, NAN};
+  const struct {
+    const char *tag, *value, *told;
+    double factor, offset;
+    bool refused;
+  } cases[] = {{"20500020 CS", "INVERSE", NULL, -1, 65535, false},
+               {"20500020 CS", "IDENTITY", NULL, 1, 0, false},
+               {"00282110 CS", "01", "compressed with loss", 1, 0, false},
+               {"00282110 CS", "00", NULL, 1, 0, false},
+               {"00280301 CS", "YES", "text is written into its pixels", 1, 0, false},
+               {"00280301 CS", "NO", NULL, 1, 0, false},
+               {"00080008 CS", "DERIVED\\SECONDARY\\MIP", "projections, as it says", 1, 0, false},
+               {"00281040 CS", "LOG", "its greys are logarithms", 1, 0, false},
+               {"00181063 DS", "33.3", "follow one another in time", 1, 0, false},
+               {"00181520 DS", "1\\2\\3", "its frames are projections", 1, 0, true}};
+  struct dicom d = {EXPLICIT, "MONOCHROME2", NULL, false, false, false, 16, NZ, 0, 0};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    extra.told[0] = cases[i].tag;
+    extra.told[1] = cases[i].value;
+    write_dicom(0, 0, &d);
+    if (cases[i].refused)
+      refused(1, cases[i].told);
+    else
+      holds(1, NZ, 255, cases[i].factor, cases[i].offset, flat, cases[i].told);
+  }
+  extra.told[0] = NULL;
+  extra.part = 2;
+  write_dicom(0, 0, &d);
+  holds(1, NZ, 255, 1, 0, flat, "part 2 of a scan that was cut into several files");
+  memset(&extra, 0, sizeof extra);
+  /* Slices of one series that are of two echoes or times, or with a localizer, are not one scan. */
+  static const char *const OF[][3] = {
+      {"00180086 IS", "1", "2"},
+      {"00200100 IS", "1", "2"},
+      {"00180060 DS", "80", "140"},
+      {"00181210 SH", "B30s", "B80s"},
+      {"00080008 CS", "ORIGINAL\\PRIMARY\\AXIAL", "ORIGINAL\\PRIMARY\\LOCALIZER"}};
+  d.frames = 1;
+  for (size_t i = 0; i < sizeof OF / sizeof *OF; i++) {
+    struct stack stack;
+    static float pixels[N];
+    extra.series = "1.2.3";
+    for (size_t z = 0; z < 2; z++) {
+      extra.told[0] = OF[i][0];
+      extra.told[1] = OF[i][1 + z];
+      extra.number = (int)z + 1;
+      write_dicom(z, z, &d);
+    }
+    assert_int_equal(read_all(2, &stack, pixels), STATUS_OK);
+    assert_string_not_equal(stack.files[0].series, stack.files[1].series);
+    stack_close(&stack);
+  }
   memset(&extra, 0, sizeof extra);
 }
 
@@ -893,7 +1037,7 @@ static void test_dicom_geometry(void **state) {
   extra.places = places;
   extra.aside = 0.13;
   write_dicom(0, 0, &d);
-  refused(1, "its frames are shifted sideways, each by 0.13 mm");
+  refused(1, "its frames are shifted sideways, one by 0.13 mm");
   memset(&extra, 0, sizeof extra);
   extra.tilt = "-15";
   write_dicom(0, 0, &d);
@@ -937,6 +1081,8 @@ int main(void) {
       cmocka_unit_test(test_dicom_numbers),
       cmocka_unit_test(test_dicom_frames),
       cmocka_unit_test(test_dicom_values),
+      cmocka_unit_test(test_dicom_numbered_frames),
+      cmocka_unit_test(test_dicom_told),
       cmocka_unit_test(test_dicom_padding),
       cmocka_unit_test(test_dicom_geometry),
   };

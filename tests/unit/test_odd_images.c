@@ -54,6 +54,15 @@ struct page {
   const char *gdal[2]; /* its tags 42112 (metadata) and 42113 (no data) */
   bool reversed;       /* the bits of each byte */
   bool opaque;         /* the second sample is the same everywhere */
+  float resolution;    /* pixels per cm; 0: no tag */
+  const char *program;
+  struct {
+    uint32_t number;
+    TIFFDataType type;
+    uint32_t count;
+    const void *values;
+  } own;       /* a private tag; number 0: none */
+  float place; /* XPosition; 0: no tag */
 };
 
 static const struct page PLAIN = {.bits = 8,
@@ -97,6 +106,19 @@ static void add_page(TIFF *tiff, const struct page *page) {
     if (page->gdal[i] == NULL) continue;
     TIFFMergeFieldInfo(tiff, &GDAL[i], 1);
     TIFFSetField(tiff, 42112 + i, page->gdal[i]);
+  }
+  if (page->own.number > 0) {
+    const TIFFFieldInfo info = {page->own.number, TIFF_VARIABLE2, TIFF_VARIABLE2, page->own.type,
+                                FIELD_CUSTOM,     true,           true,           (char *)"own"};
+    TIFFMergeFieldInfo(tiff, &info, 1);
+    TIFFSetField(tiff, page->own.number, page->own.count, page->own.values);
+  }
+  if (page->place > 0.0f) TIFFSetField(tiff, TIFFTAG_XPOSITION, page->place);
+  if (page->program != NULL) TIFFSetField(tiff, TIFFTAG_SOFTWARE, page->program);
+  if (page->resolution > 0.0f) {
+    TIFFSetField(tiff, TIFFTAG_XRESOLUTION, page->resolution);
+    TIFFSetField(tiff, TIFFTAG_YRESOLUTION, page->resolution);
+    TIFFSetField(tiff, TIFFTAG_RESOLUTIONUNIT, RESUNIT_CENTIMETER);
   }
   if (page->told > 0) TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page->told, 9);
   if (page->depth > 0) TIFFSetField(tiff, TIFFTAG_IMAGEDEPTH, page->depth);
@@ -261,6 +283,7 @@ static void test_lengths(void **state) {
   } cases[] = {
       {"<OME><Pixels PhysicalSizeX=\"5.83\"></Pixels></OME>", 5.83},
       {"<OME><Pixels PhysicalSizeX = '5.83' PhysicalSizeXUnit='nm'></Pixels></OME>", 5.83e-3},
+      {"<OME><Pixels PhysicalSizeX=\"0.0\"></Pixels></OME>", NAN},
       {"<OME><Pixels PhysicalSizeX=\"5,83\"></Pixels></OME>", NAN}};
   for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
     struct page page = PLAIN;
@@ -349,6 +372,154 @@ static void test_lost_slices(void **state) {
   pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\n";
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, NULL);
+}
+
+/* Channels that follow one another on the pages, by the texts of ScanImage. */
+static void test_channels(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  static const struct {
+    const char *text;
+    bool several;
+  } TEXTS[] = {{"SI.VERSION = 5\nSI.hChannels.channelSave = [1;2]\nSI.a = 3", true},
+               {"scanimage.SI4.channelsSave = [1 3]\n", true},
+               {"state.acq.numberOfChannelsSave=2\r", true},
+               {"state.acq.numberOfChannelsSave=1\r", false},
+               {"SI.hChannels.channelSave = 2\nSI.b = [1;2]", false},
+               {"SI.hChannels.channelSave = [2]\nSI.b = [1;2]", false}};
+  for (size_t i = 0; i < 2 * sizeof TEXTS / sizeof *TEXTS; i++) {
+    struct page pages[2] = {PLAIN, PLAIN};
+    pages[1].number = 1;
+    *(i % 2 ? &pages[0].program : &pages[0].description) = TEXTS[i / 2].text;
+    write_pages("w", pages, 2);
+    if (TEXTS[i / 2].several)
+      refused("a hyperstack of 2 channels");
+    else
+      holds(slices, 2, 8, NULL, 0, 0, NULL);
+  }
+}
+
+/* What private tags and others tell of pages that are no slices, and of their greys. */
+static void test_private_tags(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  static unsigned char channels[64] = {[20] = 2, [24] = 1}, times[64] = {[20] = 1, [24] = 7},
+                       none[64] = {[20] = 1, [24] = 1};
+  static const char MANAGER[][40] = {"{\"ChannelIndex\": 1}", "{\"FrameIndex\": 3}",
+                                     "{\"ChannelIndex\": 0, \"SliceIndex\": 1}"};
+  static const char BAR[] = "[PrivateFei]\nDatabarHeight=4\n", NO_BAR[] = "DatabarHeight=0\n";
+  const uint16_t curve[] = {1, 2};
+  const struct {
+    uint32_t number;
+    TIFFDataType type;
+    uint32_t count;
+    const void *values;
+    const char *told;
+    bool refused;
+  } cases[] = {
+      {34412, TIFF_BYTE, 64, channels, "a hyperstack of 2 channels", true},
+      {34412, TIFF_BYTE, 64, times, "a hyperstack of 7 frames", true},
+      {34412, TIFF_BYTE, 64, none, NULL, false},
+      {51123, TIFF_ASCII, sizeof MANAGER[0], MANAGER[0], "a hyperstack of 2 channels", true},
+      {51123, TIFF_ASCII, sizeof MANAGER[1], MANAGER[1], "a hyperstack of 4 frames", true},
+      {51123, TIFF_ASCII, sizeof MANAGER[2], MANAGER[2], NULL, false},
+      {34682, TIFF_ASCII, sizeof BAR, BAR, "its last 4 rows are a bar of data", false},
+      {34682, TIFF_ASCII, sizeof NO_BAR, NO_BAR, NULL, false},
+      {50712, TIFF_SHORT, 2, curve, "before its LinearizationTable", false}};
+  for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+    struct page pages[2] = {PLAIN, PLAIN};
+    pages[1].number = 1;
+    for (size_t k = 0; k < 2; k++) {
+      pages[k].own.number = cases[i].number;
+      pages[k].own.type = cases[i].type;
+      pages[k].own.count = cases[i].count;
+      pages[k].own.values = cases[i].values;
+    }
+    write_pages("w", pages, 2);
+    if (cases[i].refused)
+      refused(cases[i].told);
+    else
+      holds(slices, 2, 8, NULL, 0, 0, cases[i].told);
+  }
+  struct page pages[2] = {PLAIN, PLAIN};
+  pages[1].number = 1;
+  for (int k = 0; k < 2; k++) { /* parts of a picture; one part */
+    pages[0].place = 1.0f;
+    pages[1].place = k == 0 ? 2.0f : 1.0f;
+    write_pages("w", pages, 2);
+    holds(slices, 2, 8, NULL, 0, 0, k == 0 ? "its pages lie beside each other" : NULL);
+  }
+  pages[0] = PLAIN;
+  pages[0].description = "ImageJ=1.53t\nimages=1\ncf=20\nvunit=Uncalibrated OD\n";
+  write_pages("w", pages, 1);
+  holds(slices, 1, 8, NULL, 0, 0, "before ImageJ's calibration by its function 20");
+}
+
+/* Renames a tag of the only directory. */
+static void patch_number(const char *mode, unsigned from, unsigned to) {
+  static unsigned char bytes[8000];
+  const bool big = mode[1] == '8', motorola = mode[strlen(mode) - 1] == 'b';
+  FILE *whole = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, whole);
+  fclose(whole);
+  size_t at = 0, length = big ? 8 : 4;
+  for (size_t i = 0; i < length; i++)
+    at = at << 8 | bytes[length + (motorola ? i : length - 1 - i)];
+  at += big ? 8 : 2;
+  while ((unsigned)(bytes[at + !motorola] << 8 | bytes[at + motorola]) != from) at += big ? 20 : 12;
+  bytes[at + !motorola] = (unsigned char)(to >> 8);
+  bytes[at + motorola] = (unsigned char)(to & 255);
+  whole = fopen(file, "wb");
+  fwrite(bytes, 1, size, whole);
+  fclose(whole);
+}
+
+/* What later pages tell, and what greys have gone through. */
+static void test_told_by_pages(void **state) {
+  (void)state;
+  const unsigned slices[] = {0, 1};
+  struct page pages[2] = {PLAIN, PLAIN};
+  pages[1].number = 1;
+  static const float RESOLUTIONS[] = {1715.0f, 1716.0f, 0.0f, 2000.0f};
+  pages[0].resolution = RESOLUTIONS[0];
+  for (size_t i = 0; i < 4; i++) {
+    pages[1].resolution = RESOLUTIONS[i];
+    write_pages("w", pages, 2);
+    holds(slices, 2, 8, NULL, 0, 0, i < 3 ? NULL : "not all of its pages have the resolution");
+  }
+  pages[0].resolution = pages[1].resolution = 0.0f;
+  static const char *const NO_DATA[][2] = {{"77", "77"}, {"77", NULL}, {"77", "78"}, {NULL, "78"}};
+  no_data = 77.0;
+  for (size_t i = 0; i < 4; i++) {
+    for (size_t k = 0; k < 2; k++) pages[k].gdal[1] = NO_DATA[i][k];
+    write_pages("w", pages, 2);
+    if (i < 2)
+      holds(slices, 2, 8, NULL, 0, 0, NULL);
+    else
+      refused("page 1 has another GDAL_NODATA, scale or offset than the first");
+  }
+  no_data = NAN;
+  for (size_t k = 0; k < 2; k++) pages[k].gdal[1] = NULL;
+  pages[1].gdal[0] = "<Item role=\"scale\">2</Item>";
+  write_pages("w", pages, 2);
+  refused("page 1 has another GDAL_NODATA, scale or offset than the first");
+  pages[1].gdal[0] = NULL;
+  for (int k = 0; k < 4;
+       k++) { /* libtiff writes no GrayResponseCurve: of another tag, its number */
+    static const char *const MODES[] = {"wl", "wb", "w8l", "w8b"};
+    pages[0].told = 9;
+    write_pages(MODES[k], pages, 1);
+    patch_number(MODES[k], TIFFTAG_PAGENUMBER, TIFFTAG_GRAYRESPONSECURVE);
+    pages[0].told = 0;
+    holds(slices, 1, 8, NULL, 0, 0, "greys as stored, not as its GrayResponseCurve says");
+  }
+  pages[0].compression = COMPRESSION_JPEG;
+  write_pages("w", pages, 1);
+  struct stack stack;
+  static float pixels[NX * NY];
+  assert_int_equal(read_all(&stack, pixels), STATUS_OK);
+  assert_non_null(strstr(stack.files[0].note, "compressed with loss (JPEG, say)"));
+  stack_close(&stack);
 }
 
 /* Slices behind the one page: bits that are reversed within bytes are not read as they stand. */
@@ -481,6 +652,7 @@ static void test_tiff_palettes(void **state) {
 
 static int clear_grey = -1; /* the transparent one; -1: none */
 static bool alpha_opaque;
+static int clear_entries; /* of the palette, from its first on */
 
 static void write_png(const char *path, int bits, int colour, unsigned turn) {
   FILE *out = fopen(path, "wb");
@@ -498,6 +670,8 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
   if (colour == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, palette, (int)count);
   const png_color_16 clear = {.gray = (png_uint_16)clear_grey};
   if (clear_grey >= 0) png_set_tRNS(png, info, NULL, 0, &clear);
+  png_byte transparency[256] = {0};
+  if (clear_entries > 0) png_set_tRNS(png, info, transparency, clear_entries, NULL);
   png_write_info(png, info);
   for (size_t y = 0; y < NY; y++) {
     unsigned char row[256];
@@ -513,24 +687,95 @@ static void write_png(const char *path, int bits, int colour, unsigned turn) {
   fclose(out);
 }
 
+/* Writes a grey PNG with a chunk of that name and contents. */
+static void write_with_chunk(const char *name, const void *contents, size_t length) {
+  static unsigned char bytes[8000], chunk[200];
+  write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
+  FILE *in = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, in);
+  fclose(in);
+  chunk[3] = (unsigned char)length;
+  memcpy(chunk + 4, name, 4);
+  memcpy(chunk + 8, contents, length);
+  const uint32_t sum = (uint32_t)crc32(0, chunk + 4, (uInt)length + 4);
+  for (size_t i = 0; i < 4; i++) chunk[8 + length + i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
+  FILE *out = fopen(file, "wb");
+  fwrite(bytes, 1, 33, out); /* signature and IHDR */
+  fwrite(chunk, 1, length + 12, out);
+  fwrite(bytes + 33, 1, size - 33, out);
+  fclose(out);
+}
+
+/* What chunks tell of edges, greys and orientation; cut short they tell nothing. */
+static void test_png_chunks(void **state) {
+  (void)state;
+  const unsigned first = 0;
+  struct stack stack;
+  const char *path = file;
+  static const char SCALE[] = "\1"
+                              "5e-6\0"
+                              "6e-6",
+                    GREYS[] = "HU\0\0\0\0\0\0\0\0\xff\0\2HU\0-1000\0"
+                              "20";
+  write_with_chunk("sCAL", SCALE, sizeof SCALE - 1);
+  assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+  assert_true(fabs(stack.voxel[0] - 5e-6) < 1e-12 && fabs(stack.voxel[1] - 6e-6) < 1e-12);
+  stack_close(&stack);
+  write_with_chunk("pCAL", GREYS, sizeof GREYS - 1);
+  assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+  assert_true(fabs(stack.files[0].rescale[0] - 20.0 / 255.0) < 1e-9);
+  assert_true(fabs(stack.files[0].rescale[1] + 1000.0) < 1e-9);
+  stack_close(&stack);
+  holds(&first, 1, 8, NULL, 0, 0, "before its calibration (pCAL)");
+  static const char EXIF[][27] = {"II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0",
+                                  "MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0\6\0\0\0\0\0\0"};
+  for (size_t k = 0; k < 2; k++) {
+    write_with_chunk("eXIf", EXIF[k], 26);
+    holds(&first, 1, 8, NULL, 0, 0, "its orientation 6 says to turn it");
+  }
+  for (size_t n = 1; n < 26; n++) {
+    write_with_chunk("eXIf", EXIF[0], n);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+    write_with_chunk("pCAL", GREYS, n < sizeof GREYS ? n : 1);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+    write_with_chunk("sCAL", SCALE, n < sizeof SCALE ? n : 1);
+    assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+    stack_close(&stack);
+  }
+}
+
+/* A page whose bytes are half those of the page before. */
+static void test_pages_of_the_same_bytes(void **state) {
+  (void)state;
+  static unsigned char bytes[8000];
+  struct page pages[2] = {PLAIN, PLAIN};
+  write_pages("wl", pages, 2);
+  FILE *whole = fopen(file, "rb");
+  const size_t size = fread(bytes, 1, sizeof bytes, whole);
+  fclose(whole);
+  size_t at = bytes[4] + 256u * bytes[5];
+  at = bytes[at + 2 + 12 * (bytes[at] + 256u * bytes[at + 1])] +
+       256u * bytes[at + 3 + 12 * (bytes[at] + 256u * bytes[at + 1])]; /* the second directory */
+  for (at += 2; bytes[at] + 256u * bytes[at + 1] != TIFFTAG_STRIPOFFSETS;) at += 12;
+  unsigned char *offsets = bytes + bytes[at + 8] + 256u * bytes[at + 9];
+  for (size_t k = 0; k < 3; k++)
+    offsets[4 * k] = (unsigned char)(8 + 6 * NX * (k + 1)),
+                offsets[4 * k + 1] = (unsigned char)((8 + 6 * NX * (k + 1)) >> 8);
+  whole = fopen(file, "wb");
+  fwrite(bytes, 1, size, whole);
+  fclose(whole);
+  refused("page 1 has bytes of the page before");
+}
+
 /* An animation: libpng shows its first picture. */
 static void test_animated_png(void **state) {
   (void)state;
   const unsigned first = 0;
-  static unsigned char bytes[8000], chunk[20] = {0, 0, 0, 8, 'a', 'c', 'T', 'L'};
   for (unsigned pictures = 1; pictures <= 2; pictures++) {
-    write_png(file, 8, PNG_COLOR_TYPE_GRAY, 0);
-    FILE *in = fopen(file, "rb");
-    const size_t size = fread(bytes, 1, sizeof bytes, in);
-    fclose(in);
-    chunk[11] = (unsigned char)pictures;
-    const uint32_t sum = (uint32_t)crc32(0, chunk + 4, 12);
-    for (int i = 0; i < 4; i++) chunk[16 + i] = (unsigned char)(sum >> (24 - 8 * i) & 255);
-    FILE *out = fopen(file, "wb");
-    fwrite(bytes, 1, 33, out); /* signature and IHDR */
-    fwrite(chunk, 1, sizeof chunk, out);
-    fwrite(bytes + 33, 1, size - 33, out);
-    fclose(out);
+    const unsigned char control[8] = {0, 0, 0, (unsigned char)pictures};
+    write_with_chunk("acTL", control, sizeof control);
     if (pictures == 1)
       holds(&first, 1, 8, NULL, 0, 0, NULL);
     else
@@ -623,6 +868,17 @@ static void test_png_alpha(void **state) {
     else
       refused("those beyond the grey are not the same everywhere");
   }
+  static const int CLEAR[] = {0, 100, 256}; /* none, some, all */
+  for (size_t i = 0; i < 3; i++) {
+    clear_entries = CLEAR[i];
+    write_png(file, 8, PNG_COLOR_TYPE_PALETTE, 0);
+    if (i == 1)
+      refused(
+          "its palette makes some pixels transparent and others not (pixel 12,1), as of a mask");
+    else
+      holds(&first, 1, 8, NULL, 0, 0, "the numbers of the colours are taken");
+  }
+  clear_entries = 0;
 }
 
 int main(void) {
@@ -632,6 +888,11 @@ int main(void) {
       cmocka_unit_test(test_pages_aside),
       cmocka_unit_test(test_lost_slices),
       cmocka_unit_test(test_lengths),
+      cmocka_unit_test(test_channels),
+      cmocka_unit_test(test_told_by_pages),
+      cmocka_unit_test(test_private_tags),
+      cmocka_unit_test(test_pages_of_the_same_bytes),
+      cmocka_unit_test(test_png_chunks),
       cmocka_unit_test(test_slices_without_a_directory),
       cmocka_unit_test(test_slices_of_reversed_bits),
       cmocka_unit_test(test_undeclared_samples),
