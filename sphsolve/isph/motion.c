@@ -141,7 +141,7 @@ static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
   }
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    for (int a = 0; a < 3; a++) steps[i][a] -= s->calm[i] * mean[i][a];
+    for (int a = 0; a < 3; a++) steps[i][a] -= s->thick[i] * mean[i][a];
 }
 
 void isph_move(struct isph *s, double dt) {
