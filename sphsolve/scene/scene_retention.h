@@ -1,5 +1,5 @@
-/* Variably saturated soil: retention curves of van Genuchten or Haverkamp, and the initial water
- * content. */
+/* Variably saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial
+ * water content. */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_RETENTION_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_RETENTION_H
 
