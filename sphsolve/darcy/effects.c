@@ -49,8 +49,9 @@ static bool richards_layers_wanted(const struct effect_context *context, char wh
     const struct retention_curve *a = &first->retention, *b = &region->retention;
     differ = differ || region->porosity != first->porosity ||
              region->permeability != first->permeability || region->alpha != first->alpha ||
-             region->grain_size != first->grain_size || a->alpha != b->alpha || a->n != b->n ||
-             a->theta_r != b->theta_r || a->l != b->l;
+             region->grain_size != first->grain_size || a->alpha != b->alpha ||
+             a->exponential != b->exponential || a->n != b->n || a->theta_r != b->theta_r ||
+             a->l != b->l;
   }
   snprintf(why, EFFECT_WHY, differ ? "soils differ" : "one soil");
   return differ;

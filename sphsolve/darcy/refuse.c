@@ -9,11 +9,12 @@
 static enum status check_soil(const struct scene *scene, const struct region *region) {
   const double *v = region->soil_velocity;
   if (!region->retention.given)
-    return FAIL(STATUS_INPUT,
-                "%s:%d: this soil has no van_genuchten or haverkamp, and others have: all of a "
-                "scene has one, or none; give its curve, or take the others' away for soil that is "
-                "full or dry, and leave the method out",
-                scene->path, region->line);
+    return FAIL(
+        STATUS_INPUT,
+        "%s:%d: this soil has no van_genuchten, haverkamp or gardner, and others have: all of a "
+        "scene has one, or none; give its curve, or take the others' away for soil that is "
+        "full or dry, and leave the method out",
+        scene->path, region->line);
   if (v[0] != 0 || v[1] != 0 || v[2] != 0)
     return FAIL(STATUS_INPUT,
                 "%s:%d: velocity: soil that is not full of water stays where it is; leave it out",

@@ -48,6 +48,7 @@ enum status retention_make(const struct region *region, struct retention *soil) 
                              .m = given->k_n > 0 ? 1 : 1 - 1 / given->n,
                              .k_alpha = given->k_alpha,
                              .k_n = given->k_n,
+                             .exponential = given->exponential,
                              .l = given->l,
                              .theta_r = given->theta_r,
                              .theta_s = region->porosity};
@@ -55,6 +56,12 @@ enum status retention_make(const struct region *region, struct retention *soil) 
     static const int diagonal[3] = {0, 3, 5};
     soil->conductivity[a] =
         region->permeability * (region->anisotropic ? region->anisotropy[diagonal[a]] : 1);
+  }
+  if (soil->exponential) {
+    soil->n = 2; /* what darcy/step.c does for n < 2 is not wanted */
+    soil->driest = log(DRIEST_SATURATION) / soil->alpha;
+    soil->full = 1 / soil->alpha;
+    return STATUS_OK;
   }
   const double dry = fmin(log(DRIEST_SUCTION), -log(DRIEST_SATURATION) / (soil->n * soil->m));
   soil->driest = -exp(dry) / soil->alpha;
@@ -111,8 +118,8 @@ void retention_free(struct retention *soil) {
 
 bool retention_is_same(const struct retention *a, const struct retention *b) {
   bool same = a->alpha == b->alpha && a->n == b->n && a->l == b->l && a->k_alpha == b->k_alpha &&
-              a->k_n == b->k_n && a->theta_r == b->theta_r && a->theta_s == b->theta_s &&
-              a->shear == b->shear && a->forchheimer == b->forchheimer;
+              a->k_n == b->k_n && a->exponential == b->exponential && a->theta_r == b->theta_r &&
+              a->theta_s == b->theta_s && a->shear == b->shear && a->forchheimer == b->forchheimer;
   for (int i = 0; i < 3; i++) same = same && a->conductivity[i] == b->conductivity[i];
   return same;
 }
@@ -135,6 +142,17 @@ void retention_at(const struct retention *soil, double h, struct retention_state
     state->missing = -h;
     return;
   }
+  if (soil->exponential) {
+    const double k = exp(soil->alpha * h);
+    *state = (struct retention_state){.h = h,
+                                      .theta = soil->theta_r + range * k,
+                                      .capacity = range * soil->alpha * k,
+                                      .k = k,
+                                      .slope = soil->alpha * k,
+                                      .potential = k / soil->alpha,
+                                      .missing = -expm1(soil->alpha * h) / soil->alpha};
+    return;
+  }
   const double x = log(-soil->alpha * h);
   double s, dk;
   at_suction(soil, soil->n * x, &s, &state->k, &dk);
@@ -153,6 +171,7 @@ void retention_at(const struct retention *soil, double h, struct retention_state
 }
 
 double retention_head(const struct retention *soil, double saturation) {
+  if (soil->exponential) return fmax(log(saturation) / soil->alpha, soil->driest);
   const double rest = -log(saturation) / soil->m;
   /* (e^rest - 1)^(1/n), also if e^rest overflows */
   const double ln = rest > 30 ? rest : log(expm1(rest));

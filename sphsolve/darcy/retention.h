@@ -3,8 +3,10 @@
  *   S = (1 + (alpha |h|)^n)^-m, m = 1 - 1/n                          effective saturation, h < 0
  *   k = S^l (1 - (1 - S^(1/m))^m)^2                                  K over that of saturated soil
  *   F = integral of k from -infinity to h                            Kirchhoff's transform, m
- * Or by Haverkamp et al. (1977): m = 1, and k = 1/(1 + (k_alpha |h|)^k_n) independently. For h >=
- * 0, S = k = 1, and F increases as h does. The water content is theta_r + (theta_s - theta_r) S. */
+ * Or by Haverkamp et al. (1977): m = 1, and k = 1/(1 + (k_alpha |h|)^k_n) independently. Or by
+ * Gardner (1958): k = S = exp(alpha h), so that F = k/alpha and Richards' equation is linear in F.
+ * For h >= 0, S = k = 1, and F increases as h does. The water content is theta_r + (theta_s -
+ * theta_r) S. */
 #ifndef TOSUI_SPHSOLVE_DARCY_RETENTION_H
 #define TOSUI_SPHSOLVE_DARCY_RETENTION_H
 
@@ -17,6 +19,7 @@
 struct retention {
   double alpha, n, m, l;   /* 1/m, -, -, - */
   double k_alpha, k_n;     /* 1/m, -; 0: k is Mualem's */
+  bool exponential;        /* Gardner's curve, which has no table */
   double theta_r, theta_s; /* residual and saturated water content */
   double conductivity[3];  /* m/s along x, y, z, of saturated soil */
   double driest;           /* m, lowest h: drier soil is not distinguished */

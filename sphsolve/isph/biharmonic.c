@@ -4,6 +4,7 @@
 
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/constants.h"
 
 /* Adds L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. In laminar
@@ -11,7 +12,7 @@
  * at the side is none of its curvature; a turbulent boundary layer is thinner than particles. */
 ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
                    size_t i, double (*u)[3], double sum[3]) {
-  const bool held = s->on.no_slip && !s->on.turbulence && !s->wall_boxes[0].slip;
+  const bool held = isph_sides_hold(s) && !s->on.turbulence;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
     const double weight = 2 * s->volume[j] * (double)chunk->slope[p];

@@ -164,7 +164,9 @@ cleanup:
     memcpy(result->conservation.losses, s->losses, sizeof s->losses);
     isph_budget_end(s);
     const double *f = s->force, row = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]) * s->spacing;
-    const double mass = s->density * s->room * s->thickness;
+    double mass = 0;
+    for (size_t i = s->local.begin; i < s->local.end; i++) mass += s->mass[i] * s->thickness;
+    mass = ranks_sum(mass);
     budget_warn(&s->budget, WORK_GIVEN, WORK_LEAST * mass * row);
     result->conservation.budget = s->budget;
   }

@@ -123,8 +123,8 @@ ROW void steps_around(enum isph_images images, const struct isph *s, const struc
   }
 }
 
-/* Subtracts from the steps in calm water the mean of their neighbourhoods, in which a particle's
- * own step has the mean weight of its pairs. */
+/* Subtracts from the steps in thick water (isph/calm.h) the mean of their neighbourhoods, in which
+ * a particle's own step has the mean weight of its pairs. */
 static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
   double(*mean)[3] = s->curvature; /* free for reuse at this point */
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(steps)});
@@ -141,7 +141,7 @@ static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
   }
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    for (int a = 0; a < 3; a++) steps[i][a] -= s->calm[i] * mean[i][a];
+    for (int a = 0; a < 3; a++) steps[i][a] -= s->thick[i] * mean[i][a];
 }
 
 void isph_move(struct isph *s, double dt) {

@@ -43,8 +43,8 @@ cleanup:
   return status;
 }
 
-/* Sums over the neighbourhood of a particle; wall_moment is that of walls and of reflected water.
- */
+/* Sums over the neighbourhood of a particle; wall_moment is that of walls, and of the images at
+ * sides that hold the water. */
 struct neighbourhood {
   double kernel_sum, gradient_sum[3], moment[6], wall_moment[6];
 };
@@ -74,6 +74,7 @@ static enum isph_images images_near(const struct isph *s, const double x[3], dou
 ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                     size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
   const double *xi = s->position[i], hi = s->support[i];
+  const bool held = isph_sides_hold(s);
   size_t count = chunk->pair_count;
   for (size_t k = 0; k < n; k++) {
     uint32_t entry = candidates[k], j = entry & PAIR_MASK;
@@ -85,7 +86,7 @@ ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_c
     isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), he, &w, &slope);
     w *= s->kernel_w, slope *= s->kernel_slope;
     add_sums(s->volume[j], w, slope, r, sums,
-             isph_is_reflected(images, s, entry) ? sums->wall_moment : sums->moment);
+             held && isph_is_reflected(images, s, entry) ? sums->wall_moment : sums->moment);
     chunk->pair[count] = entry;
     chunk->slope[count] = (float)slope;
     count++;

@@ -23,15 +23,19 @@ static bool contains(const struct isph *s, const struct region *region, const do
  * takes the water away above. */
 static bool is_filled(const struct isph *s, const double x[3], int up, double sign, double *top) {
   bool filled = false;
-  for (int a = 0; a < 3; a++)
-    if (isph_uses_axis(s, a) && !s->periodic[a] && (x[a] < s->low[a] || x[a] > s->high[a]))
-      return true;
+  double at[3];
+  for (int a = 0; a < 3; a++) {
+    const double length = s->high[a] - s->low[a];
+    const bool inside = !isph_uses_axis(s, a) || (x[a] >= s->low[a] && x[a] <= s->high[a]);
+    if (!inside && !s->periodic[a]) return true;
+    at[a] = inside ? x[a] : x[a] < s->low[a] ? x[a] + length : x[a] - length;
+  }
   for (size_t k = 0; k < s->scene->region_count; k++) {
     const struct region *region = &s->scene->regions[k];
     const bool water =
         region->type == REGION_WATER || (region->type == REGION_POROUS && region->saturated);
     const bool takes = region->type == REGION_EMPTY;
-    if (!(water || takes || region->type == REGION_WALL) || !contains(s, region, x)) continue;
+    if (!(water || takes || region->type == REGION_WALL) || !contains(s, region, at)) continue;
     filled = !takes;
     if (top != NULL && water) *top = region->box[sign > 0 ? up + 3 : up];
   }

@@ -41,6 +41,12 @@ double isph_reflection_ratio(const struct isph *s, const double xi[3], uint32_t 
  * of sum V slope that would lie behind the sides if the water there were a lattice. */
 double isph_reflection_backs(const struct isph *s, size_t i);
 
+/* Whether closed sides hold the water, so that its velocity beside them is not that of a plane of
+ * symmetry. */
+static inline bool isph_sides_hold(const struct isph *s) {
+  return s->on.no_slip && !s->wall_boxes[0].slip;
+}
+
 /* (P_i - P_j - (q_i - q_j)) / rho = f.(x_i - x_j), with both particles on this side of the mirror.
  * r is the pair's separation. */
 ROW double isph_fall_between(enum isph_images images, const struct isph *s, const double f[3],

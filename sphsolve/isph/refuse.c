@@ -255,16 +255,17 @@ static enum status check_soils(const struct scene *scene) {
     const struct region *region = &scene->regions[r];
     const struct retention_curve *curve = &region->retention;
     if (region->anisotropic)
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: permeability: method isph knows no beds; leave the method out, and where "
-                  "the water has a surface in the soil give that a van_genuchten or haverkamp",
-                  scene->path, region->line);
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: permeability: method isph knows no beds; leave the method out, and where "
+          "the water has a surface in the soil give that a van_genuchten, haverkamp or gardner",
+          scene->path, region->line);
     if (curve->given || region->boundary == BOUNDARY_PRESSURE)
       return FAIL(STATUS_INPUT,
                   "%s:%d: %s is of soil that is not full of water, and method isph fills it or "
                   "leaves it dry; write method = \"richards\"%s, or leave it out",
                   scene->path, region->line, curve->given ? retention_name(curve) : "pressure_head",
-                  curve->given ? "" : " and give the soil its van_genuchten or haverkamp");
+                  curve->given ? "" : " and give the soil its van_genuchten, haverkamp or gardner");
   }
   return STATUS_OK;
 }

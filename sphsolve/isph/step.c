@@ -30,17 +30,20 @@
 #include "sphsolve/isph/wall.h"
 #include "sphsolve/isph/window.h"
 
-/* Adds up g = grad v of particle i, without its correction. */
+/* Adds up g = grad v of particle i, without its correction; along sides with slip, images are
+ * neighbours like others. */
 ROW void velocity_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, double g[9]) {
   const double *xi = s->position[i], *vi = s->velocity[i];
+  const bool held = isph_sides_hold(s);
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3], weight = s->volume[j] * (double)chunk->slope[p];
-    if (isph_is_reflected(images, s, chunk->pair[p])) continue;
+    double r[3], vj[3], weight = s->volume[j] * (double)chunk->slope[p];
+    if (held && isph_is_reflected(images, s, chunk->pair[p])) continue;
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
+    isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
     for (int a = 0; a < 3; a++) {
-      double d = weight * (vi[a] - s->velocity[j][a]);
+      double d = weight * (vi[a] - vj[a]);
       for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
     }
   }

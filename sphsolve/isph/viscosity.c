@@ -43,7 +43,7 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
                        const struct isph_chunk *chunk, size_t i, double force[3],
                        double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
-  const bool held = s->on.no_slip && !s->wall_boxes[0].slip;
+  const bool held = isph_sides_hold(s);
   double tank = -1; /* the viscosity of the friction at sides that reflect, once it is known */
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;

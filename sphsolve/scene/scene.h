@@ -100,13 +100,14 @@ struct retention_curve {
   bool given;
   double alpha, n, theta_r, l; /* 1/m, -, -, - */
   double k_alpha, k_n;         /* 1/m, -: conductivity curve of Haverkamp; else 0 */
+  bool exponential;            /* Gardner's curve, of which alpha and theta_r are those */
   enum soil_start starts_by;   /* meaning of `start`: a level, m; a pressure head, m; theta */
   double start;
 };
 
 /* Name of the curve in a scene. */
 static inline const char *retention_name(const struct retention_curve *curve) {
-  return curve->k_n > 0 ? "haverkamp" : "van_genuchten";
+  return curve->exponential ? "gardner" : curve->k_n > 0 ? "haverkamp" : "van_genuchten";
 }
 
 /* A function of time given as a table: linear between its times, constant before and after. */

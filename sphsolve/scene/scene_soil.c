@@ -3,6 +3,8 @@
 #include "sphsolve/scene/scene_soil.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <string.h>
 
 #include "common/units.h"
 #include "sphsolve/scene/keys.h"
@@ -112,7 +114,7 @@ enum status scene_read_permeability(struct config *config, config_node *group,
   return k > 0 ? set_drag(config, group, scene, k, region) : STATUS_OK;
 }
 
-/* Variably saturated soil: retention curves of van Genuchten or Haverkamp, and the initial water
+/* Variably saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial water
  * content. */
 
 /* theta_r lies below the water content of full soil, which the table of keys does not know. */
@@ -128,18 +130,23 @@ static enum status check_residual(struct config *config, config_node *group,
 
 /* Reads the curve of the group; the heads at which half of the water, and of K, remain become
  * Haverkamp's parameters. */
-static enum status read_curve(struct config *config, config_node *group, bool haverkamp,
+static enum status read_curve(struct config *config, config_node *group, const char *name,
                               struct region *region) {
   enum status status = STATUS_OK;
   struct retention_curve *soil = &region->retention;
-  TRY(keys_read(config, group, haverkamp ? "regions[].haverkamp" : "regions[].van_genuchten", 0,
-                NULL, region));
+  const bool haverkamp = !strcmp(name, "haverkamp");
+  char path[64];
+  snprintf(path, sizeof path, "regions[].%s", name);
+  soil->exponential = !strcmp(name, "gardner");
+  TRY(keys_read(config, group, path, 0, NULL, region));
   if (haverkamp &&
       (isnan(soil->alpha) || isnan(soil->n) || isnan(soil->k_alpha) || isnan(soil->k_n)))
     TRY(config_error(config, group,
                      "h_theta, beta, h_k and gamma are wanted, like { h_theta = \"37 cm\"; beta "
                      "= 3.96; h_k = \"19 cm\"; gamma = 4.74; theta_r = 0.075; }"));
-  if (isnan(soil->alpha) || isnan(soil->n))
+  if (soil->exponential && isnan(soil->alpha))
+    TRY(config_error(config, group, "alpha is wanted, like { alpha = \"2 1/m\"; theta_r = 0.1; }"));
+  if (!soil->exponential && (isnan(soil->alpha) || isnan(soil->n)))
     TRY(config_error(config, group,
                      "alpha and n are wanted, like { alpha = \"3.35 1/m\"; n = "
                      "2.0; theta_r = 0.102; }"));
@@ -156,18 +163,26 @@ enum status scene_read_retention(struct config *config, config_node *group, stru
   } starts[] = {
       {"head", START_HEAD}, {"pressure_head", START_PRESSURE}, {"water_content", START_WATER}};
   enum status status = STATUS_OK;
-  config_node *genuchten = config_child(group, "van_genuchten"),
-              *haverkamp = config_child(group, "haverkamp"),
-              *curve = genuchten != NULL ? genuchten : haverkamp;
+  static const char *const curves[] = {"van_genuchten", "haverkamp", "gardner"};
+  config_node *curve = NULL, *second = NULL;
+  const char *name = NULL;
   struct retention_curve *soil = &region->retention;
   int given = 0;
+  for (size_t i = 0; i < sizeof curves / sizeof *curves; i++) {
+    config_node *node = config_child(group, curves[i]);
+    if (node == NULL) continue;
+    if (curve == NULL)
+      curve = node, name = curves[i];
+    else
+      second = node;
+  }
   for (size_t i = 0; i < sizeof starts / sizeof *starts; i++) {
     config_node *node = config_child(group, starts[i].key);
     if (node == NULL) continue;
     if (curve == NULL)
       TRY(config_error(config, node,
-                       "is of soil with van_genuchten = { alpha = ...; n = ...; } or haverkamp, "
-                       "which this is not"));
+                       "is of soil with van_genuchten = { alpha = ...; n = ...; }, haverkamp or "
+                       "gardner, which this is not"));
     given++;
     soil->starts_by = starts[i].by;
     if (starts[i].by == START_WATER)
@@ -176,10 +191,10 @@ enum status scene_read_retention(struct config *config, config_node *group, stru
       TRY(config_quantity(config, group, starts[i].key, DIM_LENGTH, &soil->start, NULL));
   }
   if (curve == NULL) return STATUS_OK;
-  if (genuchten != NULL && haverkamp != NULL)
-    TRY(config_error(config, haverkamp, "soil has one curve, and van_genuchten is given, too"));
+  if (second != NULL)
+    TRY(config_error(config, second, "soil has one curve, and %s is given, too", name));
   soil->given = true;
-  TRY(read_curve(config, curve, genuchten == NULL, region));
+  TRY(read_curve(config, curve, name, region));
   if (!(region->permeability > 0))
     TRY(config_error(config, group,
                      "permeability is missing: that of the soil when it is full, "

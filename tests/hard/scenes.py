@@ -1,16 +1,19 @@
-"""Sixty scenes of seepage, drawn from a fixed seed, each for 1,000 of its own time scales: make scenes.
+"""Eighty scenes, drawn from a fixed seed: make scenes. Sixty of seepage, each for 1,000 of its own time scales:
 
 Porosity .05 to .9 (uniform), grains 1 um to 5 cm and spacing 5 mm to 5 cm (uniform in the logarithm), a hundred to some
 three hundred particles. A scene's own time is that of a fall through its head, sqrt(H/g): the period of its waves is some
 six of them at most, its pressure settles within one. Water through coarse soil passes it a few times in a thousand;
-through fine soil never, whatever one can afford: `passes` says how often."""
+through fine soil never, whatever one can afford: `passes` says how often.
+
+Twenty short ones of soils whose permeabilities differ, and of walls that move, held against what is known from their
+first row on: water at rest, the flux of resistances in series, the level of the water that a wall displaces."""
 import os
 
 import numpy as np
 from suite import G, Run, explain, holds, row
 from water import drag, scene, soil, steady
 
-SEED, COUNT, SCALES = 2121, 60, 1000
+SEED, COUNT, SCALES = 2121, 80, 1000
 STEPS = int(os.environ.get("STEPS", "30000"))  # the most a scene may take; it ends earlier, and says so
 JUMP = "issue 21: under 2 % of the local mean from step to step"
 
@@ -196,9 +199,118 @@ def judge(number):
         yield row("level at the end", "the river's, half a spacing", h["front_high"][-1, 2] / d.r0, 12, 1)
 
 
+# Twenty more: what they do is known from the first row of the history on.
+
+SOILS = 60  # the first of them
+REST, GAUGE = 1e-6, 0.02  # m/s; the part of its depth's pressure by which a gauge may be off where water moves
+
+
+def ground(d):
+    return f'porosity = {d.random.uniform(0.25, 0.6):.2f}; permeability = "{d.log(1e-12, 1e-1):.3g} m/s";'
+
+
+def cuts(d, count, low, high):
+    """So many pieces of low .. high, of 3 spacings at least."""
+    free = high - low - 3 * count
+    at = np.sort(d.random.integers(0, free + 1, count - 1))
+    return [low, *(int(a) + low + 3 * (n + 1) for n, a in enumerate(at)), high]
+
+
+def still(d):
+    """Two to five soils beside or over each other, partly dry, with the same level everywhere."""
+    count, beside = int(d.random.integers(2, 6)), bool(d.random.integers(2))
+    d.level = int(d.random.integers(6, 16))
+    at = cuts(d, count, 0, 24 if beside else 15)
+    soils = [d.region("porous", *((low, 0, high, 15) if beside else (0, low, 24, high)), ground(d)) for low, high in zip(at, at[1:])]
+    for n, x in enumerate((3, 12, 21)):
+        d.gauge(f"at_{n}", x, 0)
+    return (24, 18), [*soils, d.region("water", 0, 0, 24, d.level)], d.level
+
+
+def resistances(d):
+    """Two to four soils in series between two heads, no surface."""
+    count = int(d.random.integers(2, 5))
+    at = cuts(d, count, 6, 26)
+    conducts = [d.log(1e-6, 1e-3) for _ in range(count)]
+    d.drop = 8.0
+    d.exact = d.drop / sum((high - low) / k for low, high, k in zip(at, at[1:], conducts))
+    soils = [d.region("porous", low, 0, high, 6, f'porosity = 0.4; permeability = "{k:.6g} m/s";') for low, high, k in zip(at, at[1:], conducts)]
+    return (32, 6), [*soils, d.region("water", 0, 0, 32, 6), d.inflow(0, 0, 1, 6, 15), d.inflow(31, 0, 32, 6, 7)], 15
+
+
+def moves(d, box, x, z):
+    """A wall that goes so many spacings along x and z in ten falls through the water's depth, and stops."""
+    t, times, speeds = 10 * np.sqrt(d.level * d.r0 / G), [], []
+    for part in np.linspace(0, 1, 21):
+        rate = (1 - np.cos(2 * np.pi * part)) / t * d.r0
+        times.append(f'"{part * t:.6g} s"')
+        speeds.append(f'"{x * rate:.6g} m/s", "{z * rate:.6g} m/s"')
+    return d.region("wall", *box, f'slip = true; times = [{", ".join(times)}]; velocity = [{", ".join(speeds)}];')
+
+
+def piston(d):
+    """A wall drives the water of a tank together."""
+    d.level, way = int(d.random.integers(8, 14)), int(d.random.integers(2, 5))
+    d.gauge("floor", 22, 0)
+    d.final = d.level * 26 / (26 - way)
+    return (30, 20), [d.region("water", 4, 0, 30, d.level), moves(d, (1, 0, 4, 20), way, 0)], d.level
+
+
+def lowered(d):
+    """A block is let down into a tank."""
+    d.level, wide, way = int(d.random.integers(8, 12)), int(d.random.integers(4, 9)), int(d.random.integers(3, 6))
+    d.gauge("floor", 2, 0)
+    d.final = d.level + wide * way / (30 - wide)
+    return (30, 22), [d.region("water", 0, 0, 30, d.level), moves(d, (15 - wide // 2, d.level, 15 - wide // 2 + wide, d.level + 6), 0, -way)], d.level
+
+
+def stirred(d):
+    """A plate moves in the water over two soils side by side."""
+    d.level, half = 14, int(d.random.integers(8, 17))
+    d.gauge("bed", 4, 3)
+    d.gauge("floor", 20, 0)
+    d.final = d.level
+    return (24, 22), [d.region("porous", 0, 0, half, 6, ground(d)), d.region("porous", half, 0, 24, 6, ground(d)), d.region("water", 0, 0, 24, d.level),
+                      moves(d, (8, 8, 11, 20), 4, 0)], d.level
+
+
+MORE = (still, resistances, piston, lowered, stirred)
+
+
+def judge_more(number):
+    kind, d = MORE[number % len(MORE)], Drawn(number)
+    size, regions, head = kind(d)
+    scale = np.sqrt(head * d.r0 / G)
+    run = Run(d.text(size, regions, 30 * scale), limit=600)
+    yield holds(f"{kind.__name__} {number}, spacing {1e3 * d.r0:.3g} mm: the run ends", "exit code 0", run.code == 0, run.message.strip()[-300:] if run.code else "")
+    if run.code:
+        return
+    h = run.history
+    yield holds("no step was taken back", "none is called for", not run.backs, "; ".join(run.backs)[:200])
+    yield row("particles lost", "none may be", float(run.facts.get("particles_lost", 0)), 0, 0)
+    yield holds("no work is warned of", "none but that of forces and walls", "what no equation" not in run.message, run.message.strip()[-200:])
+    if kind is resistances:
+        v = h["darcy_velocity"][:, 0]
+        yield row(f"v over exact ({d.exact:.3g} m/s)", "twice what explain expects", v[len(v) // 2:].mean() / d.exact, 1, 2 * (explain(d.text(size, regions))["expected_error"] or 0.03))
+        return
+    if kind is still:
+        yield row("largest velocity rms, m/s", "water at rest", h["velocity_rms"].max(), 0, REST)
+    for name in sorted(n for n in h if n.startswith("pressure_")):
+        deep = 3 if name == "pressure_bed" else 0
+        weight = 1000 * G * d.r0
+        p = h[name] / weight
+        yield row(f"{name}, first row, over that at rest", "the start is in equilibrium", p[0] / (d.level - deep), 1, 1e-3 if kind is still else GAUGE)
+        if kind is still:
+            yield row(f"{name}, furthest from that at rest", "at rest", np.abs(p / d.level - 1).max(), 0, 1e-3)
+        else:
+            yield row(f"{name}, mean of the last third, over that at rest", "a particle's volume is its own", p[2 * len(p) // 3:].mean() / (d.final - deep), 1, GAUGE)
+    yield row("largest rms velocity over a fall through the head", "energy", h["velocity_rms"].max() / np.sqrt(2 * G * head * d.r0), 0, 0.5)
+
+
 def case(number):
-    kind = KINDS[number % len(KINDS)]
-    return f"scene {number:02d} {kind.__name__.replace('_', ' ')}", kind.__doc__, False, lambda: judge(number)
+    kinds, judges = (MORE, judge_more) if number >= SOILS else (KINDS, judge)
+    kind = kinds[number % len(kinds)]
+    return f"scene {number:02d} {kind.__name__.replace('_', ' ')}", kind.__doc__, False, lambda: judges(number)
 
 
 SCENES = [case(number) for number in range(COUNT)]

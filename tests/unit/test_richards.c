@@ -93,6 +93,29 @@ static void haverkamp(void **state) {
   retention_free(&soil);
 }
 
+/* Gardner's: 1/e of K and of the water at 1/alpha; Richards' equation is linear in F, of which K is
+ * alpha times as much and the capacity alpha^2 times (theta_s - theta_r). */
+static void gardner(void **state) {
+  (void)state;
+  struct region region = sand;
+  struct retention soil;
+  struct retention_state at, wet;
+  region.retention =
+      (struct retention_curve){.given = true, .exponential = true, .alpha = 2, .theta_r = .05};
+  assert_int_equal(retention_make(&region, &soil), STATUS_OK);
+  retention_at(&soil, 0, &wet);
+  for (double h = -.01; h > soil.driest; h *= 3) {
+    retention_at(&soil, h, &at);
+    assert_true(fabs(at.k / exp(2 * h) - 1) < 1e-13);
+    assert_true(fabs(at.theta - .05 - .35 * at.k) < 1e-15);
+    assert_true(fabs(2 * at.potential / at.k - 1) < 1e-14);
+    assert_true(fabs(at.capacity / (.7 * at.k) - 1) < 1e-14 && at.slope == 2 * at.k);
+    assert_true(fabs(retention_fall(&wet, &at) / ((1 - at.k) / 2) - 1) < 1e-13);
+    if (at.k > 1e-50) assert_true(fabs(retention_head(&soil, at.k) / h - 1) < 1e-12);
+  }
+  retention_free(&soil);
+}
+
 /* Water at rest does not move, full soil has Darcy's flux, suction alone int K dh; derivatives are
  * those of differences; and two halves of one soil are one. */
 static void fluxes(void **state) {
@@ -400,9 +423,9 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),   cmocka_unit_test(haverkamp), cmocka_unit_test(fluxes),
-      cmocka_unit_test(rows),     cmocka_unit_test(rain),      cmocka_unit_test(fills),
-      cmocka_unit_test(ditch),    cmocka_unit_test(wells),     cmocka_unit_test(evaporation),
-      cmocka_unit_test(sorption), cmocka_unit_test(too_much)};
+      cmocka_unit_test(curves),      cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),      cmocka_unit_test(rows),      cmocka_unit_test(rain),
+      cmocka_unit_test(fills),       cmocka_unit_test(ditch),     cmocka_unit_test(wells),
+      cmocka_unit_test(evaporation), cmocka_unit_test(sorption),  cmocka_unit_test(too_much)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -10,9 +10,11 @@
 #include "tests/unit/richards_scene.h"
 
 struct soil {
-  double theta_r, theta_s, alpha, n, k, k_alpha, k_n; /* the last two: of Haverkamp's curves */
+  double theta_r, theta_s, alpha, n, k, k_alpha,
+      k_n; /* the last two: of Haverkamp's curves; n 0: Gardner's */
 };
 static inline double saturation_of(const struct soil *s, double h) {
+  if (s->n == 0) return exp(s->alpha * fmin(0, h));
   if (s->k_n > 0 && h < 0) return 1 / (1 + pow(s->alpha * -h, s->n));
   return h >= 0 ? 1 : pow(1 + pow(s->alpha * -h, s->n), 1 / s->n - 1);
 }
@@ -22,6 +24,7 @@ static inline double theta_of(const struct soil *s, double h) {
 static inline double k_of(const struct soil *s, double h) {
   const double e = saturation_of(s, h), m = 1 - 1 / s->n;
   if (h >= 0) return s->k;
+  if (s->n == 0) return s->k * exp(s->alpha * h);
   if (s->k_n > 0) return s->k / (1 + pow(s->k_alpha * -h, s->k_n));
   const double g = 1 - pow(1 - pow(e, 1 / m), m);
   return s->k * sqrt(e) * g * g;

@@ -3,7 +3,8 @@
  * whose names start with CASE.
  *
  * Exact: water at rest; steady flow to and from a water table, dh/dz = q/K(h) - 1; a front of
- * constant shape in a long column (Philip 1957), dh/dz = (K_dry + c (theta - theta_dry))/K - 1 with
+ * constant shape in a long column (Philip 1957); infiltration into soil whose K and theta are
+ * exponential, in series (Srivastava, Yeh 1991). dh/dz = (K_dry + c (theta - theta_dry))/K - 1 with
  * c = (K_wet - K_dry)/(theta_wet - theta_dry). Both equations are integrated here by Runge and
  * Kutta's method. The soil's curves and a column of an independent solver, ten times finer, are in
  * richards_reference.h. */
@@ -17,7 +18,12 @@ static const char *text_of(const struct soil *s, const char *start) {
   static char text[2][400];
   static int turn;
   char *to = text[turn ^= 1];
-  if (s->k_n > 0)
+  if (s->n == 0)
+    snprintf(to, sizeof text[0],
+             "porosity = %.12g; permeability = \"%.12g m/s\"; gardner = { alpha = \"%.12g 1/m\"; "
+             "theta_r = %.12g; }; %s;",
+             s->theta_s, s->k, s->alpha, s->theta_r, start);
+  else if (s->k_n > 0)
     snprintf(to, sizeof text[0],
              "porosity = %.12g; permeability = \"%.12g m/s\"; haverkamp = { h_theta = \"%.12g m\"; "
              "beta = %.12g; h_k = \"%.12g m\"; gamma = %.12g; theta_r = %.12g; }; %s;",
@@ -138,6 +144,58 @@ static void steady(void) {
     report(name, 1, 1 + error[1], cases[k].bound / 10, passed(started));
     snprintf(name, sizeof name, "steady: %s, flux through the foot", cases[k].name);
     report(name, q, flux, 1e-6, passed(started));
+  }
+}
+
+/* ---- soil with an exponential curve ---- */
+/* K/K_s at z above a water table, a time t after rain of q K_s begins on water at rest in a column
+ * of length l; z and l in 1/alpha, t in (theta_s - theta_r)/(alpha K_s). Srivastava, Yeh (1991,
+ * Water Resour. Res. 27, eqs. 13, 14), with the roots r of tan(r l) = -2 r. */
+static double rained(double q, double l, double z, double t) {
+  double sum = 0;
+  for (int n = 0; n < 200; n++) {
+    double low = (n + .5) * M_PI / l, high = (n + 1) * M_PI / l, r = low;
+    const double sign = n % 2 ? -1 : 1;
+    for (int k = 0; k < 60; k++) {
+      r = .5 * (low + high);
+      if (sign * (sin(r * l) + 2 * r * cos(r * l)) > 0)
+        low = r;
+      else
+        high = r;
+    }
+    sum += sin(r * z) * sin(r * l) * exp(-r * r * t) / (1 + l / 2 + 2 * r * r * l);
+  }
+  return q - (q - 1) * exp(-z) - 4 * q * exp((l - z) / 2 - t / 4) * sum;
+}
+
+/* Rain of half of K_s on two metres over a water table: heads after .2 to 10 hours, and in the end
+ * the steady ones of Gardner (1958), which the fluxes between sites are made for. */
+static void gardner(void) {
+  const struct soil soil = {.06, .4, 3, 0, 1e-5, 0, 0};
+  const double length = 2, times[] = {720, 3.6e3, 3.6e4, 3e8};
+  const double unit = (soil.theta_s - soil.theta_r) / (soil.alpha * soil.k);
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run;
+    const double dx = fine ? .01 : .05, started = clock_seconds();
+    start_column(&run, length, dx, text_of(&soil, "head = \"0 m\""),
+                 sides(length, dx, "flux = \"5e-6 m/s\";", "pressure_head = \"0 m\";"));
+    for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
+      double most = 0;
+      char name[120];
+      advance(&run, times[k]);
+      for (size_t i = 0; i < run.s.count; i++) {
+        double x[3];
+        richards_place(&run.s, i, x);
+        const double exact =
+            log(rained(.5, soil.alpha * length, soil.alpha * x[2], times[k] / unit)) / soil.alpha;
+        most = fmax(most, fabs(run.s.h[i] - exact) / length);
+      }
+      const double bound = k == 3 ? 1e-6 : .5 * dx / length; /* half a spacing */
+      snprintf(name, sizeof name, "gardner: 1 + error of a head after %g h, %g mm", times[k] / 3600,
+               1e3 * dx);
+      report(name, 1, 1 + most, bound, passed(started));
+    }
+    finish(&run);
   }
 }
 
@@ -411,7 +469,7 @@ static void hard(void) {
 int main(int argc, char **argv) {
   static const struct verify_case cases[] = {
       {"rest", rest},           {"steady", steady},
-      {"front", front},         {"infiltration", infiltration},
+      {"front", front},  {"gardner", gardner},         {"infiltration", infiltration},
       {"haverkamp", haverkamp}, {"orders", orders},
       {"layers", layers},       {"hard", hard},
       {"recharge", recharge}};

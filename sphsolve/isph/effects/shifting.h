@@ -24,9 +24,9 @@
  *
  * As far as free water is calm (isph/calm.h), a particle on the surface is shifted along it too: in
  * an uneven arrangement one is pressed down into the second row sooner or later, and a wave loses
- * half of its energy at once. And the mean shift of a neighbourhood, with weights V (- W'/r), is
- * subtracted from each shift: differences from particle to particle even the particles out, whereas
- * a mean shift does work on the pressure and makes a wave on many rows grow.
+ * half of its energy at once. And where the water is thick the mean shift of a neighbourhood, with
+ * weights V (- W'/r), is subtracted from each shift: differences from particle to particle even the
+ * particles out, whereas a mean shift does work on the pressure and makes a wave on many rows grow.
  *
  * Nor is a particle shifted beside a gap to a wall if it is more asymmetric than disorder makes it:
  * shifting would close the gap within three steps. Nothing is shifted at rest. */
