@@ -2,16 +2,20 @@
 
 #include <math.h>
 
+#include "common/variants.h"
 #include "sphsolve/isph/images.h"
 
-void isph_find_near_surface(const struct isph *s, double *near) {
+void isph_neighbourhood_maximum(const struct isph *s, const double *from, double *to) {
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      near[i] = s->surface[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
-        near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
+      double most = from[i];
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+        const double other = from[chunk->pair[p] & PAIR_MASK];
+        most = other > most ? other : most;
+      }
+      to[i] = most;
     }
   }
 }
@@ -19,16 +23,19 @@ void isph_find_near_surface(const struct isph *s, double *near) {
 /* Neighbours' contribution to isph_near_surface. */
 ROW void surface_around(enum isph_images images, const struct isph *s,
                         const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
+  double most = *near;
+  four sum = {0}, out;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    *near = fmax(*near, s->surface[j]);
-    double out[3];
-    isph_turn(images, s, chunk->pair[p], s->gradient_sum[j], out);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
+    most = s->surface[j] > most ? s->surface[j] : most;
+    isph_turn_four(images, s, chunk->pair[p], s->gradient_sum[j], &out);
+    sum += s->surface[j] * out;
   }
+  for (int a = 0; a < 3; a++) normal[a] += sum[a];
+  *near = most;
 }
 
-double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+TARGETS double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                          double normal[3]) {
   double near = s->surface[i], square = 0;
   for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
