@@ -5,9 +5,10 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/constants.h"
 
-/* Sets `sum` to L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. In laminar
- * flow velocities behind a closed side that holds the water have the opposite sign, so that shear
- * at the side is none of its curvature; a turbulent boundary layer is thinner than particles. */
+/* Sets `sum` to L u = - sum 2 V slope (u_i - u_j) of particle i over its pairs with water. In
+ * laminar flow velocities behind a closed side that holds the water have the opposite sign, so that
+ * shear at the side is none of its curvature; a turbulent boundary layer is thinner than particles.
+ */
 ROW void laplacian(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
                    size_t i, double (*u)[3], double sum[3]) {
   four all = {0};
@@ -36,7 +37,8 @@ void isph_biharmonic_begin(struct isph *s) {
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->curvature)});
 }
 
-TARGETS void isph_biharmonic(struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3]) {
+TARGETS void isph_biharmonic(struct isph *s, const struct isph_chunk *chunk, size_t i,
+                             double force[3]) {
   const double nu = BIHARMONIC_VISCOSITY * s->spacing * s->spacing * s->artificial_viscosity;
   double sum[3];
   ISPH_ROW(s, i, laplacian, s, chunk, i, s->curvature, sum);

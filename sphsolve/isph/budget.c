@@ -102,17 +102,17 @@ void isph_budget_begin(struct isph *s) {
 static void budget_reflected(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                              const double f[3], double scale, struct budget_sums *sums) {
   static const double still[3] = {0};
-  const double *x = s->position[i];
+  four sum = {0}, r, way;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
     if (!isph_is_reflected(IMAGES_REFLECTED, s, entry)) continue;
-    double r[3];
-    isph_separation(s, x, s->position, entry, r);
-    const double fall = isph_fall_between(IMAGES_REFLECTED, s, f, x, entry, r);
-    const double pressure = s->pressure[i] + s->pressure[j] + s->density * (fall - dot(f, r));
-    add_force(sums, BUDGET_WALL_PRESSURE, scale * s->volume[j] * (double)chunk->slope[p] * pressure,
-              r, still);
+    isph_separation_four(IMAGES_REFLECTED, s, i, entry, &r);
+    isph_fall_way(IMAGES_REFLECTED, s, i, entry, &r, &way);
+    way -= r;
+    const double pressure = s->pressure[i] + s->pressure[j] + s->density * FOUR_DOT(way, f);
+    sum += s->volume[j] * (double)chunk->slope[p] * pressure * r;
   }
+  add_force(sums, BUDGET_WALL_PRESSURE, scale, (double[3]){sum[0], sum[1], sum[2]}, still);
 }
 
 /* Pressure of walls and open sides on particle i, and the work of moving ones. `scale`: m dt / rho.

@@ -33,8 +33,7 @@ TARGETS static void multiply_rows(const struct isph *s, const struct isph_chunk 
     const size_t n = s->pair_number[i], whole = n - n % LANES;
     double sum[LANES] = {0};
     for (size_t p = 0; p < whole; p += LANES)
-      for (size_t k = 0; k < LANES; k++)
-        sum[k] += (double)a[p + k] * x[pair[p + k] & PAIR_MASK];
+      for (size_t k = 0; k < LANES; k++) sum[k] += (double)a[p + k] * x[pair[p + k] & PAIR_MASK];
     for (size_t p = whole; p < n; p++) sum[p - whole] += (double)a[p] * x[pair[p] & PAIR_MASK];
     y[i] = s->diagonal[i] * x[i] - ((sum[0] + sum[1]) + (sum[2] + sum[3]));
   }

@@ -36,7 +36,7 @@ ROW void surface_around(enum isph_images images, const struct isph *s,
 }
 
 TARGETS double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                         double normal[3]) {
+                                 double normal[3]) {
   double near = s->surface[i], square = 0;
   for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
   ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);

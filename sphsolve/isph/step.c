@@ -125,21 +125,23 @@ ROW void pressure_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, const double f[3],
                            double reduced[3], double own[3], double flux[3],
                            struct isph_edge *edge) {
-  const double *xi = s->position[i], rho = s->density, k = s->mobility[i];
-  four r, by_fall = {0}, by_drop = {0}, by_flux = {0};
+  const double rho = s->density, k = s->mobility[i];
+  four r, way, by_fall = {0}, by_drop = {0}, by_flux = {0};
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
     isph_separation_four(images, s, i, chunk->pair[p], &r);
     double weight = s->volume[j] * (double)chunk->slope[p], drop = s->pressure[i] - s->pressure[j];
     double fall = drop;
-    const double at[3] = {r[0], r[1], r[2]};
-    if (f != NULL) fall -= rho * isph_fall_between(images, s, f, xi, chunk->pair[p], at);
-    if (f != NULL && isph_is_reflected(images, s, chunk->pair[p])) drop = fall + rho * dot(f, at);
+    if (f != NULL) {
+      isph_fall_way(images, s, i, chunk->pair[p], &r, &way);
+      fall -= rho * FOUR_DOT(way, f);
+      if (isph_is_reflected(images, s, chunk->pair[p])) drop = fall + rho * FOUR_DOT(r, f);
+    }
     by_fall += weight * fall * r, by_drop += weight * drop * r;
     if (flux == NULL) continue;
     const double kij = isph_mobility_between(s, chunk, p, i, j) / k;
     by_flux += weight * kij * fall * r;
-    if (edge != NULL) isph_edge_add(edge, kij, weight, at);
+    if (edge != NULL) isph_edge_add(edge, kij, weight, (double[3]){r[0], r[1], r[2]});
   }
   for (int a = 0; a < 3; a++) reduced[a] = by_fall[a], own[a] = by_drop[a];
   for (int a = 0; a < 3 && flux != NULL; a++) flux[a] = by_flux[a];

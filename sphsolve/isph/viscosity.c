@@ -71,8 +71,8 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
 
 /* Viscous force nu_E lap v of particle i: pairs after M15 eq. 22; no-slip walls by the image
  * velocity v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
-TARGETS void isph_viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
-                  double friction[3]) {
+TARGETS void isph_viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                          double force[3], double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i];
   ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
   if (!s->on.no_slip) return;
