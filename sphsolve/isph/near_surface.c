@@ -5,19 +5,24 @@
 #include "common/variants.h"
 #include "sphsolve/isph/images.h"
 
+TARGETS static void find_maxima(const struct isph *s, const struct isph_chunk *chunk,
+                                const double *restrict from, double *restrict to) {
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const uint32_t *pair = chunk->pair + s->pair_first[i];
+    const size_t n = s->pair_number[i];
+    double most = from[i], other = most; /* by turns: one need not wait for the other */
+    for (size_t p = 0; p + 1 < n; p += 2) {
+      const double a = from[pair[p] & PAIR_MASK], b = from[pair[p + 1] & PAIR_MASK];
+      most = a > most ? a : most, other = b > other ? b : other;
+    }
+    if (n % 2 != 0) most = fmax(most, from[pair[n - 1] & PAIR_MASK]);
+    to[i] = fmax(most, other);
+  }
+}
+
 void isph_neighbourhood_maximum(const struct isph *s, const double *from, double *to) {
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double most = from[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        const double other = from[chunk->pair[p] & PAIR_MASK];
-        most = other > most ? other : most;
-      }
-      to[i] = most;
-    }
-  }
+  for (size_t c = 0; c < s->chunk_count; c++) find_maxima(s, &s->chunks[c], from, to);
 }
 
 /* Neighbours' contribution to isph_near_surface. */

@@ -100,9 +100,8 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       }
       const double *vw = isph_wall_velocity(s, j);
       walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
-      double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio, across[3],
-             back[3];
-      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+      double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], across[3], back[3];
+      isph_wall_mirror(s, xi, j, xj, mirror, NULL);
       double image = 2 * isph_wall_volume(s, j) * slope;
       if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
       if (strains) symmetric_times(d, r, r);
