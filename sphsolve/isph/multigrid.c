@@ -42,39 +42,33 @@ static enum status shape(struct isph *s, struct isph_multigrid *grid) {
   return levels_shape(&grid->levels, extent, used, s->periodic, s->spacing);
 }
 
-/* Weights of the 8 corners of the cell of own particle i. */
-static void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
-  double f[3] = {(double)grid->fraction[i][0], (double)grid->fraction[i][1],
-                 (double)grid->fraction[i][2]};
-  int n = 0, top = grid->levels.used[1] ? 1 : 0;
-  for (int c = 0; c <= 1; c++)
-    for (int b = 0; b <= top; b++)
-      for (int a = 0; a <= 1; a++)
-        weight[n++] =
-            (a ? f[0] : 1 - f[0]) * (top ? (b ? f[1] : 1 - f[1]) : 1) * (c ? f[2] : 1 - f[2]);
+/* Weights of the 8 corners of the cell of own particle i, 4 in 2-D. */
+static inline void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
+  const double x = (double)grid->fraction[i][0], y = (double)grid->fraction[i][1],
+               z = (double)grid->fraction[i][2];
+  const double plane[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
+  const int n = grid->levels.used[1] ? 4 : 2; /* y is 0 in 2-D */
+  for (int c = 0; c < n; c++) weight[c] = plane[c] * (1 - z), weight[n + c] = plane[c] * z;
 }
 
 /* Nodes around the cell of own particle i. */
-static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
+static inline int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
   const struct level *fine = &grid->levels.at[0];
-  const uint32_t base = grid->base[i], row = base / (uint32_t)fine->nodes[0];
-  const uint32_t x = base - row * (uint32_t)fine->nodes[0], z = row / (uint32_t)fine->nodes[1];
-  const uint32_t y = row - z * (uint32_t)fine->nodes[1];
-  const size_t right = (size_t)fine->upper[0][x] - x;
-  const int above = fine->upper[2][z];
-  node[0] = base;
-  node[1] = base + right;
-  if (!grid->levels.used[1]) {
-    node[2] = level_node(fine, (int)x, (int)y, above);
-    node[3] = node[2] + right;
-    return 4;
+  const size_t base = grid->base[i];
+  size_t step[3], stride = 1;
+  int n = 0;
+  for (int a = 0; a < 3; a++) { /* across a periodic side back to the first */
+    const size_t nodes = (size_t)fine->nodes[a];
+    const bool last = fine->periodic[a] && base / stride % nodes == nodes - 1;
+    step[a] = last ? stride - nodes * stride : stride;
+    stride *= nodes;
   }
-  const int behind = fine->upper[1][y];
-  node[2] = level_node(fine, (int)x, behind, (int)z);
-  node[4] = level_node(fine, (int)x, (int)y, above);
-  node[6] = level_node(fine, (int)x, behind, above);
-  for (int c = 2; c < 8; c += 2) node[c + 1] = node[c] + right;
-  return 8;
+  for (size_t c = 0; c < 2; c++)
+    for (size_t b = 0; b < (grid->levels.used[1] ? 2 : 1); b++, n += 2) {
+      node[n] = base + b * step[1] + c * step[2];
+      node[n + 1] = node[n] + step[0];
+    }
+  return n;
 }
 
 /* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
