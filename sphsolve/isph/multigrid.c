@@ -79,7 +79,10 @@ static inline int particle_corners(const struct isph_multigrid *grid, size_t i, 
 static double unit_of(const struct isph *s, const double *value) {
   double most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)
-  for (size_t i = s->local.begin; i < s->local.end; i++) most = fmax(most, fabs(value[i]));
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const double size = fabs(value[i]);
+    most = size > most ? size : most;
+  }
   most = ranks_max(most);
   int exponent = 0;
   frexp(most, &exponent);

@@ -191,7 +191,7 @@ ROW void find_walls(enum isph_images images, const struct isph *s, struct isph_c
   }
 }
 
-static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
+TARGETS static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   uint32_t candidates[ISPH_CANDIDATES];
   const enum kernel kernel = s->scene->isph.kernel;
   const int dimensions = s->dimensions;

@@ -187,7 +187,7 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       double r[3];
       isph_separation(s, xi, s->boundary_position, entry, r);
       if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
-        if (s->porosity == NULL) continue;
+        if (s->porosity == NULL || s->soil_fraction[i] == 0) continue;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6];
         isph_wall_mirror(s, xi, j, xj, mirror, NULL);
         double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
