@@ -118,32 +118,38 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* Sets the gradients of q = P - rho f.x (`reduced`) and of P (`own`) from the pairs of particle
- * i. Where mobilities differ, also `flux` for isph_edge_turn, and the sums `edge` until they are
- * known; otherwise these are NULL. f NULL: no driving force. */
+/* The pressure without its hydrostatic part, q = P - rho f.x of all particles, and by image code
+ * what q rises by across periodic sides. */
+struct reduced_pressure {
+  const double *q;
+  double across[27];
+};
+
+/* Sets the gradient of q (`reduced`) from the pairs of particle i, and that of P (`own`) unless
+ * NULL. Where mobilities differ, also `flux` for isph_edge_turn, and the sums `edge` until they are
+ * known; otherwise these are NULL. */
 ROW void pressure_gradient(enum isph_images images, const struct isph *s,
-                           const struct isph_chunk *chunk, size_t i, const double f[3],
+                           const struct isph_chunk *chunk, size_t i,
+                           const struct reduced_pressure *pressure, const double f[3],
                            double reduced[3], double own[3], double flux[3],
                            struct isph_edge *edge) {
-  const double rho = s->density, k = s->mobility[i];
-  four r, way, by_fall = {0}, by_drop = {0}, by_flux = {0};
+  const double *q = pressure->q, rho = s->density, k = s->mobility[i];
+  four r, by_fall = {0}, by_force = {0}, by_flux = {0};
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    isph_separation_four(images, s, i, chunk->pair[p], &r);
-    double weight = s->volume[j] * (double)chunk->slope[p], drop = s->pressure[i] - s->pressure[j];
-    double fall = drop;
-    if (f != NULL) {
-      isph_fall_way(images, s, i, chunk->pair[p], &r, &way);
-      fall -= rho * FOUR_DOT(way, f);
-      if (isph_is_reflected(images, s, chunk->pair[p])) drop = fall + rho * FOUR_DOT(r, f);
-    }
-    by_fall += weight * fall * r, by_drop += weight * drop * r;
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    isph_separation_four(images, s, i, entry, &r);
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    const double over = images == IMAGES_NONE ? 0 : pressure->across[entry >> PAIR_BITS];
+    const double fall = q[i] - q[j] - over;
+    by_fall += weight * fall * r;
+    if (own != NULL) by_force += weight * rho * FOUR_DOT(r, f) * r;
     if (flux == NULL) continue;
     const double kij = isph_mobility_between(s, chunk, p, i, j) / k;
     by_flux += weight * kij * fall * r;
     if (edge != NULL) isph_edge_add(edge, kij, weight, (double[3]){r[0], r[1], r[2]});
   }
-  for (int a = 0; a < 3; a++) reduced[a] = by_fall[a], own[a] = by_drop[a];
+  for (int a = 0; a < 3; a++) reduced[a] = by_fall[a];
+  for (int a = 0; a < 3 && own != NULL; a++) own[a] = by_fall[a] + by_force[a];
   for (int a = 0; a < 3 && flux != NULL; a++) flux[a] = by_flux[a];
 }
 
@@ -158,7 +164,8 @@ ROW void pressure_gradient(enum isph_images images, const struct isph *s,
  * the part of the moment along a wall that is missing beside it is compensated for; without this, a
  * column ten particles wide carries 2 % too little. In free water that would keep eddies alive at
  * rest. */
-TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk *chunk) {
+TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk *chunk,
+                                  const struct reduced_pressure *q) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
@@ -171,16 +178,18 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
     /* share of the moment present along each axis, walls left out */
     double present[3] = {1, 1, 1};
     if (edges && again && s->ground != NULL) {
-      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, NULL, reduced, own, flux, NULL);
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, NULL);
       isph_edge_turn(&s->linked[i].edge, flux, reduced);
     } else if (edges) {
       struct isph_edge edge = {.level = 0};
       struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
-      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, flux, &edge);
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, &edge);
       isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
       isph_edge_turn(frame, flux, reduced);
+    } else if (s->surface != NULL && !again && surface_falls(s, i)) {
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, NULL, NULL);
     } else {
-      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL, NULL);
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, NULL, NULL, NULL);
     }
     for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
       uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
@@ -227,8 +236,20 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
 }
 
 static void correct(struct isph *s) {
+  struct reduced_pressure reduced = {.q = s->pressure};
+  if (!s->solve.again) { /* the second pressure is an increment */
+    double *q = s->work[0];
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < s->count; i++)
+      q[i] = s->pressure[i] - s->density * dot(s->force, s->position[i]);
+    for (int code = 0; code < 27; code++)
+      for (int a = 0; a < 3; a++)
+        if (s->image[code].turn[a] > 0)
+          reduced.across[code] -= s->density * s->force[a] * s->image[code].shift[a];
+    reduced.q = q;
+  }
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) correct_chunk(s, &s->chunks[c]);
+  for (size_t c = 0; c < s->chunk_count; c++) correct_chunk(s, &s->chunks[c], &reduced);
 }
 
 /* Water with a surface bears no tension: P >= 0, so that it can break up. If no force acts on it,
