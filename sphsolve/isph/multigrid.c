@@ -15,7 +15,7 @@ struct isph_multigrid {
   size_t capacity, layer_capacity;
   uint32_t *base; /* [own particles]: lowest node of the particle's cell */
   float (*fraction)[3];
-  uint32_t *order; /* own particles by layer of cells along z */
+  uint32_t *order; /* own particles by layer of cells, each near the next in memory */
   /* [nodes or cells]: sums in whole numbers of a unit, independent of their order */
   int64_t *whole;
   size_t whole_room;
@@ -104,7 +104,7 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
   memset(grid->whole, 0, fine->node_count * sizeof *grid->whole);
   for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic, 1)
-    for (int k = parity; k < fine->cells[2]; k += 2)
+    for (int k = parity; k < fine->cells[s->cells.axis[2]]; k += 2)
       for (uint32_t p = grid->layer_start[k]; p < grid->layer_start[k + 1]; p++) {
         size_t i = grid->order[p], node[8];
         double weight[8], scaled = scale * value[s->local.begin + i];
@@ -176,7 +176,9 @@ enum status multigrid_build(struct isph *s) {
     TRY(memory_resize(&grid->whole, sums + sums / 4, sizeof *grid->whole, "the preconditioner"));
     grid->whole_room = sums + sums / 4;
   }
-  size_t layers = (size_t)fine->cells[2];
+  const int along = s->cells.axis[2];
+  size_t layers = (size_t)fine->cells[along], plane = 1;
+  for (int a = 0; a < along; a++) plane *= (size_t)fine->nodes[a];
   if (layers + 1 > grid->layer_capacity) {
     TRY(memory_resize(&grid->layer_start, 2 * layers + 1, sizeof *grid->layer_start,
                       "the preconditioner"));
@@ -192,12 +194,13 @@ enum status multigrid_build(struct isph *s) {
       grid->fraction[i][a] = (float)fmin(fmax(0, scaled - at[a]), 1);
     }
     grid->base[i] = (uint32_t)level_node(fine, at[0], at[1], at[2]);
-    grid->layer_start[at[2] + 1]++;
+    grid->layer_start[at[along] + 1]++;
   }
   for (size_t k = 0; k < layers; k++) grid->layer_start[k + 1] += grid->layer_start[k];
-  size_t plane = (size_t)fine->nodes[0] * (size_t)fine->nodes[1];
-  for (size_t i = 0; i < own; i++)
-    grid->order[grid->layer_start[grid->base[i] / plane]++] = (uint32_t)i;
+  for (size_t i = 0; i < own; i++) {
+    const size_t layer = grid->base[i] / plane % (size_t)fine->nodes[along];
+    grid->order[grid->layer_start[layer]++] = (uint32_t)i;
+  }
   for (size_t k = layers; k > 0; k--) grid->layer_start[k] = grid->layer_start[k - 1];
   grid->layer_start[0] = 0;
   find_coefficients(s);
