@@ -21,46 +21,46 @@
 
 #define ITERATIONS_MAX 2000
 
-/* Contributions of a particle's pairs with water to its row. */
-struct pairs {
-  double diagonal, source, divergence;
-};
+/* Finds the coefficients of row i; returns the sum of a_ij (x_i - x_j) in `way`. */
+ROW double assemble_pairs(enum isph_images images, const struct isph *s,
+                          const struct isph_chunk *chunk, size_t i, four *way) {
+  four sum = {0}, r, fall;
+  double diagonal = 0;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    const double weight = 2 * s->volume[i] * s->volume[j] * (double)chunk->slope[p];
+    const float a = (float)(weight * isph_mobility_between(s, chunk, p, i, j));
+    isph_separation_four(images, s, i, entry, &r);
+    isph_fall_way(images, s, i, entry, &r, &fall);
+    chunk->matrix[p] = a;
+    diagonal += (double)a;
+    sum += (double)a * fall;
+  }
+  *way = sum;
+  return diagonal;
+}
 
-/* Adds up the pairs of row i. f: driving force per mass; v: velocities, or NULL without sources; d:
- * D of the divergence (isph/strain.h), or NULL. A second solve of a step has the same matrix. */
-ROW void assemble_pairs(enum isph_images images, const struct isph *s,
-                        const struct isph_chunk *chunk, size_t i, const double f[3], double (*v)[3],
-                        const double d[6], struct pairs *row) {
-  const bool again = s->solve.again;
+/* Divergence of the velocities v at particle i, from its pairs. d: isph/strain.h. */
+ROW double pairs_divergence(enum isph_images images, const struct isph *s,
+                            const struct isph_chunk *chunk, size_t i, double (*v)[3],
+                            const double d[6]) {
+  const four x = {d[0], d[1], d[2]}, y = {d[1], d[3], d[4]}, z = {d[2], d[4], d[5]};
   const bool linked = s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED;
-  four fallen = {0}, spread = {0}, column[3] = {{1}, {0, 1}, {0, 0, 1}}, r, way, vj;
-  double diagonal = 0, carried = 0;
-  if (d != NULL)
-    column[0] = (four){d[0], d[1], d[2]}, column[1] = (four){d[1], d[3], d[4]},
-    column[2] = (four){d[2], d[4], d[5]};
+  four sum = {0}, r, vj;
+  double carried = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
     const double weight = s->volume[j] * (double)chunk->slope[p];
     isph_separation_four(images, s, i, entry, &r);
-    if (!again) {
-      chunk->matrix[p] =
-          (float)(2 * s->volume[i] * isph_mobility_between(s, chunk, p, i, j) * weight);
-      isph_fall_way(images, s, i, entry, &r, &way);
-      fallen += (double)chunk->matrix[p] * way;
-    }
-    diagonal += (double)chunk->matrix[p];
-    if (v == NULL) continue;
     isph_turn_four(images, s, entry, v[j], &vj);
-    const four turned = r[0] * column[0] + r[1] * column[1] + r[2] * column[2];
     if (linked)
       carried +=
           weight * isph_link_difference(s, chunk, p, i, v[i], (double[3]){vj[0], vj[1], vj[2]},
-                                        (double[3]){turned[0], turned[1], turned[2]});
+                                        (double[3]){r[0], r[1], r[2]});
     else
-      spread += weight * (FOUR(v[i]) - vj) * turned;
+      sum += weight * (FOUR(v[i]) - vj) * (r[0] * x + r[1] * y + r[2] * z);
   }
-  row->diagonal = diagonal, row->source = s->density * FOUR_DOT(fallen, f);
-  row->divergence = carried + (spread[0] + spread[1] + spread[2]);
+  return carried + (sum[0] + sum[1] + sum[2]);
 }
 
 /* Assembles the rows i of a chunk,
@@ -79,11 +79,17 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     const double *xi = s->position[i], *vi = v[i];
     double ki = s->mobility[i], vol = s->volume[i];
-    struct pairs pairs;
-    double d[6];
+    double d[6] = {1, 0, 0, 1, 0, 1};
     const bool strains = isph_strain_turn(s, i, d);
-    ISPH_ROW(s, i, assemble_pairs, s, chunk, i, f, sources ? v : NULL, strains ? d : NULL, &pairs);
-    double diagonal = pairs.diagonal, source = pairs.source, divergence = pairs.divergence;
+    double diagonal = 0, divergence = 0;
+    four way = {0};
+    if (again) /* the matrix is that of the first solve */
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+        diagonal += (double)chunk->matrix[p];
+    else
+      ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way);
+    double source = rho * FOUR_DOT(way, f);
+    if (sources) ISPH_ROW(s, i, divergence = pairs_divergence, s, chunk, i, v, d);
     double walled = 0, tied = 0;
     double beside = s->on.surface ? s->surface[i] : 0;
     for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
