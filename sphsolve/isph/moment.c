@@ -86,9 +86,8 @@ static inline double along(const double c[6], const double r[3]) {
 
 /* Components xx xy xz yy, and xz yy yz zz, of a symmetric tensor, of a pair's C and of r r. */
 typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
-typedef int64_t four_places __attribute__((vector_size(32)));
 #define FOUR_OF_FLOATS(x) __builtin_convertvector(*(const four_floats *)(x), four)
-#define PLACES(r, a, b, c, d) __builtin_shuffle(r, (four_places){a, b, c, d})
+#define PLACES(r, ...) __builtin_shufflevector(r, r, __VA_ARGS__)
 
 /* Corrects the slopes of particle i's pairs. Finds the moment that they then have, and the change
  * of the gradient sum. */
