@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "common/memory.h"
-#include "common/variants.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 
@@ -79,9 +78,9 @@ static inline double outside(double x, double size) {
   return x < 0 ? -x : x > size ? x - size : 0;
 }
 
-TARGETS size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
-                                  const uint32_t *order, double (*x)[3], const double xi[3],
-                                  double reach, uint32_t *candidates) {
+size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
+                          const uint32_t *order, double (*x)[3], const double xi[3], double reach,
+                          uint32_t *candidates) {
   size_t found = 0;
   double reach2 = reach * reach;
   const int x0 = cells->axis[0], b = cells->axis[1], c = cells->axis[2];
