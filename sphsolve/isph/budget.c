@@ -35,6 +35,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/variants.h"
 #include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/images.h"
@@ -102,17 +103,17 @@ void isph_budget_begin(struct isph *s) {
 static void budget_reflected(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                              const double f[3], double scale, struct budget_sums *sums) {
   static const double still[3] = {0};
-  const double *x = s->position[i];
+  four sum = {0}, r, way;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
     if (!isph_is_reflected(IMAGES_REFLECTED, s, entry)) continue;
-    double r[3];
-    isph_separation(s, x, s->position, entry, r);
-    const double fall = isph_fall_between(IMAGES_REFLECTED, s, f, x, entry, r);
-    const double pressure = s->pressure[i] + s->pressure[j] + s->density * (fall - dot(f, r));
-    add_force(sums, BUDGET_WALL_PRESSURE, scale * s->volume[j] * (double)chunk->slope[p] * pressure,
-              r, still);
+    isph_separation_four(IMAGES_REFLECTED, s, i, entry, &r);
+    isph_fall_way(IMAGES_REFLECTED, s, i, entry, &r, &way);
+    way -= r;
+    const double pressure = s->pressure[i] + s->pressure[j] + s->density * FOUR_DOT(way, f);
+    sum += s->volume[j] * (double)chunk->slope[p] * pressure * r;
   }
+  add_force(sums, BUDGET_WALL_PRESSURE, scale, (double[3]){sum[0], sum[1], sum[2]}, still);
 }
 
 /* Pressure of walls and open sides on particle i, and the work of moving ones. `scale`: m dt / rho.
@@ -142,16 +143,16 @@ static void budget_sides(const struct isph *s, const struct isph_chunk *chunk, s
 /* V P grad eps of particle i at an edge of soil. `scale`: m dt / (eps rho), that is V dt. */
 static void budget_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                         double scale, struct budget_sums *sums) {
-  const double *x = s->position[i], still[3] = {0}, *soil = still;
+  const double still[3] = {0}, *soil = still;
   const float *l = s->correction[i];
-  double g[3] = {0}, gradient[3] = {0};
+  double gradient[3] = {0};
+  four g = {0}, r;
   if (s->on.moving_soil) soil = s->soil_velocity[i];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3] = {0},
-           d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
-    isph_separation(s, x, s->position, chunk->pair[p], r);
-    for (int a = 0; a < 3; a++) g[a] += d * r[a];
+    const double d = s->volume[j] * (double)chunk->slope[p] * (s->porosity[i] - s->porosity[j]);
+    isph_separation_four(IMAGES_REFLECTED, s, i, chunk->pair[p], &r);
+    g += d * r;
   }
   for (int a = 0; a < 3; a++)
     for (int b = 0; b < 3; b++) gradient[a] += (double)l[3 * b + a] * g[b];
@@ -245,51 +246,52 @@ static void budget_own(const struct isph *s, size_t i, double scale, const doubl
   }
 }
 
+TARGETS static void budget_chunk(const struct isph *s, struct isph_chunk *chunk, double dt) {
+  struct budget_sums *sums = &chunk->budget;
+  memset(sums, 0, sizeof *sums);
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), *f = s->force;
+    const double inertia = inertia_of(s, i), *v = s->velocity[i];
+    const double *applied = s->applied[i].pressure;
+    double u[3] = {0}, before[3], pressed[3] = {0}, square = 0;
+    for (int a = 0; a < 3; a++) {
+      u[a] = v[a] / eps;
+      before[a] = 2 * s->predicted[i][a] - v[a]; /* see correct() */
+      pressed[a] = -applied[a] / s->density - f[a];
+      square += (v[a] - before[a]) * (v[a] - before[a]);
+      sums->impulse[BUDGET_FORCE][a] += m * dt * f[a];
+    }
+    budget_own(s, i, m * dt, u, pressed, sums);
+    add_force(sums, BUDGET_PROJECTION, m * dt, pressed, u);
+    sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
+    if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
+    if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
+    if (s->on.links) budget_links(s, i, m, dt, before, u, sums);
+    if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
+      budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
+    budget_sides(s, chunk, i, m * dt / s->density, u, sums);
+    if (s->on.open_sides) {
+      const double left = s->on.soil ? s->drag_factor[i] : 1;
+      add_force(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
+    }
+    const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
+    if (s->on.relaxation)
+      sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, s->relaxation_time);
+    if (s->on.wells)
+      sums->work[BUDGET_LEFT] -= s->outlet[i].flow * s->thickness * s->pressure[i] * dt;
+    if (s->on.moving_soil) sums->work[BUDGET_SOIL_PRESSURE] -= power * s->porosity_rate[i];
+  }
+  const enum budget_term does[] = {BUDGET_WALL_PRESSURE, BUDGET_OPEN_SIDES, BUDGET_RELAXATION,
+                                   BUDGET_SOIL_PRESSURE, BUDGET_LEFT};
+  for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
+    sums->work[BUDGET_PROJECTION] -= sums->work[does[t]];
+    for (int a = 0; a < 3; a++) sums->impulse[BUDGET_PROJECTION][a] -= sums->impulse[does[t]][a];
+  }
+}
+
 void isph_budget_forces(struct isph *s, double dt) {
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    struct isph_chunk *chunk = &s->chunks[c];
-    struct budget_sums *sums = &chunk->budget;
-    memset(sums, 0, sizeof *sums);
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double m = s->mass[i] * s->thickness, eps = porosity_of(s, i), *f = s->force;
-      const double inertia = inertia_of(s, i), *v = s->velocity[i];
-      const double *applied = s->applied[i].pressure;
-      double u[3] = {0}, before[3], pressed[3] = {0}, square = 0;
-      for (int a = 0; a < 3; a++) {
-        u[a] = v[a] / eps;
-        before[a] = 2 * s->predicted[i][a] - v[a]; /* see correct() */
-        pressed[a] = -applied[a] / s->density - f[a];
-        square += (v[a] - before[a]) * (v[a] - before[a]);
-        sums->impulse[BUDGET_FORCE][a] += m * dt * f[a];
-      }
-      budget_own(s, i, m * dt, u, pressed, sums);
-      add_force(sums, BUDGET_PROJECTION, m * dt, pressed, u);
-      sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
-      if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
-      if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
-      if (s->on.links) budget_links(s, i, m, dt, before, u, sums);
-      if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
-        budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
-      budget_sides(s, chunk, i, m * dt / s->density, u, sums);
-      if (s->on.open_sides) {
-        const double left = s->on.soil ? s->drag_factor[i] : 1;
-        add_force(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
-      }
-      const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
-      if (s->on.relaxation)
-        sums->work[BUDGET_RELAXATION] -= power * relaxation_source(s, i, s->relaxation_time);
-      if (s->on.wells)
-        sums->work[BUDGET_LEFT] -= s->outlet[i].flow * s->thickness * s->pressure[i] * dt;
-      if (s->on.moving_soil) sums->work[BUDGET_SOIL_PRESSURE] -= power * s->porosity_rate[i];
-    }
-    const enum budget_term does[] = {BUDGET_WALL_PRESSURE, BUDGET_OPEN_SIDES, BUDGET_RELAXATION,
-                                     BUDGET_SOIL_PRESSURE, BUDGET_LEFT};
-    for (size_t t = 0; t < sizeof does / sizeof *does; t++) {
-      sums->work[BUDGET_PROJECTION] -= sums->work[does[t]];
-      for (int a = 0; a < 3; a++) sums->impulse[BUDGET_PROJECTION][a] -= sums->impulse[does[t]][a];
-    }
-  }
+  for (size_t c = 0; c < s->chunk_count; c++) budget_chunk(s, &s->chunks[c], dt);
 }
 
 void isph_budget_change(const struct isph *s, struct budget_sums *sums, enum budget_term term,

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sphsolve/isph/linear.h"
+#include "sphsolve/isph/near_surface.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/vector.h"
 
@@ -10,21 +11,10 @@ bool isph_has_calm(const struct isph *s) {
   return isph_is_free_water(s) && s->on.artificial_viscosity && s->on.viscous;
 }
 
-/* Sets `to` to the largest value of `from` in each own particle's neighbourhood. */
+/* Collective isph_neighbourhood_maximum. */
 static void neighbourhood_maximum(struct isph *s, double *from, double *to) {
   isph_send(s, 1, &(struct ghost_field){from, sizeof *from});
-#pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double most = from[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-        const double other = from[chunk->pair[p] & PAIR_MASK];
-        most = other > most ? other : most;
-      }
-      to[i] = most;
-    }
-  }
+  isph_neighbourhood_maximum(s, from, to);
 }
 
 void isph_calm_thickness(struct isph *s) {

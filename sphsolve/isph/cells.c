@@ -73,6 +73,11 @@ cleanup:
   return status;
 }
 
+/* Distance of x from the interval 0 .. size. */
+static inline double outside(double x, double size) {
+  return x < 0 ? -x : x > size ? x - size : 0;
+}
+
 size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
                           const uint32_t *order, double (*x)[3], const double xi[3], double reach,
                           uint32_t *candidates) {
@@ -104,10 +109,10 @@ size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
         if (empty) continue;
         for (int cz = low[c]; cz <= high[c]; cz++) {
           double z0 = cells->origin[c] + cz * cells->size[c];
-          double dz = fmax(0, fmax(z0 - at[c], at[c] - z0 - cells->size[c]));
+          double dz = outside(at[c] - z0, cells->size[c]);
           for (int cy = low[b]; cy <= high[b]; cy++) {
             double y0 = cells->origin[b] + cy * cells->size[b];
-            double dy = fmax(0, fmax(y0 - at[b], at[b] - y0 - cells->size[b]));
+            double dy = outside(at[b] - y0, cells->size[b]);
             if (dy * dy + dz * dz > reach2) continue;
             size_t row =
                 ((size_t)cz * (size_t)cells->count[b] + (size_t)cy) * (size_t)cells->count[x0];

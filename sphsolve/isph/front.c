@@ -36,11 +36,11 @@ static void add_walls(const struct isph *s, const struct isph_chunk *chunk, size
   const double *xi = s->position[i], *g = s->gradient_sum[i];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     const size_t j = chunk->wall[p] & PAIR_MASK;
-    double r[3], mirror[6], ratio, gap = 0, *beyond = sides->beyond;
+    double r[3], mirror[6], gap = 0, *beyond = sides->beyond;
     isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
     if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
       const double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
-      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+      isph_wall_mirror(s, xi, j, xj, mirror, NULL);
       gap = surface_gap(s, i, r, mirror);
     }
     const double f = isph_wall_volume(s, j) * (double)chunk->wall_slope[p], out = gap * f;

@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "sphsolve/isph/state.h"
+#include "sphsolve/isph/vector.h"
 
 enum isph_images { IMAGES_NONE, IMAGES_PERIODIC, IMAGES_REFLECTED /* and periodic ones */ };
 
@@ -37,6 +38,14 @@ ROW void isph_separation_at(enum isph_images images, const struct isph *s, const
     r[a] = xi[a] - at;
   }
 }
+ROW void isph_separation_four(enum isph_images images, const struct isph *s, size_t i,
+                              uint32_t entry, four *r) {
+  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
+  four at = FOUR(s->position[entry & PAIR_MASK]);
+  if (images == IMAGES_REFLECTED) at *= FOUR(image->turn);
+  if (images != IMAGES_NONE) at += FOUR(image->shift);
+  *r = FOUR(s->position[i]) - at;
+}
 /* The same for any kind of image. */
 ROW void isph_separation(const struct isph *s, const double xi[3], double (*x)[3], uint32_t entry,
                          double r[3]) {
@@ -53,6 +62,11 @@ ROW void isph_turn(enum isph_images images, const struct isph *s, uint32_t entry
                    const double of[3], double image[3]) {
   const double *turn = s->image[entry >> PAIR_BITS].turn;
   for (int a = 0; a < 3; a++) image[a] = images == IMAGES_REFLECTED ? turn[a] * of[a] : of[a];
+}
+ROW void isph_turn_four(enum isph_images images, const struct isph *s, uint32_t entry,
+                        const double of[3], four *image) {
+  *image = FOUR(of);
+  if (images == IMAGES_REFLECTED) *image *= FOUR(s->image[entry >> PAIR_BITS].turn);
 }
 
 #endif

@@ -1,5 +1,6 @@
 #include "sphsolve/isph/moment.h"
 
+#include "common/variants.h"
 #include "sphsolve/isph/front.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
@@ -83,34 +84,48 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? symmetric_along(c, r) / square : 0;
 }
 
-/* Corrects the slopes of particle i's pairs. Adds up the moment that they then have, and the change
+/* Components xx xy xz yy, and xz yy yz zz, of a symmetric tensor, of a pair's C and of r r. */
+typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
+#define FOUR_OF_FLOATS(x) __builtin_convertvector(*(const four_floats *)(x), four)
+#define PLACES(r, ...) __builtin_shufflevector(r, r, __VA_ARGS__)
+
+/* Corrects the slopes of particle i's pairs. Finds the moment that they then have, and the change
  * of the gradient sum. */
-ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                        size_t i, double moment[6], double change[3]) {
-  const double *xi = s->position[i];
-  double own[6], mean[6], r[3];
-  for (int k = 0; k < 6; k++) own[k] = (double)s->moment_defect[i][k];
+ROW void correct_slopes(enum isph_images images, const struct isph *s,
+                        const struct isph_chunk *chunk, size_t i, double moment[6],
+                        double change[3]) {
+  const float *own = s->moment_defect[i];
+  const four own_low = FOUR_OF_FLOATS(own), own_high = FOUR_OF_FLOATS(own + 2);
+  four low = {0}, high = {0}, changed = {0}, d;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    for (int k = 0; k < 6; k++) mean[k] = 0.5 * (own[k] + (double)s->moment_defect[j][k]);
-    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    const double more = along(mean, r);
+    const float *other = s->moment_defect[j], before = chunk->slope[p];
+    isph_separation_four(images, s, i, chunk->pair[p], &d);
+    const four rr_low = PLACES(d, 0, 0, 0, 1) * PLACES(d, 0, 1, 2, 1);
+    const four rr_high = PLACES(d, 0, 1, 1, 2) * PLACES(d, 2, 1, 2, 2);
+    const four sum = (own_low + FOUR_OF_FLOATS(other)) * rr_low * (four){1, 2, 2, 1} +
+                     (own_high + FOUR_OF_FLOATS(other + 2)) * rr_high * (four){0, 0, 2, 1};
+    const double square = rr_low[0] + rr_low[3] + rr_high[3];
+    const double more = 0.5 * ((sum[0] + sum[1]) + (sum[2] + sum[3])) / (square > 0 ? square : 1);
     chunk->slope[p] *= (float)(1 + more);
-    double f = s->volume[j] * (double)chunk->slope[p];
-    for (int a = 0; a < 3; a++) change[a] += f * more / (1 + more) * r[a];
-    moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
-    moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
+    const double f = s->volume[j] * (double)chunk->slope[p];
+    changed += s->volume[j] * (double)(chunk->slope[p] - before) * d;
+    low += f * rr_low, high += f * rr_high;
   }
+  for (int a = 0; a < 3; a++) change[a] = changed[a];
+  for (int k = 0; k < 6; k++) moment[k] = k < 4 ? low[k] : high[k - 2];
+  double mean[6], r[3];
+  for (int k = 0; k < 6; k++) mean[k] = (double)own[k];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-    isph_separation_at(images, s, xi, s->boundary_position, chunk->wall[p], r);
-    chunk->wall_slope[p] *= (float)(1 + along(own, r));
+    isph_separation_at(images, s, s->position[i], s->boundary_position, chunk->wall[p], r);
+    chunk->wall_slope[p] *= (float)(1 + along(mean, r));
   }
 }
 
 /* Reduces the correction next to a surface, except deep in soil. */
 static void fade_at_surface(struct isph *s) {
   double *near = s->work[0];
-  isph_find_near_surface(s, near);
+  isph_neighbourhood_maximum(s, s->surface, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int k = 0; k < 6; k++)
       s->moment_defect[i][k] *= (float)(1 - near[i] * (1 - isph_front_deep(s, i)));
@@ -131,22 +146,23 @@ static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   for (int a = 0; a < 3; a++) n[a] *= scale;
 }
 
+TARGETS static void correct_chunk(struct isph *s, const struct isph_chunk *chunk) {
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    double moment[6], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3];
+    ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
+    if (s->on.surface && s->surface[i] > 0) {
+      for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
+      limit_closure(s, i, moment);
+    }
+    isph_moment_inverse(s->dimensions, moment, inverse);
+    for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];
+  }
+}
+
 void isph_moment_correct(struct isph *s) {
   if (s->on.surface) fade_at_surface(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->moment_defect)});
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double moment[6] = {0}, inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3] = {0};
-      ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
-      if (s->on.surface && s->surface[i] > 0) {
-        for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
-        limit_closure(s, i, moment);
-      }
-      isph_moment_inverse(s->dimensions, moment, inverse);
-      for (int k = 0; k < 9; k++) s->correction[i][k] = (float)inverse[k];
-    }
-  }
+  for (size_t c = 0; c < s->chunk_count; c++) correct_chunk(s, &s->chunks[c]);
   if (s->on.surface) isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->gradient_sum)});
 }

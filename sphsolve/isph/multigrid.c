@@ -15,7 +15,7 @@ struct isph_multigrid {
   size_t capacity, layer_capacity;
   uint32_t *base; /* [own particles]: lowest node of the particle's cell */
   float (*fraction)[3];
-  uint32_t *order; /* own particles by layer of cells along z */
+  uint32_t *order; /* own particles by layer of cells, each near the next in memory */
   /* [nodes or cells]: sums in whole numbers of a unit, independent of their order */
   int64_t *whole;
   size_t whole_room;
@@ -42,39 +42,33 @@ static enum status shape(struct isph *s, struct isph_multigrid *grid) {
   return levels_shape(&grid->levels, extent, used, s->periodic, s->spacing);
 }
 
-/* Weights of the 8 corners of the cell of own particle i. */
-static void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
-  double f[3] = {(double)grid->fraction[i][0], (double)grid->fraction[i][1],
-                 (double)grid->fraction[i][2]};
-  int n = 0, top = grid->levels.used[1] ? 1 : 0;
-  for (int c = 0; c <= 1; c++)
-    for (int b = 0; b <= top; b++)
-      for (int a = 0; a <= 1; a++)
-        weight[n++] =
-            (a ? f[0] : 1 - f[0]) * (top ? (b ? f[1] : 1 - f[1]) : 1) * (c ? f[2] : 1 - f[2]);
+/* Weights of the 8 corners of the cell of own particle i, 4 in 2-D. */
+static inline void weights_of(const struct isph_multigrid *grid, size_t i, double weight[8]) {
+  const double x = (double)grid->fraction[i][0], y = (double)grid->fraction[i][1],
+               z = (double)grid->fraction[i][2];
+  const double plane[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
+  const int n = grid->levels.used[1] ? 4 : 2; /* y is 0 in 2-D */
+  for (int c = 0; c < n; c++) weight[c] = plane[c] * (1 - z), weight[n + c] = plane[c] * z;
 }
 
 /* Nodes around the cell of own particle i. */
-static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
+static inline int particle_corners(const struct isph_multigrid *grid, size_t i, size_t node[8]) {
   const struct level *fine = &grid->levels.at[0];
-  const uint32_t base = grid->base[i], row = base / (uint32_t)fine->nodes[0];
-  const uint32_t x = base - row * (uint32_t)fine->nodes[0], z = row / (uint32_t)fine->nodes[1];
-  const uint32_t y = row - z * (uint32_t)fine->nodes[1];
-  const size_t right = (size_t)fine->upper[0][x] - x;
-  const int above = fine->upper[2][z];
-  node[0] = base;
-  node[1] = base + right;
-  if (!grid->levels.used[1]) {
-    node[2] = level_node(fine, (int)x, (int)y, above);
-    node[3] = node[2] + right;
-    return 4;
+  const size_t base = grid->base[i];
+  size_t step[3], stride = 1;
+  int n = 0;
+  for (int a = 0; a < 3; a++) { /* across a periodic side back to the first */
+    const size_t nodes = (size_t)fine->nodes[a];
+    const bool last = fine->periodic[a] && base / stride % nodes == nodes - 1;
+    step[a] = last ? stride - nodes * stride : stride;
+    stride *= nodes;
   }
-  const int behind = fine->upper[1][y];
-  node[2] = level_node(fine, (int)x, behind, (int)z);
-  node[4] = level_node(fine, (int)x, (int)y, above);
-  node[6] = level_node(fine, (int)x, behind, above);
-  for (int c = 2; c < 8; c += 2) node[c + 1] = node[c] + right;
-  return 8;
+  for (size_t c = 0; c < 2; c++)
+    for (size_t b = 0; b < (grid->levels.used[1] ? 2 : 1); b++, n += 2) {
+      node[n] = base + b * step[1] + c * step[2];
+      node[n + 1] = node[n] + step[0];
+    }
+  return n;
 }
 
 /* Sums over all particles are taken in whole numbers of a unit that depends on the largest value
@@ -85,7 +79,10 @@ static int particle_corners(const struct isph_multigrid *grid, size_t i, size_t 
 static double unit_of(const struct isph *s, const double *value) {
   double most = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)
-  for (size_t i = s->local.begin; i < s->local.end; i++) most = fmax(most, fabs(value[i]));
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const double size = fabs(value[i]);
+    most = size > most ? size : most;
+  }
   most = ranks_max(most);
   int exponent = 0;
   frexp(most, &exponent);
@@ -107,7 +104,7 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
   memset(grid->whole, 0, fine->node_count * sizeof *grid->whole);
   for (int parity = 0; parity < 2; parity++) {
 #pragma omp parallel for schedule(dynamic, 1)
-    for (int k = parity; k < fine->cells[2]; k += 2)
+    for (int k = parity; k < fine->cells[s->cells.axis[2]]; k += 2)
       for (uint32_t p = grid->layer_start[k]; p < grid->layer_start[k + 1]; p++) {
         size_t i = grid->order[p], node[8];
         double weight[8], scaled = scale * value[s->local.begin + i];
@@ -179,7 +176,9 @@ enum status multigrid_build(struct isph *s) {
     TRY(memory_resize(&grid->whole, sums + sums / 4, sizeof *grid->whole, "the preconditioner"));
     grid->whole_room = sums + sums / 4;
   }
-  size_t layers = (size_t)fine->cells[2];
+  const int along = s->cells.axis[2];
+  size_t layers = (size_t)fine->cells[along], plane = 1;
+  for (int a = 0; a < along; a++) plane *= (size_t)fine->nodes[a];
   if (layers + 1 > grid->layer_capacity) {
     TRY(memory_resize(&grid->layer_start, 2 * layers + 1, sizeof *grid->layer_start,
                       "the preconditioner"));
@@ -195,12 +194,13 @@ enum status multigrid_build(struct isph *s) {
       grid->fraction[i][a] = (float)fmin(fmax(0, scaled - at[a]), 1);
     }
     grid->base[i] = (uint32_t)level_node(fine, at[0], at[1], at[2]);
-    grid->layer_start[at[2] + 1]++;
+    grid->layer_start[at[along] + 1]++;
   }
   for (size_t k = 0; k < layers; k++) grid->layer_start[k + 1] += grid->layer_start[k];
-  size_t plane = (size_t)fine->nodes[0] * (size_t)fine->nodes[1];
-  for (size_t i = 0; i < own; i++)
-    grid->order[grid->layer_start[grid->base[i] / plane]++] = (uint32_t)i;
+  for (size_t i = 0; i < own; i++) {
+    const size_t layer = grid->base[i] / plane % (size_t)fine->nodes[along];
+    grid->order[grid->layer_start[layer]++] = (uint32_t)i;
+  }
   for (size_t k = layers; k > 0; k--) grid->layer_start[k] = grid->layer_start[k - 1];
   grid->layer_start[0] = 0;
   find_coefficients(s);

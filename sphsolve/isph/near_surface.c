@@ -2,34 +2,46 @@
 
 #include <math.h>
 
+#include "common/variants.h"
 #include "sphsolve/isph/images.h"
 
-void isph_find_near_surface(const struct isph *s, double *near) {
-#pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      near[i] = s->surface[i];
-      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
-        near[i] = fmax(near[i], s->surface[chunk->pair[p] & PAIR_MASK]);
+TARGETS static void find_maxima(const struct isph *s, const struct isph_chunk *chunk,
+                                const double *restrict from, double *restrict to) {
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const uint32_t *pair = chunk->pair + s->pair_first[i];
+    const size_t n = s->pair_number[i];
+    double most = from[i], other = most; /* by turns: one need not wait for the other */
+    for (size_t p = 0; p + 1 < n; p += 2) {
+      const double a = from[pair[p] & PAIR_MASK], b = from[pair[p + 1] & PAIR_MASK];
+      most = a > most ? a : most, other = b > other ? b : other;
     }
+    if (n % 2 != 0) most = fmax(most, from[pair[n - 1] & PAIR_MASK]);
+    to[i] = fmax(most, other);
   }
+}
+
+void isph_neighbourhood_maximum(const struct isph *s, const double *from, double *to) {
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) find_maxima(s, &s->chunks[c], from, to);
 }
 
 /* Neighbours' contribution to isph_near_surface. */
 ROW void surface_around(enum isph_images images, const struct isph *s,
                         const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
+  double most = *near;
+  four sum = {0}, out;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    *near = fmax(*near, s->surface[j]);
-    double out[3];
-    isph_turn(images, s, chunk->pair[p], s->gradient_sum[j], out);
-    for (int a = 0; a < 3; a++) normal[a] += s->surface[j] * out[a];
+    most = s->surface[j] > most ? s->surface[j] : most;
+    isph_turn_four(images, s, chunk->pair[p], s->gradient_sum[j], &out);
+    sum += s->surface[j] * out;
   }
+  for (int a = 0; a < 3; a++) normal[a] += sum[a];
+  *near = most;
 }
 
-double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                         double normal[3]) {
+TARGETS double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                                 double normal[3]) {
   double near = s->surface[i], square = 0;
   for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
   ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);

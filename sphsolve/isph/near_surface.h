@@ -4,10 +4,10 @@
 
 #include "sphsolve/isph/state.h"
 
-/* Largest `surface` of each own particle and its neighbours, near [count]. */
-void isph_find_near_surface(const struct isph *s, double *near);
-/* The same of particle i (1: on the surface or with a neighbour on it), and the outward normal of
- * the surface there. */
+/* Sets `to` to the largest value of `from` in each own particle's neighbourhood. */
+void isph_neighbourhood_maximum(const struct isph *s, const double *from, double *to);
+/* The largest `surface` around particle i (1: on the surface or with a neighbour on it), and the
+ * outward normal of the surface there. */
 double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                          double normal[3]);
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "common/variants.h"
 #include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/front.h"
@@ -49,14 +50,75 @@ struct neighbourhood {
   double kernel_sum, gradient_sum[3], moment[6], wall_moment[6];
 };
 
-/* Adds a neighbour at distance vector r with volume and slope to the sums of a particle. */
-static inline void add_sums(double volume, double w, double slope, const double r[3],
-                            struct neighbourhood *sums, double moment[6]) {
-  double f = volume * slope;
-  sums->kernel_sum += volume * w;
-  for (int a = 0; a < 3; a++) sums->gradient_sum[a] += f * r[a];
-  moment[0] += f * r[0] * r[0], moment[1] += f * r[0] * r[1], moment[2] += f * r[0] * r[2];
-  moment[3] += f * r[1] * r[1], moment[4] += f * r[1] * r[2], moment[5] += f * r[2] * r[2];
+/* Candidates of a particle, a few at a time: distance vector, volume and support of the pair, and
+ * the kernel that is found from them; `turned` is the volume of those that are reflected. */
+#define BLOCK 128
+struct block {
+  double r[3][BLOCK], volume[BLOCK], turned[BLOCK], support[BLOCK], w[BLOCK], slope[BLOCK];
+} __attribute__((aligned(32)));
+
+/* Finds w and slope of the first n, both 0 beyond the support. */
+ROW void find_kernels(enum kernel kernel, int dimensions, const struct isph *s, struct block *b,
+                      size_t n) {
+  const double scale_w = s->kernel_w, scale_slope = s->kernel_slope;
+  for (size_t k = 0; k < n; k++) {
+    const double x = b->r[0][k], y = b->r[1][k], z = b->r[2][k], he = b->support[k];
+    const double square = x * x + y * y + z * z;
+    double w, slope;
+    isph_kernel(kernel, dimensions, sqrt(square), he, &w, &slope);
+    b->w[k] = square < he * he ? w * scale_w : 0;
+    b->slope[k] = square < he * he ? slope * scale_slope : 0;
+  }
+}
+
+/* Four sums at a time, in a fixed order on any machine. */
+#define LANES 4
+typedef double lanes __attribute__((vector_size(LANES * sizeof(double)), may_alias));
+#define LANES_AT(array, k) (*(const lanes *)&(array)[k])
+
+ROW double lanes_sum(const lanes *sum) {
+  return ((*sum)[0] + (*sum)[1]) + ((*sum)[2] + (*sum)[3]);
+}
+
+/* Adds sum volume slope r r; n is a multiple of LANES. */
+ROW void add_moment(const struct block *b, const double *volume, size_t n, double moment[6]) {
+  lanes sum[6] = {{0}};
+  for (size_t k = 0; k < n; k += LANES) {
+    const lanes x = LANES_AT(b->r[0], k), y = LANES_AT(b->r[1], k), z = LANES_AT(b->r[2], k);
+    const lanes f = LANES_AT(volume, k) * LANES_AT(b->slope, k), fx = f * x, fy = f * y;
+    sum[0] += fx * x, sum[1] += fx * y, sum[2] += fx * z;
+    sum[3] += fy * y, sum[4] += fy * z, sum[5] += f * z * z;
+  }
+  for (int c = 0; c < 6; c++) moment[c] += lanes_sum(&sum[c]);
+}
+
+/* Finds the kernels of the first n neighbours of a block and adds them to the sums. */
+TARGETS static void add_block(const struct isph *s, struct block *b, size_t n, bool turned,
+                              double moment[6], struct neighbourhood *sums) {
+  const enum kernel kernel = s->scene->isph.kernel;
+  lanes sum[4] = {{0}};
+  for (; n % LANES != 0; n++) {
+    for (int a = 0; a < 3; a++) b->r[a][n] = 0;
+    b->volume[n] = b->turned[n] = 0, b->support[n] = s->spacing;
+  }
+  if (kernel == KERNEL_CUBIC && s->dimensions == 3)
+    find_kernels(KERNEL_CUBIC, 3, s, b, n);
+  else if (kernel == KERNEL_CUBIC)
+    find_kernels(KERNEL_CUBIC, 2, s, b, n);
+  else
+    find_kernels(kernel, s->dimensions, s, b, n);
+  for (size_t k = 0; k < n; k += LANES) {
+    const lanes volume = LANES_AT(b->volume, k), f = volume * LANES_AT(b->slope, k);
+    for (int a = 0; a < 3; a++) sum[a] += f * LANES_AT(b->r[a], k);
+    sum[3] += volume * LANES_AT(b->w, k);
+  }
+  for (int a = 0; a < 3; a++) sums->gradient_sum[a] += lanes_sum(&sum[a]);
+  sums->kernel_sum += lanes_sum(&sum[3]);
+  if (turned) {
+    add_moment(b, b->turned, n, sums->wall_moment);
+    for (size_t k = 0; k < n; k++) b->volume[k] -= b->turned[k];
+  }
+  add_moment(b, b->volume, n, moment);
 }
 
 /* Which kinds of images can lie within `reach` of x. */
@@ -75,21 +137,29 @@ ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_c
                     size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
   const double *xi = s->position[i], hi = s->support[i];
   const bool held = isph_sides_hold(s);
+  const uint32_t own = (uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS;
   size_t count = chunk->pair_count;
-  for (size_t k = 0; k < n; k++) {
-    uint32_t entry = candidates[k], j = entry & PAIR_MASK;
-    if (entry == ((uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS)) continue;
-    double r[3], w, slope;
-    isph_separation_at(images, s, xi, s->position, entry, r);
-    double r2 = r[0] * r[0] + r[1] * r[1] + r[2] * r[2], he = 0.5 * (hi + s->support[j]);
-    if (r2 >= he * he) continue;
-    isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r2), he, &w, &slope);
-    w *= s->kernel_w, slope *= s->kernel_slope;
-    add_sums(s->volume[j], w, slope, r, sums,
-             held && isph_is_reflected(images, s, entry) ? sums->wall_moment : sums->moment);
-    chunk->pair[count] = entry;
-    chunk->slope[count] = (float)slope;
-    count++;
+  struct block b;
+  for (size_t at = 0; at < n; at += BLOCK) {
+    const size_t here = n - at < BLOCK ? n - at : BLOCK;
+    bool turned = false;
+    for (size_t k = 0; k < here; k++) {
+      const uint32_t entry = candidates[at + k], j = entry & PAIR_MASK;
+      const bool reflected = held && isph_is_reflected(images, s, entry);
+      double r[3];
+      isph_separation_at(images, s, xi, s->position, entry, r);
+      if (entry == own) r[0] = 2 * hi; /* no neighbour of its own */
+      for (int a = 0; a < 3; a++) b.r[a][k] = r[a];
+      b.volume[k] = s->volume[j], b.support[k] = 0.5 * (hi + s->support[j]);
+      b.turned[k] = reflected ? b.volume[k] : 0;
+      turned = turned || reflected;
+    }
+    add_block(s, &b, here, turned, sums->moment, sums);
+    for (size_t k = 0; k < here; k++) {
+      chunk->pair[count] = candidates[at + k];
+      chunk->slope[count] = (float)b.slope[k];
+      count += b.w[k] > 0;
+    }
   }
   chunk->pair_count = count;
 }
@@ -105,21 +175,24 @@ static bool is_beyond(const struct isph *s, uint32_t entry) {
 /* As find_pairs, for pairs with boundary particles. */
 ROW void find_walls(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                     size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
-  const double *xi = s->position[i], hi = s->support[i];
-  for (size_t k = 0; k < n; k++) {
-    double r[3], w, slope;
-    if (isph_is_reflected(images, s, candidates[k]) && is_beyond(s, candidates[k])) continue;
-    isph_separation_at(images, s, xi, s->boundary_position, candidates[k], r);
-    isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
-                hi, &w, &slope);
-    w *= s->kernel_w, slope *= s->kernel_slope;
-    add_sums(isph_wall_volume(s, candidates[k] & PAIR_MASK), w, slope, r, sums, sums->wall_moment);
-    chunk->wall[chunk->wall_count] = candidates[k];
-    chunk->wall_slope[chunk->wall_count++] = (float)slope;
+  struct block b;
+  for (size_t at = 0; at < n;) {
+    size_t here = 0;
+    for (; at < n && here < BLOCK; at++) {
+      double r[3];
+      if (isph_is_reflected(images, s, candidates[at]) && is_beyond(s, candidates[at])) continue;
+      isph_separation_at(images, s, s->position[i], s->boundary_position, candidates[at], r);
+      for (int a = 0; a < 3; a++) b.r[a][here] = r[a];
+      b.volume[here] = isph_wall_volume(s, candidates[at] & PAIR_MASK);
+      b.support[here] = s->support[i];
+      chunk->wall[chunk->wall_count + here++] = candidates[at];
+    }
+    add_block(s, &b, here, false, sums->wall_moment, sums);
+    for (size_t k = 0; k < here; k++) chunk->wall_slope[chunk->wall_count++] = (float)b.slope[k];
   }
 }
 
-static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
+TARGETS static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   uint32_t candidates[ISPH_CANDIDATES];
   const enum kernel kernel = s->scene->isph.kernel;
   const int dimensions = s->dimensions;
@@ -217,7 +290,7 @@ enum status isph_find_neighbours(struct isph *s) {
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->on.surface) isph_reflection_part(s);
-  if (s->near != NULL) isph_find_near_surface(s, s->near);
+  if (s->near != NULL) isph_neighbourhood_maximum(s, s->surface, s->near);
   if (s->calm != NULL) isph_calm_thickness(s);
   if (s->linear != NULL) isph_linear_find(s);
   if (s->on.soil) isph_moment_correct(s);

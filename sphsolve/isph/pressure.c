@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "common/variants.h"
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/link.h"
@@ -21,36 +22,49 @@
 
 #define ITERATIONS_MAX 2000
 
-/* Contributions of a particle's pairs with water to its row. */
-struct pairs {
-  double diagonal, source, divergence;
-};
-
-/* Adds up the pairs of row i. f: driving force per mass; v: velocities; d: D of the divergence
- * (isph/strain.h), or NULL. */
-ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                        size_t i, const double f[3], double (*v)[3], const double d[6],
-                        struct pairs *row) {
-  const double *xi = s->position[i], *vi = v[i], vol = s->volume[i], rho = s->density;
+/* Finds the coefficients of row i; returns the sum of a_ij (x_i - x_j) in `way`. */
+ROW double assemble_pairs(enum isph_images images, const struct isph *s,
+                          const struct isph_chunk *chunk, size_t i, four *way) {
+  four sum = {0}, r, fall;
+  double diagonal = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
-    double r[3], vj[3], slope = chunk->slope[p];
-    isph_separation_at(images, s, xi, s->position, entry, r);
-    isph_turn(images, s, entry, v[j], vj);
-    float a = (float)(2 * vol * s->volume[j] * isph_mobility_between(s, chunk, p, i, j) * slope);
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    const double weight = 2 * s->volume[i] * s->volume[j] * (double)chunk->slope[p];
+    const float a = (float)(weight * isph_mobility_between(s, chunk, p, i, j));
+    isph_separation_four(images, s, i, entry, &r);
+    isph_fall_way(images, s, i, entry, &r, &fall);
     chunk->matrix[p] = a;
-    row->diagonal += (double)a;
-    row->source += (double)a * rho * isph_fall_between(images, s, f, xi, entry, r);
-    if (d != NULL) symmetric_times(d, r, r);
-    const double differ =
-        s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED
-            ? isph_link_difference(s, chunk, p, i, vi, vj, r)
-            : (vi[0] - vj[0]) * r[0] + (vi[1] - vj[1]) * r[1] + (vi[2] - vj[2]) * r[2];
-    row->divergence += s->volume[j] * slope * differ;
+    diagonal += (double)a;
+    sum += (double)a * fall;
   }
+  *way = sum;
+  return diagonal;
 }
 
-/* Assembles row i of
+/* Divergence of the velocities v at particle i, from its pairs. d: isph/strain.h. */
+ROW double pairs_divergence(enum isph_images images, const struct isph *s,
+                            const struct isph_chunk *chunk, size_t i, double (*v)[3],
+                            const double d[6]) {
+  const four x = {d[0], d[1], d[2]}, y = {d[1], d[3], d[4]}, z = {d[2], d[4], d[5]};
+  const bool linked = s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED;
+  four sum = {0}, r, vj;
+  double carried = 0;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    isph_separation_four(images, s, i, entry, &r);
+    isph_turn_four(images, s, entry, v[j], &vj);
+    if (linked)
+      carried +=
+          weight * isph_link_difference(s, chunk, p, i, v[i], (double[3]){vj[0], vj[1], vj[2]},
+                                        (double[3]){r[0], r[1], r[2]});
+    else
+      sum += weight * (FOUR(v[i]) - vj) * (r[0] * x + r[1] * y + r[2] * z);
+  }
+  return carried + (sum[0] + sum[1] + sum[2]);
+}
+
+/* Assembles the rows i of a chunk,
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
  *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij of isph_mobility_between.
  * The driving force f enters through its potential, with the coefficients of the pressure itself: P
@@ -58,75 +72,80 @@ ROW void assemble_pairs(enum isph_images images, const struct isph *s, struct is
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann condition);
  * their images reflect the velocity. If the pressure is carried over from the last step, the rows
  * of the first projection have no source: it is that of the second solve. */
-void isph_assemble(struct isph *s) {
+TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chunk) {
   const bool again = s->solve.again, sources = again || !s->solve.carries;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
   double(*v)[3] = again ? s->velocity : s->predicted;
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const double *xi = s->position[i], *vi = v[i];
+    double ki = s->mobility[i], vol = s->volume[i];
+    double d[6] = {1, 0, 0, 1, 0, 1};
+    const bool strains = isph_strain_turn(s, i, d);
+    double diagonal = 0, divergence = 0;
+    four way = {0};
+    if (again) /* the matrix is that of the first solve */
+      for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+        diagonal += (double)chunk->matrix[p];
+    else
+      ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way);
+    double source = rho * FOUR_DOT(way, f);
+    if (sources) ISPH_ROW(s, i, divergence = pairs_divergence, s, chunk, i, v, d);
+    double walled = 0, tied = 0;
+    double beside = s->on.surface ? s->surface[i] : 0;
+    for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+      uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+      double r[3], slope = chunk->wall_slope[p];
+      isph_separation(s, xi, s->boundary_position, entry, r);
+      if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
+        double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
+        const double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
+        diagonal += a, tied += a;
+        source += a * (held * s->boundary_pressure[j] +
+                       rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
+        continue;
+      }
+      const double *vw = isph_wall_velocity(s, j);
+      walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
+      double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], across[3], back[3];
+      isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+      double image = 2 * isph_wall_volume(s, j) * slope;
+      if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
+      if (strains) symmetric_times(d, r, r);
+      isph_turn(IMAGES_REFLECTED, s, entry, r,
+                /* image of a wall particle behind a reflecting side: both reverse the velocity */
+                back);
+      symmetric_times(mirror, back, across);
+      for (int a = 0; a < 3; a++)
+        divergence += image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
+    }
+    if (s->porosity_rate != NULL) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
+    if (sources) source -= vol * divergence;
+    if (s->on.surface) {
+      double coefficient, load;
+      const double backed = s->surface[i] > 0 ? isph_reflection_backs(s, i) : 0;
+      surface_row(s, i, diagonal + walled, backed, &coefficient, &load);
+      diagonal += coefficient, tied += coefficient;
+      source += load;
+    }
+    if (s->calm != NULL && sources) source += vol * isph_calm_expansion(s, i);
+    if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, s->relaxation_time);
+    struct effect_row row = {diagonal, source, tied};
+    for (size_t k = 0; k < s->on.row_count; k++) s->on.rows[k]->row(s, i, &row);
+    s->diagonal[i] = row.diagonal > 0 ? row.diagonal : 1;
+    s->source[i] = row.source;
+    s->tied[i] = row.tied;
+  }
+}
+
+void isph_assemble(struct isph *s) {
   double fixed = 0;
-  if (!again) {
+  if (!s->solve.again) {
     s->solve.iterations = 0, s->solve.energy = 0, s->solve.solves++;
     s->solve.fresh = true;
   }
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i], *vi = v[i];
-      double ki = s->mobility[i], vol = s->volume[i];
-      struct pairs pairs = {0};
-      double d[6];
-      const bool strains = isph_strain_turn(s, i, d);
-      ISPH_ROW(s, i, assemble_pairs, s, chunk, i, f, v, strains ? d : NULL, &pairs);
-      double diagonal = pairs.diagonal, source = pairs.source, divergence = pairs.divergence;
-      double walled = 0, tied = 0;
-      double beside = s->on.surface ? s->surface[i] : 0;
-      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-        uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-        double r[3], slope = chunk->wall_slope[p];
-        isph_separation(s, xi, s->boundary_position, entry, r);
-        if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
-          double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
-          const double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
-          diagonal += a, tied += a;
-          source += a * (held * s->boundary_pressure[j] +
-                         rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]));
-          continue;
-        }
-        const double *vw = isph_wall_velocity(s, j);
-        walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
-        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio, across[3],
-               back[3];
-        isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-        double image = 2 * isph_wall_volume(s, j) * slope;
-        if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
-        if (strains) symmetric_times(d, r, r);
-        isph_turn(IMAGES_REFLECTED, s, entry, r,
-                  /* image of a wall particle behind a reflecting side: both reverse the velocity */
-                  back);
-        symmetric_times(mirror, back, across);
-        for (int a = 0; a < 3; a++)
-          divergence +=
-              image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
-      }
-      if (s->porosity_rate != NULL) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
-      if (sources) source -= vol * divergence;
-      if (s->on.surface) {
-        double coefficient, load;
-        const double backed = s->surface[i] > 0 ? isph_reflection_backs(s, i) : 0;
-        surface_row(s, i, diagonal + walled, backed, &coefficient, &load);
-        diagonal += coefficient, tied += coefficient;
-        source += load;
-      }
-      if (s->calm != NULL && sources) source += vol * isph_calm_expansion(s, i);
-      if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, s->relaxation_time);
-      struct effect_row row = {diagonal, source, tied};
-      for (size_t k = 0; k < s->on.row_count; k++) s->on.rows[k]->row(s, i, &row);
-      s->diagonal[i] = row.diagonal > 0 ? row.diagonal : 1;
-      s->source[i] = row.source;
-      s->tied[i] = row.tied;
-    }
-  }
+  for (size_t c = 0; c < s->chunk_count; c++) assemble_chunk(s, &s->chunks[c]);
   for (size_t i = s->local.begin; i < s->local.end; i++) fixed += s->tied[i];
   s->closed = ranks_sum(fixed) == 0;
   isph_enclosed_source(s, s->source);

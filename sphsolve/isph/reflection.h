@@ -47,15 +47,14 @@ static inline bool isph_sides_hold(const struct isph *s) {
   return s->on.no_slip && !s->wall_boxes[0].slip;
 }
 
-/* (P_i - P_j - (q_i - q_j)) / rho = f.(x_i - x_j), with both particles on this side of the mirror.
- * r is the pair's separation. */
-ROW double isph_fall_between(enum isph_images images, const struct isph *s, const double f[3],
-                             const double xi[3], uint32_t entry, const double r[3]) {
-  double fall = f[0] * r[0] + f[1] * r[1] + f[2] * r[2];
-  const struct isph_image *image = &s->image[entry >> PAIR_BITS];
-  for (int a = 0; a < 3 && isph_is_reflected(images, s, entry); a++)
-    if (image->turn[a] < 0) fall += f[a] * (xi[a] - s->position[entry & PAIR_MASK][a] - r[a]);
-  return fall;
+/* The x_i - x_j of (P_i - P_j - (q_i - q_j)) / rho = f.(x_i - x_j), with both particles on this
+ * side of the mirror. r is the pair's separation. */
+ROW void isph_fall_way(enum isph_images images, const struct isph *s, size_t i, uint32_t entry,
+                       const four *r, four *way) {
+  *way = *r;
+  if (images != IMAGES_REFLECTED) return;
+  const four straight = FOUR(s->position[i]) - FOUR(s->position[entry & PAIR_MASK]);
+  *way += (0.5 - 0.5 * FOUR(s->image[entry >> PAIR_BITS].turn)) * (straight - *r);
 }
 
 #endif

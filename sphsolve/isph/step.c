@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/log.h"
+#include "common/variants.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/biharmonic.h"
@@ -34,36 +35,36 @@
  * neighbours like others. */
 ROW void velocity_gradient(enum isph_images images, const struct isph *s,
                            const struct isph_chunk *chunk, size_t i, double g[9]) {
-  const double *xi = s->position[i], *vi = s->velocity[i];
+  four sum[3] = {{0}}, r, vj;
   const bool held = isph_sides_hold(s);
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3], vj[3], weight = s->volume[j] * (double)chunk->slope[p];
     if (held && isph_is_reflected(images, s, chunk->pair[p])) continue;
-    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
-    for (int a = 0; a < 3; a++) {
-      double d = weight * (vi[a] - vj[a]);
-      for (int b = 0; b < 3; b++) g[3 * a + b] += d * r[b];
-    }
+    isph_separation_four(images, s, i, chunk->pair[p], &r);
+    isph_turn_four(images, s, chunk->pair[p], s->velocity[j], &vj);
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    const four d = weight * (FOUR(s->velocity[i]) - vj);
+    for (int a = 0; a < 3; a++) sum[a] += d[a] * r;
+  }
+  for (int a = 0; a < 9; a++) g[a] = sum[a / 3][a % 3];
+}
+
+TARGETS static void find_velocity_gradient(const struct isph *s, const struct isph_chunk *chunk) {
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    double g[9];
+    ISPH_ROW(s, i, velocity_gradient, s, chunk, i, g);
+    const float *l = s->correction[i];
+    for (int a = 0; a < 3; a++)
+      for (int b = 0; b < 3; b++)
+        s->gradient[i][3 * a + b] =
+            (float)(g[3 * a] * (double)l[b] + g[3 * a + 1] * (double)l[3 + b] +
+                    g[3 * a + 2] * (double)l[6 + b]);
   }
 }
 
-static void find_velocity_gradient(struct isph *s) {
+static void find_velocity_gradients(struct isph *s) {
 #pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double g[9] = {0};
-      ISPH_ROW(s, i, velocity_gradient, s, chunk, i, g);
-      const float *l = s->correction[i];
-      for (int a = 0; a < 3; a++)
-        for (int b = 0; b < 3; b++)
-          s->gradient[i][3 * a + b] =
-              (float)(g[3 * a] * (double)l[b] + g[3 * a + 1] * (double)l[3 + b] +
-                      g[3 * a + 2] * (double)l[6 + b]);
-    }
-  }
+  for (size_t c = 0; c < s->chunk_count; c++) find_velocity_gradient(s, &s->chunks[c]);
 }
 
 /* Predictor: v* without the driving force, and the mobility k = B T / rho_w; the equation of motion
@@ -120,29 +121,39 @@ static void predict(struct isph *s, double dt) {
   }
 }
 
-/* Adds up the gradients of q = P - rho f.x (`reduced`) and of P (`own`) from the pairs of particle
- * i. Where mobilities differ, also `flux` for isph_edge_turn, and the sums `edge` until they are
- * known; otherwise these are NULL. f NULL: no driving force. */
+/* The pressure without its hydrostatic part, q = P - rho f.x of all particles, and by image code
+ * what q rises by across periodic sides. */
+struct reduced_pressure {
+  const double *q;
+  double across[27];
+};
+
+/* Sets the gradient of q (`reduced`) from the pairs of particle i, and that of P (`own`) unless
+ * NULL. Where mobilities differ, also `flux` for isph_edge_turn, and the sums `edge` until they are
+ * known; otherwise these are NULL. */
 ROW void pressure_gradient(enum isph_images images, const struct isph *s,
-                           const struct isph_chunk *chunk, size_t i, const double f[3],
+                           const struct isph_chunk *chunk, size_t i,
+                           const struct reduced_pressure *pressure, const double f[3],
                            double reduced[3], double own[3], double flux[3],
                            struct isph_edge *edge) {
-  const double *xi = s->position[i], rho = s->density, k = s->mobility[i];
+  const double *q = pressure->q, rho = s->density, k = s->mobility[i];
+  four r, by_fall = {0}, by_force = {0}, by_flux = {0};
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3];
-    isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    double weight = s->volume[j] * (double)chunk->slope[p], drop = s->pressure[i] - s->pressure[j];
-    double fall = drop;
-    if (f != NULL) fall -= rho * isph_fall_between(images, s, f, xi, chunk->pair[p], r);
-    if (f != NULL && isph_is_reflected(images, s, chunk->pair[p]))
-      drop = fall + rho * (f[0] * r[0] + f[1] * r[1] + f[2] * r[2]);
-    for (int a = 0; a < 3; a++) reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
+    isph_separation_four(images, s, i, entry, &r);
+    const double weight = s->volume[j] * (double)chunk->slope[p];
+    const double over = images == IMAGES_NONE ? 0 : pressure->across[entry >> PAIR_BITS];
+    const double fall = q[i] - q[j] - over;
+    by_fall += weight * fall * r;
+    if (own != NULL) by_force += weight * rho * FOUR_DOT(r, f) * r;
     if (flux == NULL) continue;
     const double kij = isph_mobility_between(s, chunk, p, i, j) / k;
-    for (int a = 0; a < 3; a++) flux[a] += weight * kij * fall * r[a];
-    if (edge != NULL) isph_edge_add(edge, kij, weight, r);
+    by_flux += weight * kij * fall * r;
+    if (edge != NULL) isph_edge_add(edge, kij, weight, (double[3]){r[0], r[1], r[2]});
   }
+  for (int a = 0; a < 3; a++) reduced[a] = by_fall[a];
+  for (int a = 0; a < 3 && own != NULL; a++) own[a] = by_fall[a] + by_force[a];
+  for (int a = 0; a < 3 && flux != NULL; a++) flux[a] = by_flux[a];
 }
 
 /* The corrector (leaves the mean of v^n and v^{n+1} in v*):
@@ -156,76 +167,92 @@ ROW void pressure_gradient(enum isph_images images, const struct isph *s,
  * the part of the moment along a wall that is missing beside it is compensated for; without this, a
  * column ten particles wide carries 2 % too little. In free water that would keep eddies alive at
  * rest. */
-static void correct(struct isph *s) {
+TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk *chunk,
+                                  const struct reduced_pressure *q) {
   const bool again = s->solve.again;
   static const double none[3] = {0};
   const double *f = again ? none : s->force, rho = s->density, held = again ? 0 : 1;
-#pragma omp parallel for schedule(dynamic, 1)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const double *xi = s->position[i];
-      const bool edges = s->ground != NULL ? s->ground[i] == GROUND_MIXED
-                                           : s->porosity != NULL && s->surface == NULL;
-      double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
-      double flux[3] = {0};
-      /* share of the moment present along each axis, walls left out */
-      double present[3] = {1, 1, 1};
-      if (edges && again && s->ground != NULL) {
-        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, NULL, reduced, own, flux, NULL);
-        isph_edge_turn(&s->linked[i].edge, flux, reduced);
-      } else if (edges) {
-        struct isph_edge edge = {.level = 0};
-        struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
-        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, flux, &edge);
-        isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
-        isph_edge_turn(frame, flux, reduced);
-      } else {
-        ISPH_ROW(s, i, pressure_gradient, s, chunk, i, f, reduced, own, NULL, NULL);
-      }
-      for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
-        uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
-        double r[3];
-        isph_separation(s, xi, s->boundary_position, entry, r);
-        if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
-          if (s->porosity == NULL) continue;
-          double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], ratio;
-          isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
-          double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
-          for (int a = 0; a < 3; a++)
-            present[a] -=
-                s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
-          continue;
-        }
-        double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
-        double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
-        double drop = pressure - held * s->boundary_pressure[j];
-        double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
+  for (size_t i = chunk->begin; i < chunk->end; i++) {
+    const double *xi = s->position[i];
+    const bool edges = s->ground != NULL ? s->ground[i] == GROUND_MIXED
+                                         : s->porosity != NULL && s->surface == NULL;
+    double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
+    double flux[3] = {0};
+    /* share of the moment present along each axis, walls left out */
+    double present[3] = {1, 1, 1};
+    if (edges && again && s->ground != NULL) {
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, NULL);
+      isph_edge_turn(&s->linked[i].edge, flux, reduced);
+    } else if (edges) {
+      struct isph_edge edge = {.level = 0};
+      struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, &edge);
+      isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
+      isph_edge_turn(frame, flux, reduced);
+    } else if (s->surface != NULL && !again && surface_falls(s, i)) {
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, NULL, NULL);
+    } else {
+      ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, NULL, NULL, NULL);
+    }
+    for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
+      uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
+      double r[3];
+      isph_separation(s, xi, s->boundary_position, entry, r);
+      if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
+        if (s->porosity == NULL || s->soil_fraction[i] == 0) continue;
+        double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6];
+        isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+        double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
         for (int a = 0; a < 3; a++)
-          reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
+          present[a] -=
+              s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
+        continue;
       }
-      for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
-      if (s->linear != NULL) isph_linear_correct(s, i, reduced), isph_linear_correct(s, i, own);
-      double whole = s->surface != NULL ? surface_close(s, i, reduced, own) : 1;
-      double change[3];
+      double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
+      double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
+      double drop = pressure - held * s->boundary_pressure[j];
+      double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);
       for (int a = 0; a < 3; a++)
-        change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
-      if (s->interface != NULL)
-        isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
-      for (int a = 0; a < 3; a++) {
-        double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
-        double old = s->velocity[i][a], step = change[a];
-        s->applied[i].pressure[a] += gradient;
-        if (again) {
-          s->velocity[i][a] -= step;
-          s->predicted[i][a] -= 0.5 * step;
-          continue;
-        }
-        s->velocity[i][a] = s->predicted[i][a] - step;
-        s->predicted[i][a] = 0.5 * (old + s->velocity[i][a]);
+        reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
+    }
+    for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
+    if (s->linear != NULL) isph_linear_correct(s, i, reduced), isph_linear_correct(s, i, own);
+    double whole = s->surface != NULL ? surface_close(s, i, reduced, own) : 1;
+    double change[3];
+    for (int a = 0; a < 3; a++)
+      change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+    if (s->interface != NULL)
+      isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
+    for (int a = 0; a < 3; a++) {
+      double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
+      double old = s->velocity[i][a], step = change[a];
+      s->applied[i].pressure[a] += gradient;
+      if (again) {
+        s->velocity[i][a] -= step;
+        s->predicted[i][a] -= 0.5 * step;
+        continue;
       }
+      s->velocity[i][a] = s->predicted[i][a] - step;
+      s->predicted[i][a] = 0.5 * (old + s->velocity[i][a]);
     }
   }
+}
+
+static void correct(struct isph *s) {
+  struct reduced_pressure reduced = {.q = s->pressure};
+  if (!s->solve.again) { /* the second pressure is an increment */
+    double *q = s->work[0];
+#pragma omp parallel for schedule(static)
+    for (size_t i = 0; i < s->count; i++)
+      q[i] = s->pressure[i] - s->density * dot(s->force, s->position[i]);
+    for (int code = 0; code < 27; code++)
+      for (int a = 0; a < 3; a++)
+        if (s->image[code].turn[a] > 0)
+          reduced.across[code] -= s->density * s->force[a] * s->image[code].shift[a];
+    reduced.q = q;
+  }
+#pragma omp parallel for schedule(dynamic, 1)
+  for (size_t c = 0; c < s->chunk_count; c++) correct_chunk(s, &s->chunks[c], &reduced);
 }
 
 /* Water with a surface bears no tension: P >= 0, so that it can break up. If no force acts on it,
@@ -317,7 +344,7 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_apply_tables(s, dt);
   double start = clock_seconds(), now;
   s->solve.carries = carries_pressure(s);
-  if (s->gradient != NULL) find_velocity_gradient(s);
+  if (s->gradient != NULL) find_velocity_gradients(s);
   if (s->calm != NULL) isph_calm_find(s);
   ISPH_HOOK(s, begin, dt);
   for (size_t k = 0; k < s->on.own_count; k++) {

@@ -2,6 +2,7 @@
 
 #include <math.h>
 
+#include "common/variants.h"
 #include "sphsolve/isph/effects/artificial_viscosity.h"
 #include "sphsolve/isph/effects/turbulence.h"
 #include "sphsolve/isph/images.h"
@@ -44,10 +45,12 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
                        double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i], nu = s->eddy[i];
   const bool held = isph_sides_hold(s);
+  four sum = {0};
   double tank = -1; /* the viscosity of the friction at sides that reflect, once it is known */
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    double both = nu + s->eddy[j], vj[3];
+    double both = nu + s->eddy[j];
+    four vj;
     if (held && isph_is_reflected(images, s, chunk->pair[p])) {
       double r[3];
       isph_separation(s, xi, s->position, chunk->pair[p], r);
@@ -57,18 +60,19 @@ ROW void viscous_pairs(enum isph_images images, const struct isph *s,
       for (int a = 0; a < 3; a++) friction[a] -= weight * vi[a];
       continue;
     }
-    isph_turn(images, s, chunk->pair[p], s->velocity[j], vj);
+    isph_turn_four(images, s, chunk->pair[p], s->velocity[j], &vj);
     if (s->on.links)
       both = (nu * s->porosity[i] + s->eddy[j] * s->porosity[j]) / (double)chunk->path_porosity[p];
     double weight = s->volume[j] * both * (double)chunk->slope[p];
-    for (int a = 0; a < 3; a++) force[a] -= weight * (vi[a] - vj[a]);
+    sum -= weight * (FOUR(vi) - vj);
   }
+  for (int a = 0; a < 3; a++) force[a] = sum[a];
 }
 
 /* Viscous force nu_E lap v of particle i: pairs after M15 eq. 22; no-slip walls by the image
  * velocity v_w + (v_w - v_i) d_j/d_i (Takeda, Miyama, Sekiya 1994; Morris et al. 1997). */
-void isph_viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i, double force[3],
-                  double friction[3]) {
+TARGETS void isph_viscous(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+                          double force[3], double friction[3]) {
   const double *xi = s->position[i], *vi = s->velocity[i];
   ISPH_ROW(s, i, viscous_pairs, s, chunk, i, force, friction);
   if (!s->on.no_slip) return;

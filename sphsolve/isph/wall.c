@@ -152,7 +152,6 @@ void isph_wall_move(struct isph *s, double dt) {
 static bool window_beside(const struct isph *s, const double xj[3], int a) {
   double x[3];
   bool corner = false;
-  if (!s->on.open_sides) return false;
   memcpy(x, xj, sizeof x);
   for (int b = 0; b < 3; b++) {
     if (b == a || s->periodic[b] || !isph_uses_axis(s, b)) continue;
@@ -174,46 +173,43 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
  * the mirror, which then begins to turn earlier. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio) {
-  double near = 0, far = 0, turned = 0, out[3] = {0}, normal[3] = {0};
+  double near = 0, far = 0, turned = 0, normal[3] = {0};
   const double edge = s->on.soil ? EDGE * s->spacing : 0;
   memset(mirror, 0, 6 * sizeof *mirror);
   if (s->boundary_kind[j] != BOUNDARY_WALL) {
     mirror[symmetric_diagonal[s->sides[s->boundary_box[j]].axis]] = 1;
-    *ratio = 1;
+    if (ratio != NULL) *ratio = 1;
     return;
   }
   const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
   for (int a = 0; a < 3; a++) {
     if (!isph_uses_axis(s, a)) continue;
-    double j_distance = 0;
+    double out = 0, j_distance = 0;
     if (box->tank) {
       if (s->periodic[a]) continue;
       if (xj[a] < box->low[a])
-        out[a] = xi[a] - box->low[a], j_distance = box->low[a] - xj[a];
+        out = xi[a] - box->low[a], j_distance = box->low[a] - xj[a];
       else if (xj[a] > box->high[a])
-        out[a] = box->high[a] - xi[a], j_distance = xj[a] - box->high[a];
+        out = box->high[a] - xi[a], j_distance = xj[a] - box->high[a];
       else
         continue;
-      if (window_beside(s, xj, a)) {
-        out[a] = 0;
-        continue;
-      }
+      if (s->on.open_sides && window_beside(s, xj, a)) continue;
       mirror[symmetric_diagonal[a]] = 1;
     } else {
       const double low = box->mirror_low[a], high = box->mirror_high[a];
       if (xi[a] < low)
-        out[a] = xi[a] - low, j_distance = xj[a] - low;
+        out = xi[a] - low, j_distance = xj[a] - low;
       else if (xi[a] > high)
-        out[a] = xi[a] - high, j_distance = high - xj[a];
+        out = xi[a] - high, j_distance = high - xj[a];
       const double round = fmin(edge, 0.5 * (high - low));
       normal[a] = xi[a] - fmin(fmax(xi[a], low + round), high - round);
       turned += normal[a] * normal[a];
     }
-    near += out[a] * out[a], far += j_distance * j_distance;
+    near += out * out, far += j_distance * j_distance;
   }
   for (int a = 0, k = 0; a < 3 && !box->tank && near > 0; a++)
     for (int b = a; b < 3; b++, k++) mirror[k] = normal[a] * normal[b] / turned;
-  *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
+  if (ratio != NULL) *ratio = sqrt(far) / fmax(sqrt(near), WALL_NEAREST * s->spacing);
 }
 
 static void guard_plane(double distance, double dt, double gap, double sign, double wall_velocity,

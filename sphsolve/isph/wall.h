@@ -14,7 +14,8 @@ bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
 /* Moves boxes and their particles by dt, and sets the boundary pressures at time s->time. */
 void isph_wall_move(struct isph *s, double dt);
 /* Projection tensor (symmetric.h) on the directions along which boundary particle j at xj (its
- * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi. */
+ * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi,
+ * unless NULL. */
 void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
                       double mirror[6], double *ratio);
 /* Reduces the velocity v (pore velocity scale * v) of a particle at x that would carry it through a

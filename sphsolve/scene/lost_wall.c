@@ -57,8 +57,8 @@ void lost_wall_add(struct lost_wall *w, int axis, const long at[3], double from,
 static bool is_open(const struct lost_wall *w, const long at[3]) {
   const uint8_t *p = point(w, at);
   for (int a = 0; a < 3; a++)
-    if (w->size[a] > 1 && (at[a] < 0 || ((double)at[a] + 0.5) * w->scene->spacing >
-                                            w->scene->domain_size[a]))
+    if (w->size[a] > 1 &&
+        (at[a] < 0 || ((double)at[a] + 0.5) * w->scene->spacing > w->scene->domain_size[a]))
       return false;
   return p == NULL || (*p & (WALL_POINT | FILLED)) == 0;
 }
@@ -123,8 +123,7 @@ enum status lost_wall_fill(struct lost_wall *w, const struct region *whole,
         for (int a = 0; a < 3; a++) {
           long next[3] = {at[0], at[1], at[2]};
           next[a]++;
-          if (!is_crossed(w, at, a) || !is_open(w, at) || !is_open(w, next) ||
-              is_clipped(w, at, a))
+          if (!is_crossed(w, at, a) || !is_open(w, at) || !is_open(w, next) || is_clipped(w, at, a))
             continue;
           const bool is_next = (*point(w, at) & NEARER_NEXT << a) != 0;
           const enum status status = add_point(w, whole, is_next ? next : at, from, parts);

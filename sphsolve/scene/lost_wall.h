@@ -15,8 +15,8 @@ struct lost_wall {
   uint8_t *bits; /* see lost_wall.c */
 };
 
-/* Begins with a body of this extent, none of whose lines are known. along: axis of a prism, which is
- * looked at in one plane, the points' index along it being 0; -1: none. Free `bits` with
+/* Begins with a body of this extent, none of whose lines are known. along: axis of a prism, which
+ * is looked at in one plane, the points' index along it being 0; -1: none. Free `bits` with
  * memory_free. */
 enum status lost_wall_begin(const struct scene *scene, const double extent[6], int along,
                             struct lost_wall *wall);

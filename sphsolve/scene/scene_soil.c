@@ -114,8 +114,8 @@ enum status scene_read_permeability(struct config *config, config_node *group,
   return k > 0 ? set_drag(config, group, scene, k, region) : STATUS_OK;
 }
 
-/* Variably saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial water
- * content. */
+/* Variably saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial
+ * water content. */
 
 /* theta_r lies below the water content of full soil, which the table of keys does not know. */
 static enum status check_residual(struct config *config, config_node *group,

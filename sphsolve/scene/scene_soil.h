@@ -1,5 +1,6 @@
 /* Soil with a given permeability, one number or one along each principal axis; and variably
- * saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial water content. */
+ * saturated soil: retention curves of van Genuchten, Haverkamp or Gardner, and the initial water
+ * content. */
 #ifndef TOSUI_SPHSOLVE_SCENE_SCENE_SOIL_H
 #define TOSUI_SPHSOLVE_SCENE_SCENE_SOIL_H
 

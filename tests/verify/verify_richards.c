@@ -467,11 +467,15 @@ static void hard(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {
-      {"rest", rest},           {"steady", steady},
-      {"front", front},  {"gardner", gardner},         {"infiltration", infiltration},
-      {"haverkamp", haverkamp}, {"orders", orders},
-      {"layers", layers},       {"hard", hard},
-      {"recharge", recharge}};
+  static const struct verify_case cases[] = {{"rest", rest},
+                                             {"steady", steady},
+                                             {"front", front},
+                                             {"gardner", gardner},
+                                             {"infiltration", infiltration},
+                                             {"haverkamp", haverkamp},
+                                             {"orders", orders},
+                                             {"layers", layers},
+                                             {"hard", hard},
+                                             {"recharge", recharge}};
   return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

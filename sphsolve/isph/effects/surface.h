@@ -106,6 +106,14 @@ static inline double surface_carried(const struct isph *s, size_t i, double size
   return fmax(0, fmin(1, carried));
 }
 
+/* Whether it does not carry all the weight of particle i: surface_carried is below 1. */
+static inline bool surface_falls(const struct isph *s, size_t i) {
+  const double *f = s->force, force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+  const double outside = s->surface_pressure != NULL ? s->surface_pressure[i] : 0;
+  const double most = 4 * fmax(0, s->pressure[i] - outside) / (s->density * force); /* size */
+  return force > 0 && !(most * most * (s->dimensions == 3 ? most : 1) > s->volume[i]);
+}
+
 /* Contribution of the surface to the diagonal and to the right-hand side of row i; `pairs` is the
  * sum of the a_ij of its neighbours. A second projection solves for an increment of the pressure,
  * with neither force nor a pressure outside. A drop or a sheet backed by a side with its image
