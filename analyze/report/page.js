@@ -1,9 +1,10 @@
 /* Fills page.html from the JSON in it, with the parts of page_charts.js, page_maps.js and page_solid.js. */
 (function () {
   'use strict';
-  const {data, by, add, known, number, short, percent, quantity, interval, size, duration, speedUnit, pressureUnit, table, note, tools,
+  const {by, add, known, number, short, percent, quantity, interval, size, duration, speedUnit, pressureUnit, table, note, tools,
          save, chart, map, zip, span, draw, again, start} = tosui;
 
+  const data = words.fill(tosui.data);
   /* A unit as a file has it. */
   const written = unit => (!unit || unit === '1' ? '-' : unit.replace('^2', '²').replace('^3', '³'));
   /* ---- the answer ---- */
@@ -169,8 +170,7 @@
     if (p) {
       const common = {size: p.size, spacing: p.spacing_m[0], distance: pictures.field(p.distance), fillGrains: true, smooth: true,
                       line: '#5d564a', soil: pictures.field(p.soil), axes: `${p.across} across, ${p.up} up`};
-      const m = of('model'), mirrored = ['x', 'y', 'z'].filter((d, i) => d !== p.normal &&
-        (m.mirror_axis === d || (m.sides === 'mirrored' && d !== 'z') || (run.mirrored || [])[i] > 0));
+      const mirrored = words.mirrored(run, of('model')).filter(d => d !== p.normal);
       const image = mirrored.length > 0 ? ` The sample is mirrored along ${mirrored.join(' and ')}.` : '';
       const high = rescale * p.speed.high, unit = speedUnit(high), soil = p.soil ? ' Hatched: soil with pores below the voxel.' : '';
       map(by('maps'), 'Speed', `Speed, with streamlines of the velocity in the plane ${p.normal} = ${size(p.at_m)}.${image}${soil}`,
@@ -320,7 +320,7 @@
       }
       if (s.svg) {
         const figure = add(section, 'figure');
-        add(figure, 'img', {class: 'still', src: 'data:image/svg+xml;base64,' + s.svg, width: s.width, height: s.height, alt: s.heading});
+        add(figure, 'img', {class: 'still', src: 'data:image/svg+xml;base64,' + s.svg, alt: s.heading});
         tools(figure, ['Save SVG', () => save(s.name + '.svg', 'data:image/svg+xml;base64,' + s.svg)]);
       }
       note(section, s.caption);
@@ -355,7 +355,7 @@
     const m = of('model'), c = of('calibration'), count = run.size, walls = data.model.void_ratio_walls, um = v => known(v) && size(v);
     const within = known(walls) && Math.abs(walls - m.void_ratio) > 1e-6;
     table(by('facts'), [
-      ['Model file', data.model.path.replace(/.*\//, '')], ['Voxel', m.spacing && um(m.spacing[2])], ['Voxel of the scan', um(m.voxel_scanned)],
+      ['Model file', model.path.replace(/.*\//, '')], ['Voxel', m.spacing && um(m.spacing[2])], ['Voxel of the scan', um(m.voxel_scanned)],
       ['Lattice of the flow', count && `${count.join(' × ')} points of ${size(run.spacing[0])}`],
       ['Void ratio, measured on the specimen', number(m.void_ratio_measured)],
       [!within ? 'Void ratio of the model' : data.model.rule === 'labels' ? 'Void ratio by voxels of the smoothed labels' :

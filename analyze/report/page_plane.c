@@ -253,7 +253,7 @@ static json_t *encode_plane(const struct plane *plane) {
 }
 
 enum status picture_plane(const struct run *run, const struct particles *particles,
-                          const struct voxel_model *model, json_t **picture) {
+                          const struct voxel_model *model, json_t *pictures) {
   enum status status = STATUS_OK;
   struct plane whole = {0}, *plane = &whole;
   float *count = NULL;
@@ -273,7 +273,7 @@ enum status picture_plane(const struct run *run, const struct particles *particl
   TRY(find_ranges(plane, count));
   if (plane->pressure != NULL) extrapolate_pressure(plane, count);
   thin_out(plane);
-  if (plane->speed_high > 0.0) *picture = encode_plane(plane);
+  if (plane->speed_high > 0.0) json_object_set_new(pictures, "plane", encode_plane(plane));
 cleanup:
   memory_free(&count);
   memory_free(&plane->distance);
