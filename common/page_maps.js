@@ -47,6 +47,19 @@ const pictures = (function () {
     return value;
   }
 
+  /* A field with what two rounds of means of the four neighbours put where it has no value: interpolation near walls needs it. */
+  function spread(f, size) {
+    for (let round = 0; f && round < 2; round++) {
+      const old = f.slice();
+      old.forEach((v, i) => {
+        const x = i % size[0];
+        const near = [x > 0 ? old[i - 1] : NaN, x + 1 < size[0] ? old[i + 1] : NaN, old[i - size[0]], old[i + size[0]]].filter(n => n === n && n !== undefined);
+        if (v !== v && near.length > 0) f[i] = near.reduce((sum, n) => sum + n, 0) / near.length;
+      });
+    }
+    return f;
+  }
+
   /* The lines f = 0 of a plane, by marching squares on cells of so many pixels. */
   function outline(context, m, scale, width, height) {
     const cell = 3, row = [], corner = [[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]];
@@ -229,5 +242,5 @@ const pictures = (function () {
     scales(context, m, width, height);
   }
 
-  return {field, bytes, map};
+  return {field, spread, bytes, map};
 })();

@@ -5,13 +5,11 @@
 
 #include "analyze/analysis.h"
 #include "analyze/averaging.h"
-#include "analyze/compatible_runs.h"
 #include "analyze/lattice_note.h"
 #include "analyze/plot.h"
 #include "analyze/report/page_pictures.h"
 #include "analyze/report/page_record.h"
 #include "analyze/report/page_verdict.h"
-#include "analyze/tensor.h"
 #include "common/json_number.h"
 #include "common/log.h"
 #include "common/memory.h"
@@ -239,35 +237,7 @@ cleanup:
 
 /* ---- the answer ---- */
 
-/* The tensor of the run of the first result, or of another run with the same body. */
-static enum status add_tensor(const struct page *page, const json_t *result) {
-  enum status status = STATUS_OK;
-  const struct subject *subject = &page->subject;
-  const char *path = json_string_value(json_object_get(result, "path"));
-  const struct run *own = NULL;
-  struct text text = {0};
-  struct tensor tensor;
-  bool found = false;
-  for (size_t i = 0; i < subject->n && own == NULL; i++)
-    if (path != NULL && strcmp(subject->runs[i].path, path) == 0) own = &subject->runs[i];
-  if (own == NULL) return STATUS_OK;
-  TRY(tensor_read(own, &tensor, &found));
-  for (size_t i = 0; i < subject->n && !found; i++)
-    if (compatible_runs_same_model(own, &subject->runs[i], true))
-      TRY(tensor_read(&subject->runs[i], &tensor, &found));
-  if (!found) return STATUS_OK;
-  TRY(text_start(&text));
-  tensor_symmetry(&tensor, text.stream);
-  TRY(text_finish(&text));
-  json_t *object = tensor_json(&tensor);
-  json_object_set_new(object, "note", json_text(text.data));
-  json_object_set_new(page->data, "tensor", object);
-cleanup:
-  text_free(&text);
-  return status;
-}
-
-static enum status add_answer(const struct page *page) {
+static void add_answer(const struct page *page) {
   const struct run *runs = page->subject.runs;
   json_t *data = page->data;
   /* Velocities times this carry the flow of k. */
@@ -276,7 +246,6 @@ static enum status add_answer(const struct page *page) {
                                     json_object_get(data, "converge"));
   json_object_set_new(data, "verdict", results);
   verdict_judge(results, &runs[0], verdict_scanned_voxel(&runs[0]));
-  return add_tensor(page, json_array_get(results, 0));
 }
 
 /* ---- the pictures ---- */
@@ -347,7 +316,7 @@ enum status report_write(const struct run *runs, size_t n, const char *const *so
   read_model(&page);
   TRY(add_pictures(&page));
   TRY(add_analyses(&page));
-  TRY(add_answer(&page));
+  add_answer(&page);
   TRY(add_files(&page));
   TRY(write_page(&page, path));
   json_object_del(page.data, "pictures");

@@ -179,7 +179,7 @@
       if (p.pressure) {
         const [factor, name] = pressureUnit(p.pressure.high);
         map(by('maps'), 'Pressure', 'Pressure about its mean, without what drives the flow, in the same plane.',
-            {...common, value: pictures.field(p.pressure), low: p.pressure.low, high: p.pressure.high, palette: 'pressure',
+            {...common, value: pictures.spread(pictures.field(p.pressure), p.size), low: p.pressure.low, high: p.pressure.high, palette: 'pressure',
              unit: {factor: factor, name: name}});
       }
     }
@@ -193,7 +193,7 @@
       (flows ? `, from 0 (light) to ${number(unit[0] * rescale * f.speed_high)} ${unit[1]} (dark)` : '; the water rests');
     if (known(f.pore_share_of_half_the_flow))
       text += `. Half of the flow goes through ${percent(f.pore_share_of_half_the_flow)} of the pores\u2019 volume`;
-    add(figure, 'figcaption', {}, text + '. Drag or arrow keys turn, wheel or + and \u2212 zoom.');
+    add(figure, 'figcaption', {}, text + '. ', add(null, 'span', {class: 'hint'}, 'Drag or arrow keys turn, wheel or + and \u2212 zoom.'));
     let view;
     try {
       if (!window.THREE || !THREE.OrbitControls) throw new Error('the program was built without three.js');
@@ -429,7 +429,7 @@
 
   /* A section without content goes; the others are listed. */
   function contents() {
-    document.querySelectorAll('figure:empty, .charts:empty, .note:empty, .pair > div:empty, p:empty').forEach(e => e.remove());
+    ['figure:empty, .charts:empty, .note:empty, #scanner:empty, p:empty', '.pair > div:empty'].forEach(empty => document.querySelectorAll(empty).forEach(e => e.remove()));
     const names = {...Object.fromEntries(data.sections.map(s => [s.name, s.contents])),
                    blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan'};
     document.querySelectorAll('main section').forEach(s => {

@@ -167,6 +167,13 @@ const words = (function () {
     return n > 0 && n < 1 && s > 0 && !data.model.soil ? {kozeny_carman: 9.80665 * run.density / run.viscosity * n ** 3 / (5 * s * s)} : undefined;
   }
 
+  /* The tensor of the runs of a result, else of runs of the same body. */
+  function tensorOf(data, result) {
+    const groups = (data.darcy || {groups: []}).groups, body = path => (data.runs.find(r => r.path === path) || {run: {attributes: {}}}).run.attributes.model_hash;
+    const own = groups.find(g => g.tensor && g.runs.some(r => r.path === result.path));
+    return (own || groups.find(g => g.tensor && body(result.path) && g.runs.some(r => body(r.path) === body(result.path))) || {}).tensor;
+  }
+
   function notes(r) {
     const b = r.error_budget || {}, slope = Math.abs(r.dlnk_dvoid_ratio), closed = b.dlnk_sides_closed, more = 100 * Math.expm1(closed);
     return [
@@ -177,7 +184,7 @@ const words = (function () {
       known(b.void_ratio) && known(r.dlnk_dvoid_ratio) && !known(b.threshold) &&
         `The void ratio was given without its ±, which is not counted: each 0.01 of it is ${percent(slope / 100)} of k.`,
       known(closed) && 'Sides: the sample wraps round; mirrored at its sides, k changes by the part above. In a tube filled by the sample k would change by ' +
-        (Math.abs(closed) > 1e-4 ? (more > 0 ? '+' : '') + digits(more, 2) : 'less than 0.01') + ' %.'].filter(t => t);
+        (Math.abs(closed) > 1e-4 ? (more > 0 ? '+' : '\u2212') + digits(Math.abs(more), 2) : 'less than 0.01') + ' %.'].filter(t => t);
   }
 
   const SOURCES = {
@@ -252,7 +259,8 @@ const words = (function () {
     data.methods = methods(data);
     data.verdict.forEach(r => { r.note = SOURCES[r.from] || ''; });
     if (result) Object.assign(result, {class_din: classOf(DIN, result), class_casagrande: classOf(CASAGRANDE, result), formulas: formulas(data), notes: notes(result)});
-    else data.headline = data.seepage ? ofSeepage(data.seepage) : data.moisture ? ofMoisture(data.moisture) : ofFreeWater(data);
+    if (result) data.tensor = tensorOf(data, result);
+    if (!result) data.headline = data.seepage ? ofSeepage(data.seepage) : data.moisture ? ofMoisture(data.moisture) : ofFreeWater(data);
     return data;
   }
   return {fill, mirrored};
