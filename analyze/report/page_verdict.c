@@ -234,8 +234,8 @@ static const struct {
 } remedies[] = {{"resolution", ""},
                 {"scan", "a finer or sharper scan is needed"},
                 {"sides",
-                 "a larger sample is needed, or one mirrored at its sides (ct2model build --sides "
-                 "mirrored)"},
+                 "a larger sample is needed, or one mirrored at its sides by ct2model build --sides "
+                 "mirrored"},
                 {"void_ratio", "build the model nearer to the measured void ratio"},
                 {"threshold", "measure the void ratio"},
                 {"micro", "measure the permeability of the soil below the voxel more precisely"},

@@ -223,7 +223,7 @@ const words = (function () {
     const none = Math.abs(uptake) > 0.5 * flow || drift > 0.5 * flow;
     /* A smaller uptake is only in the error. */
     const filling = Math.abs(uptake) > 0.1 * flow && known(error) && Math.abs(uptake) > 0.5 * error;
-    const sentence = `${none ? 'The' : 'For each metre along y; the'} head falls by ${digits(s.head_drop_m)} m in it` +
+    const sentence = `${none ? 'The' : 'For each metre along y. The'} head falls by ${digits(s.head_drop_m)} m in the soil` +
       (filling ? `. The soil still ${uptake > 0 ? 'fills with' : 'drains of'} ${digits(Math.abs(uptake))} m²/s: run longer` : '') +
       (s.heads_drift_m > 0 ? '. Heads in it still go one way: run longer' : '') + (drift > 0.1 * flow ? '. The velocities in it still go one way: run longer' : '') +
       uplift(s) + '.';
