@@ -33,7 +33,10 @@ enum status picture_frames(const struct run *run, json_t *pictures);
  * page_grains.c. Nothing without walls, or with grains of a voxel or two. */
 enum status grain_sizes(const struct voxel_model *model, json_t *data);
 
-/* Trilinear value of a field of the model at a position (m, from the model's corner); periodic. */
-double picture_model_value(const struct voxel_model *model, const float *field, const double at[3]);
+/* Distances to the walls of the model, or by its grain fraction, at points in a plane across
+ * axes[2], in steps along axes[0] (positive in pores; clipped by what shows them). `low` is the
+ * corner along axes[0] and axes[1] and the place along axes[2], m. False: the model has neither. */
+bool picture_walls(const struct voxel_model *model, const int axes[3], const double low[3],
+                   const double step[2], const size_t size[2], float *distance);
 
 #endif

@@ -34,8 +34,8 @@ static double clamped(double v, size_t size) {
   return fmin(fmax(v, 0.0), (double)size - 1.0);
 }
 
-double picture_model_value(const struct voxel_model *model, const float *field,
-                           const double at[3]) {
+/* Trilinear value of a field of the model at a position (m, from the model's corner); periodic. */
+static double model_value(const struct voxel_model *model, const float *field, const double at[3]) {
   size_t low[3], high[3];
   double part[3], value = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -58,20 +58,18 @@ double picture_model_value(const struct voxel_model *model, const float *field,
   return value;
 }
 
-/* Distances by the walls of the model, or by its grain fraction; false if it has neither. */
-static bool find_distances(const struct voxel_model *model, struct plane *plane) {
+bool picture_walls(const struct voxel_model *model, const int axes[3], const double low[3],
+                   const double step[2], const size_t size[2], float *distance) {
   const bool walls = model->wall_distance != NULL;
   const float *field = walls ? model->wall_distance : model->grain_fraction;
-  for (size_t j = 0; field != NULL && j < plane->size[1]; j++)
-    for (size_t i = 0; i < plane->size[0]; i++) {
-      double at[3];
-      at[plane->axis] = plane->at;
-      at[plane->across] = plane->low[0] + ((double)i + 0.5) * plane->spacing[0];
-      at[plane->up] = plane->low[1] + ((double)j + 0.5) * plane->spacing[1];
-      const double value = picture_model_value(model, field, at);
-      plane->distance[j * plane->size[0] + i] =
-          (float)(walls ? value / plane->spacing[0] : 0.5 - value);
-    }
+  for (size_t p = 0; field != NULL && p < size[0] * size[1]; p++) {
+    double at[3];
+    at[axes[0]] = low[0] + ((double)(p % size[0]) + 0.5) * step[0];
+    at[axes[1]] = low[1] + ((double)(p / size[0]) + 0.5) * step[1];
+    at[axes[2]] = low[2];
+    const double value = model_value(model, field, at);
+    distance[p] = (float)(walls ? value / step[0] : 4.0 * (0.5 - value));
+  }
   return field != NULL;
 }
 
@@ -226,7 +224,10 @@ enum status picture_plane(const struct run *run, const struct particles *particl
     TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
   if (particles->micro_porosity != NULL)
     TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
-  if (!find_distances(model, plane)) approximate_distances(run, plane);
+  const int axes[3] = {plane->across, plane->up, plane->axis};
+  const double low[3] = {plane->low[0], plane->low[1], plane->at};
+  if (!picture_walls(model, axes, low, plane->spacing, plane->size, plane->distance))
+    approximate_distances(run, plane);
   fill(run, particles, plane, count);
   TRY(find_ranges(plane, count));
   if (plane->speed_high > 0.0) json_object_set_new(pictures, "plane", encode_plane(plane));

@@ -47,24 +47,6 @@ static struct slice_axes find_axes(struct h5_file *file, const struct voxel_mode
   return axes;
 }
 
-/* Signed distance to the wall, in pixels, at each pixel. */
-static void find_walls(const struct voxel_model *model, const struct slice_axes *axes,
-                       const size_t size[2], float *distance) {
-  const double pixel = axes->length[axes->across] / (double)size[0];
-  const double rise = axes->length[axes->up] / (double)size[1];
-  const float *field = model->wall_distance != NULL ? model->wall_distance : model->grain_fraction;
-  for (size_t j = 0; j < size[1]; j++)
-    for (size_t i = 0; i < size[0]; i++) {
-      double at[3];
-      at[axes->normal] = axes->height;
-      at[axes->across] = ((double)i + 0.5) * pixel;
-      at[axes->up] = ((double)j + 0.5) * rise;
-      const double value = picture_model_value(model, field, at);
-      distance[j * size[0] + i] =
-          (float)(model->wall_distance != NULL ? value / pixel : 4.0 * (0.5 - value));
-    }
-}
-
 /* Grey values of the pixels by the nearest of the scan. */
 static void take_greys(const float *slice, const size_t from[2], const size_t size[2],
                        float *grey) {
@@ -104,11 +86,13 @@ enum status picture_slice(const char *path, const struct voxel_model *model, jso
                 &"xyz"[axes.across], 1, "up", &"xyz"[axes.up], 1, "grey",
                 encode_field(grey, n, fmin(pore, grain) - margin, fmax(pore, grain) + margin));
   json_object_set_new(pictures, "slice", picture);
-  if (model->wall_distance != NULL || model->grain_fraction != NULL) {
-    TRY(memory_allocate(&distance, n, sizeof *distance, "a picture"));
-    find_walls(model, &axes, size, distance);
+  TRY(memory_allocate(&distance, n, sizeof *distance, "a picture"));
+  const int order[3] = {axes.across, axes.up, axes.normal};
+  const double low[3] = {0.0, 0.0, axes.height};
+  const double pixel[2] = {axes.length[axes.across] / (double)size[0],
+                           axes.length[axes.up] / (double)size[1]};
+  if (picture_walls(model, order, low, pixel, size, distance))
     json_object_set_new(picture, "distance", encode_field(distance, n, -2.0, 2.0));
-  }
 cleanup:
   h5_close(file);
   memory_free(&slice);

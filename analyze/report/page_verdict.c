@@ -70,25 +70,17 @@ static bool contains_run(const json_t *fit, const json_t *row) {
   return false;
 }
 
-/* The run of a series whose own lattices give k with a smaller error than the extrapolation over
- * all spacings; NULL if none does. */
+/* The group that is nothing but the run of a series whose own lattices give k with a smaller error
+ * than the extrapolation over all spacings; NULL if there is none. */
 static const json_t *better_single_run(const json_t *series, const json_t *groups) {
-  double least = json_number_or_nan(series, "k_relative_error");
-  const json_t *group, *best = NULL;
+  const json_t *better = json_object_get(series, "better_run"), *group;
   size_t i;
   json_array_foreach(groups, i, group) {
-    const json_t *rows = json_object_get(group, "runs");
-    const json_t *parts = json_object_get(group, "error_budget");
-    const double error = json_number_or_nan(group, "k_relative_error");
-    if (json_array_size(rows) != 1 || !(error < least) ||
-        !isfinite(json_number_or_nan(parts, "resolution")) ||
-        strcmp(string(parts, "resolution_from"), "lattices") != 0 ||
-        !contains_run(series, json_array_get(rows, 0)))
-      continue;
-    least = error;
-    best = group;
+    if (better != NULL && json_array_size(json_object_get(group, "runs")) == 1 &&
+        contains_run(group, better))
+      return group;
   }
-  return best;
+  return NULL;
 }
 
 /* Whether all runs of a group are in a series that has a k. */
@@ -131,40 +123,6 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   json_array_insert_new(results, 0, first);
 }
 
-/* ", 0.0013 Pa s, 1000 kg/m^3" for a run if the runs have different fluids, else "". */
-static void name_fluid(const struct run *runs, size_t n, const char *path, char text[80]) {
-  bool unlike = false;
-  text[0] = '\0';
-  for (size_t i = 1; i < n; i++)
-    unlike = unlike || runs[i].viscosity != runs[0].viscosity || runs[i].density != runs[0].density;
-  for (size_t i = 0; i < n && unlike; i++)
-    if (strcmp(runs[i].path, path) == 0)
-      snprintf(text, 80, ", %.4g Pa s, %.4g kg/m^3", runs[i].viscosity, runs[i].density);
-}
-
-/* Results with the same name, as of runs that differ only in their fluid, are distinguished by
- * their fluids and files. */
-static void distinguish_names(json_t *results, const struct run *runs, size_t n) {
-  json_t *names = json_array(), *result;
-  size_t i;
-  json_array_foreach(results, i, result) {
-    json_array_append_new(names, json_text(string(result, "name")));
-  }
-  json_array_foreach(results, i, result) {
-    const char *name = json_string_value(json_array_get(names, i)), *path = string(result, "path");
-    const char *slash = strrchr(path, '/');
-    size_t same = 0;
-    for (size_t j = 0; j < json_array_size(names); j++)
-      same += strcmp(json_string_value(json_array_get(names, j)), name) == 0;
-    char apart[700], fluid[80];
-    name_fluid(runs, n, path, fluid);
-    snprintf(apart, sizeof apart, "%.300s%s, %.250s", name, fluid,
-             slash == NULL ? path : slash + 1);
-    if (same > 1) json_object_set_new(result, "name", json_text(apart));
-  }
-  json_decref(names);
-}
-
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge) {
   json_t *results = json_array();
@@ -194,7 +152,6 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                  json_array_size(json_object_get(fit, "runs")) > 1 ? "gradients" : "");
   }
   if (json_array_size(results) > 1) put_best_first(results, runs, n);
-  distinguish_names(results, runs, n);
   return results;
 }
 
@@ -231,16 +188,16 @@ static void judge_use(json_t *result) {
 /* The parts of the error, and what reduces each of them. */
 static const struct {
   const char *part, *remedy;
-} remedies[] = {{"resolution", ""},
-                {"scan", "a finer or sharper scan is needed"},
-                {"sides",
-                 "a larger sample is needed, or one mirrored at its sides by ct2model build --sides "
-                 "mirrored"},
-                {"void_ratio", "build the model nearer to the measured void ratio"},
-                {"threshold", "measure the void ratio"},
-                {"micro", "measure the permeability of the soil below the voxel more precisely"},
-                {"averaging", "run longer"},
-                {"steadiness", "run longer"}};
+} remedies[] = {
+    {"resolution", ""},
+    {"scan", "a finer or sharper scan is needed"},
+    {"sides", "a larger sample is needed, or one mirrored at its sides by ct2model build --sides "
+              "mirrored"},
+    {"void_ratio", "build the model nearer to the measured void ratio"},
+    {"threshold", "measure the void ratio"},
+    {"micro", "measure the permeability of the soil below the voxel more precisely"},
+    {"averaging", "run longer"},
+    {"steadiness", "run longer"}};
 
 /* If the other parts reach this share of the wanted error, no affordable lattice can meet it. */
 #define OTHER_PARTS_MAX 0.97

@@ -187,6 +187,16 @@ const words = (function () {
         (Math.abs(closed) > 1e-4 ? (more > 0 ? '+' : '\u2212') + digits(Math.abs(more), 2) : 'less than 0.01') + ' %.'].filter(t => t);
   }
 
+  /* Results of one name, as of runs that differ only in their fluid, are distinguished by their fluids and files. */
+  function nameApart(results, runs) {
+    const fluid = path => runs.filter(r => r.path === path).map(r => `${digits(r.run.attributes.viscosity, 4)} Pa s, ${digits(r.run.attributes.density, 4)} kg/m^3`);
+    const alike = new Set(runs.flatMap(r => fluid(r.path))).size < 2, names = results.map(r => r.name);
+    results.forEach(r => {
+      if (names.filter(n => n === r.name).length > 1) r.apart = [r.name, ...(alike ? [] : fluid(r.path)), r.path.replace(/.*\//, '')].join(', ');
+    });
+    results.forEach(r => { r.name = r.apart || r.name; });
+  }
+
   const SOURCES = {
     lattices: 'From the lattices of this run, which tell more than the runs\u2019 spacings together.',
     extrapolated: 'Richardson extrapolation; the error holds the grid convergence index.',
@@ -258,6 +268,7 @@ const words = (function () {
     Object.assign(data.model, {rule: ruleOf(model), origin: of(model, 'provenance').origin || '', void_ratio_walls: m.void_ratio_measured + m.void_ratio_error});
     data.methods = methods(data);
     data.verdict.forEach(r => { r.note = SOURCES[r.from] || ''; });
+    nameApart(data.verdict, data.runs);
     if (result) Object.assign(result, {class_din: classOf(DIN, result), class_casagrande: classOf(CASAGRANDE, result), formulas: formulas(data), notes: notes(result)});
     if (result) data.tensor = tensorOf(data, result);
     if (!result) data.headline = data.seepage ? ofSeepage(data.seepage) : data.moisture ? ofMoisture(data.moisture) : ofFreeWater(data);

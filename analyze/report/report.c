@@ -19,10 +19,12 @@ static void print_verdict(const struct run *runs, size_t n, const json_t *darcy)
   const json_t *first = json_array_get(results, 0);
   verdict_judge(results, &runs[0], verdict_scanned_voxel(&runs[0]));
   if (first != NULL) {
-    const bool one = json_array_size(results) == 1;
-    const char *name = one ? "" : json_string_value(json_object_get(first, "name"));
-    printf("Verdict%s%s: %s. %s\n", one ? "" : " of ", name,
-           json_string_value(json_object_get(first, "good_for")),
+    if (json_array_size(results) == 1)
+      fputs("Verdict", stdout);
+    else
+      printf("Verdict of %s, %s", json_string_value(json_object_get(first, "path")),
+             json_string_value(json_object_get(first, "name")));
+    printf(": %s. %s\n", json_string_value(json_object_get(first, "good_for")),
            json_string_value(json_object_get(first, "advice")));
   }
   json_decref(results);
