@@ -4,6 +4,12 @@ const pictures = (function () {
   'use strict';
   const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const field = f => f && Float32Array.from(bytes(f.bytes), b => (b === 255 ? NaN : f.low + b / 254 * (f.high - f.low)));
+  /* The first row of a file is at the top, as in Fiji; maps have theirs at the bottom. */
+  function upright(f, [nx, ny]) {
+    const greys = field(f), turned = greys && new Float32Array(greys.length);
+    for (let y = 0; greys && y < ny; y++) turned.set(greys.subarray(y * nx, (y + 1) * nx), (ny - 1 - y) * nx);
+    return turned;
+  }
   const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
   /* Dark blue over green to yellow (after viridis), blue over white to red, dry to wet, and grey. */
@@ -242,5 +248,5 @@ const pictures = (function () {
     scales(context, m, width, height);
   }
 
-  return {field, spread, bytes, map};
+  return {field, upright, spread, bytes, map};
 })();

@@ -137,8 +137,8 @@
     if (slice) {
       const labels = data.model.rule === 'labels', what = labels ? 'distance to the walls drawn through the labels' : 'grey values of the scan';
       scans.slice(by('slice'), 'Slice', `The middle slice: ${what}, and the walls of the model (orange)`,
-                  {size: slice.size, spacing: slice.pixel_m, value: pictures.field(slice.grey), low: slice.grey.low, high: slice.grey.high,
-                   axes: `${slice.across} across, ${slice.up} up`, distance: pictures.field(slice.distance)});
+                  {size: slice.size, spacing: slice.pixel_m, value: pictures.upright(slice.grey, slice.size), low: slice.grey.low, high: slice.grey.high,
+                   axes: `${slice.across} across, ${slice.up} down`, distance: pictures.upright(slice.distance, slice.size)});
     }
     if (calibration && calibration.threshold) {
       const c = calibration, a = c.attributes, t = c.threshold, measured = of('model').void_ratio_measured;
