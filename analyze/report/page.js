@@ -113,10 +113,11 @@
         rows.push([`Exit gradient at x = ${number(exit.x_m)} m`,
           `${quantity(exit.gradient, exit.error95, '').trim()}; critical ${number(exit.critical)}, ` +
           (known(exit.factor_of_safety) ? `factor of safety ${number(exit.factor_of_safety)}` : '') + (exit.resolved ? '' : ', not resolved')]);
-      (s.heave || []).forEach(p => rows.push([`Heave beside wall ${p.wall} (${p.side}), ${number(p.depth_m)} m deep`,
+      const wall = w => (/^\d+$/.test(w.wall) ? `the wall regions[${w.wall}]` : `wall ${w.wall}`);
+      (s.heave || []).forEach(p => rows.push([`Heave beside ${wall(p)} (${p.side}), ${number(p.depth_m)} m deep`,
                                              `factor of safety ${number(p.factor_of_safety)}` + (p.resolved ? '' : ', not resolved')]));
       const force = (w, axis) => `${quantity(1e-3 * w[`force_${axis}_N_per_m`], 1e-3 * w[`force_${axis}_error95`], 'kN')} along ${axis}`;
-      (s.walls || []).forEach(w => rows.push([`Force on wall ${w.wall}, for each metre`, `${force(w, 'x')}, ${force(w, 'z')}`]));
+      (s.walls || []).forEach(w => rows.push([`Force on ${wall(w)}, for each metre`, `${force(w, 'x')}, ${force(w, 'z')}`]));
     }
     const columns = !s && !result && data.history ? data.history.runs[0].columns : {};
     const names = {head: 'Head at', level: 'Water level at', flux: 'Flux through', force: 'Force on'};

@@ -63,9 +63,10 @@ bool picture_walls(const struct voxel_model *model, const int axes[3], const dou
   const bool walls = model->wall_distance != NULL;
   const float *field = walls ? model->wall_distance : model->grain_fraction;
   for (size_t p = 0; field != NULL && p < size[0] * size[1]; p++) {
+    const size_t i = p % size[0], j = p / size[0];
     double at[3];
-    at[axes[0]] = low[0] + ((double)(p % size[0]) + 0.5) * step[0];
-    at[axes[1]] = low[1] + ((double)(p / size[0]) + 0.5) * step[1];
+    at[axes[0]] = low[0] + ((double)i + 0.5) * step[0];
+    at[axes[1]] = low[1] + ((double)j + 0.5) * step[1];
     at[axes[2]] = low[2];
     const double value = model_value(model, field, at);
     distance[p] = (float)(walls ? value / step[0] : 4.0 * (0.5 - value));
