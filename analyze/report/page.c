@@ -250,36 +250,33 @@ static void add_answer(const struct page *page) {
 
 /* ---- the pictures ---- */
 
-/* The first run's flow in three dimensions, and maps of a plane. */
-static enum status add_flow(struct page *page, json_t *pictures) {
+/* The first run's flow in three dimensions, and maps of a plane, but of water that is shown at some
+ * times. */
+static enum status add_flow(const struct page *page, json_t *pictures) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
   const struct run *run = &page->subject.runs[0];
   const bool driven = page->subject.permeable > 0;
-  if (run->dimensions != 3 || !page->subject.snapshots) return STATUS_OK;
+  if (!page->subject.snapshots) return STATUS_OK;
   TRY(run_last_snapshot(run, &particles));
-  TRY(picture_flow(run, &particles, driven, pictures));
-  if (driven) TRY(picture_plane(run, &particles, &page->voxels, pictures));
+  if (run->dimensions == 3) TRY(picture_flow(run, &particles, driven, pictures));
+  if (driven || json_object_get(pictures, "frames") == NULL)
+    TRY(picture_plane(run, &particles, &page->voxels, pictures));
 cleanup:
   particles_free(&particles);
   return status;
 }
 
-static enum status add_pictures(struct page *page) {
-  enum status status = STATUS_OK;
+static enum status add_pictures(const struct page *page) {
   const struct run *run = &page->subject.runs[0];
   json_t *pictures = json_object();
   json_object_set_new(page->data, "pictures", pictures);
-  TRY(add_flow(page, pictures));
   if (page->voxels.solid != NULL &&
       picture_slice(run->model_file, &page->voxels, pictures) != STATUS_OK)
     leave_out("the slice");
   if (grain_sizes(&page->voxels, page->data) != STATUS_OK) leave_out("the grain sizes");
   if (picture_frames(run, pictures) != STATUS_OK) leave_out("the pictures in time");
-  page->subject.maps =
-      json_object_get(pictures, "plane") != NULL || json_object_get(pictures, "frames") != NULL;
-cleanup:
-  return status;
+  return add_flow(page, pictures);
 }
 
 /* ---- the page ---- */
