@@ -388,6 +388,18 @@ a["k_low_image"], a["k_high_image"] = 0.95e-3, 1.1e-3'
   narrow matched
 }
 
+@test "on paper: at most five sheets" {
+  command -v chromium > /dev/null || skip "chromium is not installed"
+  printed=$(sheets matched.html)
+  [ "$printed" -ge 2 ] && [ "$printed" -le 5 ]
+}
+
+@test "a flow in two dimensions: a map of its plane, without a pressure that is rounding" {
+  sphsolve run "$ROOT/data-samples/scenes/poiseuille.cfg" -o slit -q > /dev/null
+  analyze report slit.hdf -o slit.html -q > /dev/null
+  page slit.html '(lambda p: set(p) == {"plane"} and {p["plane"]["across"], p["plane"]["up"]} == {"x", "z"} and "pressure" not in p["plane"])(page["pictures"])'
+}
+
 # bats test_tags=long
 @test "on a telephone nothing is wider than the screen: a tensor, a flow net" {
   command -v chromium > /dev/null || skip "chromium is not installed"
