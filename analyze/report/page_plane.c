@@ -231,9 +231,9 @@ enum status picture_plane(const struct run *run, const struct particles *particl
     approximate_distances(run, plane);
   fill(run, particles, plane, count);
   TRY(find_ranges(plane, count));
-  /* Less than rounding leaves is no pressure. */
+  /* Under a thousandth of what drives the flow it is rounding, and not shown. */
   const double drives = run->density * run_driving(run) * extent_of(run, plane->up);
-  if (plane->pressure_high < 1e-6 * drives) plane->pressure_high = 0.0;
+  if (plane->pressure_high < 1e-3 * drives) plane->pressure_high = 0.0;
   if (plane->speed_high > 0.0) json_object_set_new(pictures, "plane", encode_plane(plane));
 cleanup:
   memory_free(&count);
