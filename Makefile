@@ -135,7 +135,7 @@ compile_commands.json: Makefile $(BUILD)/config.mk ## how each file is compiled,
 # ---- what pages are made of: their styles and scripts, and Debian's libraries, empty where absent ----
 JAVASCRIPT = /usr/share/javascript
 PAGE = $(addprefix common/page,.css _charts.js _maps.js _scan.js) $(addprefix $(JAVASCRIPT)/dygraphs/dygraph.min,.js .css)
-ASSETS_analyze = $(PAGE) $(addprefix analyze/report/page,.html .js _solid.js) $(addprefix $(JAVASCRIPT)/three/,three.min.js examples/js/controls/OrbitControls.js)
+ASSETS_analyze = $(PAGE) $(addprefix analyze/report/page,.html .js _solid.js _words.js) $(addprefix $(JAVASCRIPT)/three/,three.min.js examples/js/controls/OrbitControls.js)
 ASSETS_ct2model = $(PAGE) $(addprefix ct2model/survey_page.,html js)
 define asset_rule
 $(BUILD)/assets/$(notdir $(1)): $(wildcard $(1))

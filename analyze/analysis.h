@@ -22,7 +22,6 @@ struct subject {
   size_t permeable;
   size_t flowing; /* number of them with a permeability above 0 */
   bool snapshots; /* every run has a snapshot */
-  bool maps;      /* the report shows the flow in a plane */
 };
 
 #define ANALYSIS_OPTIONS 4

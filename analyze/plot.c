@@ -40,19 +40,6 @@ void plot_text(FILE *stream, const char *text) {
   fputc('"', stream);
 }
 
-void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges,
-                const double *heights, double scale, double offset) {
-  fprintf(stream, "$%s << EOD\n", name);
-  for (size_t i = 0; i < bins; i++) {
-    if (heights[i] > 0)
-      fprintf(stream, "%.7g %.6g\n%.7g %.6g\n", scale * edges[i] - offset, heights[i] / scale,
-              scale * edges[i + 1] - offset, heights[i] / scale);
-    else if (i > 0 && heights[i - 1] > 0)
-      fputc('\n', stream);
-  }
-  fputs("EOD\n", stream);
-}
-
 /* Runs gnuplot in `folder` on NAME.gp; `exit_code` is -1 without gnuplot. Its messages are shown
  * only with `remarks`. */
 static enum status spawn_gnuplot(const char *folder, const char *name, const char *format,

@@ -20,11 +20,6 @@ void plot_point_style(FILE *stream, size_t i);
  * apostrophe. Use with `noenhanced`. */
 void plot_text(FILE *stream, const char *text);
 
-/* Writes `$name << EOD` with a histogram as a stepped line; empty bins are gaps, so that
- * logarithmic axes are possible. x = scale * edge - offset, y = height / scale. */
-void plot_steps(FILE *stream, const char *name, size_t bins, const double *edges,
-                const double *heights, double scale, double offset);
-
 /* Writes FOLDER/NAME.gp (head + body) and runs it to make NAME.svg and NAME.png. Without gnuplot
  * there is a warning, but no failure. */
 enum status plot_save(const char *folder, const char *name, const char *body, int width,

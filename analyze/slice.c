@@ -219,14 +219,13 @@ static enum status parse_zoom(const struct options *options, struct slice_reques
   return STATUS_OK;
 }
 
-/* Velocities are averaged over cells, so that at most `vectors` are along an axis; fewer in the
- * report, with its smaller picture. */
+/* Velocities are averaged over cells, so that at most `vectors` are along an axis. The report draws
+ * maps of its own. */
 static enum status analyze(const struct subject *subject, const struct options *options,
                            struct product *product) {
   enum status status = STATUS_OK;
   const struct run *run = &subject->runs[0];
-  struct slice_request request = {
-      .axis = -1, .position = NAN, .thickness = NAN, .vectors = options == NULL ? 42.0 : 60.0};
+  struct slice_request request = {.axis = -1, .position = NAN, .thickness = NAN, .vectors = 60.0};
   static const char axes[] = "xyz";
   struct particles particles = {0};
   struct cell *cells = NULL;
@@ -288,12 +287,6 @@ static enum status applies(const struct subject *subject, bool *applies) {
   return STATUS_OK;
 }
 
-/* Omitted if the page has maps of a plane, which show the same. */
-static bool shown(const struct subject *subject, const json_t *json) {
-  (void)json;
-  return !subject->maps;
-}
-
 const struct analysis slice_analysis = {
     .name = "slice",
     .command = {"slice", "RUN [--plane x=Q] [--thickness Q] [--zoom Y0,Z0,Y1,Z1] [-o DIR]",
@@ -303,8 +296,5 @@ const struct analysis slice_analysis = {
                 {"thickness", 0, "Q", 0, "of the slab (one spacing)"},
                 {"zoom", 0, "Y0,Z0,Y1,Z1", 0,
                  "corners of the window in the plane's two axes, e.g. 0.5mm,0.5mm,1mm,1mm"}},
-    .heading = "Slice",
-    .caption = "Velocity in the plane, half-way through the body; grains and walls are grey.",
     .applies = applies,
-    .analyze = analyze,
-    .shown = shown};
+    .analyze = analyze};

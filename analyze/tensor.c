@@ -74,26 +74,6 @@ static json_t *matrix(const struct tensor *t, int u, const double k[9]) {
   return rows;
 }
 
-json_t *tensor_json(const struct tensor *t) {
-  json_t *object = json_object(), *list = json_array(), *mirrored = json_array();
-  for (int u = 0; u < UNITS; u++) json_object_set_new(object, units[u].key, matrix(t, u, t->k));
-  json_object_set_new(object, "k_low_m_per_s", matrix(t, M_PER_S, t->low));
-  json_object_set_new(object, "k_high_m_per_s", matrix(t, M_PER_S, t->high));
-  json_put_number(object, "asymmetry", t->asymmetry);
-  for (int p = 0; p < 3; p++) {
-    json_t *one = json_pack("{s:o,s:o,s:o}", "axis", json_numbers(t->axes + 3 * p, 3),
-                            "k_low_m_per_s", json_number(t->principal_low[p]), "k_high_m_per_s",
-                            json_number(t->principal_high[p]));
-    for (int u = 0; u < UNITS; u++)
-      json_object_set_new(one, units[u].key, json_number(in_unit(t, u, t->principal[p])));
-    json_array_append_new(list, one);
-    if (t->mirrored[p]) json_array_append_new(mirrored, json_stringn(&"xyz"[p], 1));
-  }
-  json_object_set_new(object, "principal", list);
-  json_object_set_new(object, "mirrored", mirrored);
-  return object;
-}
-
 /* Origin of the mirror symmetry along an axis, in tensor.mirrored. */
 enum { BY_MODEL = 1, BY_RUN = 2 };
 
@@ -109,7 +89,7 @@ static bool list_axes(const struct tensor *t, int value, int other, const char *
   return found;
 }
 
-void tensor_symmetry(const struct tensor *t, FILE *stream) {
+static void write_symmetry(const struct tensor *t, FILE *stream) {
   bool by_run = false;
   for (int a = 0; a < 3; a++) by_run = by_run || t->mirrored[a] == BY_RUN;
   const char *what = by_run ? "Each direction's sample is its own mirror image along "
@@ -134,6 +114,33 @@ void tensor_symmetry(const struct tensor *t, FILE *stream) {
   fputs(" of the mean at most (Onsager: not at all).", stream);
 }
 
+json_t *tensor_json(const struct tensor *t) {
+  json_t *object = json_object(), *list = json_array(), *mirrored = json_array();
+  for (int u = 0; u < UNITS; u++) json_object_set_new(object, units[u].key, matrix(t, u, t->k));
+  json_object_set_new(object, "k_low_m_per_s", matrix(t, M_PER_S, t->low));
+  json_object_set_new(object, "k_high_m_per_s", matrix(t, M_PER_S, t->high));
+  json_put_number(object, "asymmetry", t->asymmetry);
+  for (int p = 0; p < 3; p++) {
+    json_t *one = json_pack("{s:o,s:o,s:o}", "axis", json_numbers(t->axes + 3 * p, 3),
+                            "k_low_m_per_s", json_number(t->principal_low[p]), "k_high_m_per_s",
+                            json_number(t->principal_high[p]));
+    for (int u = 0; u < UNITS; u++)
+      json_object_set_new(one, units[u].key, json_number(in_unit(t, u, t->principal[p])));
+    json_array_append_new(list, one);
+    if (t->mirrored[p]) json_array_append_new(mirrored, json_stringn(&"xyz"[p], 1));
+  }
+  json_object_set_new(object, "principal", list);
+  json_object_set_new(object, "mirrored", mirrored);
+  struct text note = {0};
+  if (text_start(&note) == STATUS_OK) {
+    write_symmetry(t, note.stream);
+    if (text_finish(&note) == STATUS_OK) json_object_set_new(object, "note", json_text(note.data));
+  }
+  error_clear();
+  text_free(&note);
+  return object;
+}
+
 void tensor_summary(const struct tensor *t, FILE *stream) {
   fputs("  tensor, cm/s (rows: flow along x, y, z; columns: gradient)\n", stream);
   for (int i = 0; i < 3; i++)
@@ -149,6 +156,6 @@ void tensor_summary(const struct tensor *t, FILE *stream) {
     fputc('\n', stream);
   }
   fputs("  ", stream);
-  tensor_symmetry(t, stream);
+  write_symmetry(t, stream);
   fputc('\n', stream);
 }

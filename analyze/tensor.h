@@ -22,10 +22,9 @@ struct tensor {
 /* *found is false if the run has no tensor. */
 enum status tensor_read(const struct run *run, struct tensor *tensor, bool *found);
 
-/* The tensor as JSON (a new object), and as text. */
+/* The tensor as JSON (a new object), and as text; both with sentences on the effect of symmetry on
+ * the off-diagonal terms, and of the sample's sides on k. */
 json_t *tensor_json(const struct tensor *tensor);
 void tensor_summary(const struct tensor *tensor, FILE *stream);
-/* Sentences on the effect of symmetry on the off-diagonal terms, and of the sample's sides on k. */
-void tensor_symmetry(const struct tensor *tensor, FILE *stream);
 
 #endif

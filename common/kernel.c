@@ -7,15 +7,6 @@
 const char *const kernel_names[] = {
     [KERNEL_QUINTIC] = "quintic", [KERNEL_CUBIC] = "cubic", [KERNEL_WENDLAND] = "wendland", NULL};
 
-const char *kernel_in_words(const char *name) {
-  static const char *const words[KERNELS] = {[KERNEL_QUINTIC] = "quintic spline",
-                                             [KERNEL_CUBIC] = "cubic spline",
-                                             [KERNEL_WENDLAND] = "Wendland C2 kernel"};
-  for (int k = 0; k < KERNELS; k++)
-    if (strcmp(kernel_names[k], name) == 0) return words[k];
-  return name;
-}
-
 double kernel_support_ratio(enum kernel kernel) {
   return kernel == KERNEL_QUINTIC ? 3 : 2;
 }

@@ -4,6 +4,12 @@ const pictures = (function () {
   'use strict';
   const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0));
   const field = f => f && Float32Array.from(bytes(f.bytes), b => (b === 255 ? NaN : f.low + b / 254 * (f.high - f.low)));
+  /* The first row of a file is at the top, as in Fiji; maps have theirs at the bottom. */
+  function upright(f, [nx, ny]) {
+    const greys = field(f), turned = greys && new Float32Array(greys.length);
+    for (let y = 0; greys && y < ny; y++) turned.set(greys.subarray(y * nx, (y + 1) * nx), (ny - 1 - y) * nx);
+    return turned;
+  }
   const css = name => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
   /* Dark blue over green to yellow (after viridis), blue over white to red, dry to wet, and grey. */
@@ -45,6 +51,19 @@ const pictures = (function () {
       for (let k = 0; k < 4; k++) value += catmull(x - i, k) * v * f[row + clamp(i + k - 1, size[0])];
     }
     return value;
+  }
+
+  /* A field with what two rounds of means of the four neighbours put where it has no value: interpolation near walls needs it. */
+  function spread(f, size) {
+    for (let round = 0; f && round < 2; round++) {
+      const old = f.slice();
+      old.forEach((v, i) => {
+        const x = i % size[0];
+        const near = [x > 0 ? old[i - 1] : NaN, x + 1 < size[0] ? old[i + 1] : NaN, old[i - size[0]], old[i + size[0]]].filter(n => n === n && n !== undefined);
+        if (v !== v && near.length > 0) f[i] = near.reduce((sum, n) => sum + n, 0) / near.length;
+      });
+    }
+    return f;
   }
 
   /* The lines f = 0 of a plane, by marching squares on cells of so many pixels. */
@@ -229,5 +248,5 @@ const pictures = (function () {
     scales(context, m, width, height);
   }
 
-  return {field, bytes, map};
+  return {field, upright, spread, bytes, map};
 })();

@@ -29,14 +29,8 @@
     return [...words, '-o', 'model.hdf'].map(quoted).join(' ');
   }
 
-  /* The first row of a file is at the top, as in Fiji; maps have theirs at the bottom. */
-  function upright(f, [nx, ny]) {
-    const greys = pictures.field(f), turned = new Float32Array(greys.length);
-    for (let y = 0; y < ny; y++) turned.set(greys.subarray(y * nx, (y + 1) * nx), (ny - 1 - y) * nx);
-    return turned;
-  }
   const m = {size: slices.size, spacing: voxel ? voxel[0] : 1, low: low, high: high, axes: voxel ? 'x across, y down' : ''};
-  const greys = slices.grey.map(f => upright(f, slices.size)), number_of = by('number'), slider = by('threshold'), value = by('value'), height = by('height');
+  const greys = slices.grey.map(f => pictures.upright(f, slices.size)), number_of = by('number'), slider = by('threshold'), value = by('value'), height = by('height');
   let move, waits = false;
 
   /* What depends on the sliders; once for each picture of the screen. */

@@ -1,9 +1,10 @@
 /* Fills page.html from the JSON in it, with the parts of page_charts.js, page_maps.js and page_solid.js. */
 (function () {
   'use strict';
-  const {data, by, add, known, number, short, percent, quantity, interval, size, duration, speedUnit, pressureUnit, table, note, tools,
+  const {by, add, known, number, short, percent, quantity, interval, size, duration, speedUnit, pressureUnit, table, note, tools,
          save, chart, map, zip, span, draw, again, start} = tosui;
 
+  const data = words.fill(tosui.data);
   /* A unit as a file has it. */
   const written = unit => (!unit || unit === '1' ? '-' : unit.replace('^2', '²').replace('^3', '³'));
   /* ---- the answer ---- */
@@ -112,10 +113,11 @@
         rows.push([`Exit gradient at x = ${number(exit.x_m)} m`,
           `${quantity(exit.gradient, exit.error95, '').trim()}; critical ${number(exit.critical)}, ` +
           (known(exit.factor_of_safety) ? `factor of safety ${number(exit.factor_of_safety)}` : '') + (exit.resolved ? '' : ', not resolved')]);
-      (s.heave || []).forEach(p => rows.push([`Heave beside wall ${p.wall} (${p.side}), ${number(p.depth_m)} m deep`,
+      const wall = w => (/^\d+$/.test(w.wall) ? `the wall regions[${w.wall}]` : `wall ${w.wall}`);
+      (s.heave || []).forEach(p => rows.push([`Heave beside ${wall(p)} (${p.side}), ${number(p.depth_m)} m deep`,
                                              `factor of safety ${number(p.factor_of_safety)}` + (p.resolved ? '' : ', not resolved')]));
       const force = (w, axis) => `${quantity(1e-3 * w[`force_${axis}_N_per_m`], 1e-3 * w[`force_${axis}_error95`], 'kN')} along ${axis}`;
-      (s.walls || []).forEach(w => rows.push([`Force on wall ${w.wall}, for each metre`, `${force(w, 'x')}, ${force(w, 'z')}`]));
+      (s.walls || []).forEach(w => rows.push([`Force on ${wall(w)}, for each metre`, `${force(w, 'x')}, ${force(w, 'z')}`]));
     }
     const columns = !s && !result && data.history ? data.history.runs[0].columns : {};
     const names = {head: 'Head at', level: 'Water level at', flux: 'Flux through', force: 'Force on'};
@@ -136,8 +138,8 @@
     if (slice) {
       const labels = data.model.rule === 'labels', what = labels ? 'distance to the walls drawn through the labels' : 'grey values of the scan';
       scans.slice(by('slice'), 'Slice', `The middle slice: ${what}, and the walls of the model (orange)`,
-                  {size: slice.size, spacing: slice.pixel_m, value: pictures.field(slice.grey), low: slice.grey.low, high: slice.grey.high,
-                   axes: `${slice.across} across, ${slice.up} up`, distance: pictures.field(slice.distance)});
+                  {size: slice.size, spacing: slice.pixel_m, value: pictures.upright(slice.grey, slice.size), low: slice.grey.low, high: slice.grey.high,
+                   axes: `${slice.across} across, ${slice.up} down`, distance: pictures.upright(slice.distance, slice.size)});
     }
     if (calibration && calibration.threshold) {
       const c = calibration, a = c.attributes, t = c.threshold, measured = of('model').void_ratio_measured;
@@ -169,8 +171,7 @@
     if (p) {
       const common = {size: p.size, spacing: p.spacing_m[0], distance: pictures.field(p.distance), fillGrains: true, smooth: true,
                       line: '#5d564a', soil: pictures.field(p.soil), axes: `${p.across} across, ${p.up} up`};
-      const m = of('model'), mirrored = ['x', 'y', 'z'].filter((d, i) => d !== p.normal &&
-        (m.mirror_axis === d || (m.sides === 'mirrored' && d !== 'z') || (run.mirrored || [])[i] > 0));
+      const mirrored = words.mirrored(run, of('model')).filter(d => d !== p.normal);
       const image = mirrored.length > 0 ? ` The sample is mirrored along ${mirrored.join(' and ')}.` : '';
       const high = rescale * p.speed.high, unit = speedUnit(high), soil = p.soil ? ' Hatched: soil with pores below the voxel.' : '';
       map(by('maps'), 'Speed', `Speed, with streamlines of the velocity in the plane ${p.normal} = ${size(p.at_m)}.${image}${soil}`,
@@ -179,7 +180,7 @@
       if (p.pressure) {
         const [factor, name] = pressureUnit(p.pressure.high);
         map(by('maps'), 'Pressure', 'Pressure about its mean, without what drives the flow, in the same plane.',
-            {...common, value: pictures.field(p.pressure), low: p.pressure.low, high: p.pressure.high, palette: 'pressure',
+            {...common, value: pictures.spread(pictures.field(p.pressure), p.size), low: p.pressure.low, high: p.pressure.high, palette: 'pressure',
              unit: {factor: factor, name: name}});
       }
     }
@@ -193,7 +194,7 @@
       (flows ? `, from 0 (light) to ${number(unit[0] * rescale * f.speed_high)} ${unit[1]} (dark)` : '; the water rests');
     if (known(f.pore_share_of_half_the_flow))
       text += `. Half of the flow goes through ${percent(f.pore_share_of_half_the_flow)} of the pores\u2019 volume`;
-    add(figure, 'figcaption', {}, text + '. Drag or arrow keys turn, wheel or + and \u2212 zoom.');
+    add(figure, 'figcaption', {}, text + '. ', add(null, 'span', {class: 'hint'}, 'Drag or arrow keys turn, wheel or + and \u2212 zoom.'));
     let view;
     try {
       if (!window.THREE || !THREE.OrbitControls) throw new Error('the program was built without three.js');
@@ -234,14 +235,19 @@
         if (regions.some(b => x > b[0] && x < b[3] && z > b[2] && z < b[5])) ground[k * f.size[0] + i] = 1;
       }
     const soil = regions.length > 0;
-    const same = (i, k) => f.kinds[i] === f.kinds[k] && f.values[i].bytes === f.values[k].bytes;
+    /* To the eye: a hundredth of the cells may differ by more than a hundredth of the scale. */
+    const cells = f.kinds.map((kinds, i) => [pictures.bytes(kinds), pictures.bytes(f.values[i].bytes)]);
+    const same = (i, k) => cells[i][0].reduce((n, kind, c) => n + (kind !== cells[k][0][c] || Math.abs(cells[i][1][c] - cells[k][1][c]) > 2.54), 0) <
+      0.01 * cells[i][0].length;
+    let shown = -1;
     f.times_s.forEach((t, i) => {
-      if (i > 0 && same(i, i - 1)) return; /* nothing has changed */
+      if (i <= shown) return; /* nothing has changed */
       let until = i;
       while (until + 1 < f.times_s.length && same(until + 1, i)) until++;
+      shown = until;
       const time = duration(t) + (until > i ? ` to ${duration(f.times_s[until])}, unchanged` : '');
       map(by('times'), time, time, {
-        size: f.size, spacing: f.cell_m[0], value: pictures.field(f.values[i]), kinds: pictures.bytes(f.kinds[i]), low: 0, high: high,
+        size: f.size, spacing: f.cell_m[0], value: pictures.field(f.values[i]), kinds: cells[i][0], low: 0, high: high,
         palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
     });
@@ -320,7 +326,7 @@
       }
       if (s.svg) {
         const figure = add(section, 'figure');
-        add(figure, 'img', {class: 'still', src: 'data:image/svg+xml;base64,' + s.svg, width: s.width, height: s.height, alt: s.heading});
+        add(figure, 'img', {class: 'still', src: 'data:image/svg+xml;base64,' + s.svg, alt: s.heading});
         tools(figure, ['Save SVG', () => save(s.name + '.svg', 'data:image/svg+xml;base64,' + s.svg)]);
       }
       note(section, s.caption);
@@ -355,7 +361,7 @@
     const m = of('model'), c = of('calibration'), count = run.size, walls = data.model.void_ratio_walls, um = v => known(v) && size(v);
     const within = known(walls) && Math.abs(walls - m.void_ratio) > 1e-6;
     table(by('facts'), [
-      ['Model file', data.model.path.replace(/.*\//, '')], ['Voxel', m.spacing && um(m.spacing[2])], ['Voxel of the scan', um(m.voxel_scanned)],
+      ['Model file', model.path.replace(/.*\//, '')], ['Voxel', m.spacing && um(m.spacing[2])], ['Voxel of the scan', um(m.voxel_scanned)],
       ['Lattice of the flow', count && `${count.join(' × ')} points of ${size(run.spacing[0])}`],
       ['Void ratio, measured on the specimen', number(m.void_ratio_measured)],
       [!within ? 'Void ratio of the model' : data.model.rule === 'labels' ? 'Void ratio by voxels of the smoothed labels' :
@@ -429,7 +435,7 @@
 
   /* A section without content goes; the others are listed. */
   function contents() {
-    document.querySelectorAll('figure:empty, .charts:empty, .note:empty, .pair > div:empty, p:empty').forEach(e => e.remove());
+    ['figure:empty, .charts:empty, .note:empty, #scanner:empty, p:empty', '.pair > div:empty'].forEach(empty => document.querySelectorAll(empty).forEach(e => e.remove()));
     const names = {...Object.fromEntries(data.sections.map(s => [s.name, s.contents])),
                    blocked: 'Pore velocity', frames: 'In time', soil: 'Soil', scan: 'Scan'};
     document.querySelectorAll('main section').forEach(s => {

@@ -279,7 +279,7 @@ static void flow_free(struct flow *flow) {
 }
 
 enum status picture_flow(const struct run *run, const struct particles *particles, bool paths,
-                         json_t **picture) {
+                         json_t *pictures) {
   enum status status = STATUS_OK;
   double *speeds = NULL;
   struct flow flow = {0};
@@ -294,15 +294,16 @@ enum status picture_flow(const struct run *run, const struct particles *particle
   TRY(quantile_find(speeds, particles->count, 0.99, &flow.speed_high));
   if (flow.speed_high > 0.0) TRY(fill_lines(&flow));
   const size_t cells = flow.size[0] * flow.size[1] * flow.size[2];
-  *picture = json_pack("{s:[I,I,I],s:o,s:o,s:o}", "size", (json_int_t)flow.size[0],
-                       (json_int_t)flow.size[1], (json_int_t)flow.size[2], "cell_m",
-                       json_numbers(flow.cell, 3), "speed_high", json_number(flow.speed_high),
-                       "grains", encode_nibbles(flow.solid, cells));
-  TRY(encode_lines(&flow, *picture));
+  json_t *picture = json_pack(
+      "{s:[I,I,I],s:o,s:o,s:o}", "size", (json_int_t)flow.size[0], (json_int_t)flow.size[1],
+      (json_int_t)flow.size[2], "cell_m", json_numbers(flow.cell, 3), "speed_high",
+      json_number(flow.speed_high), "grains", encode_nibbles(flow.solid, cells));
+  json_object_set_new(pictures, "flow", picture);
+  TRY(encode_lines(&flow, picture));
   if (paths && flow.speed_high > 0.0) {
     TRY(find_paths(run, particles, &flow));
-    json_object_set_new(*picture, "paths", encode_nibbles(flow.paths, cells));
-    json_put_number(*picture, "pore_share_of_half_the_flow", flow.paths_share);
+    json_object_set_new(picture, "paths", encode_nibbles(flow.paths, cells));
+    json_put_number(picture, "pore_share_of_half_the_flow", flow.paths_share);
   }
 cleanup:
   memory_free(&speeds);

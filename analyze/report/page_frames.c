@@ -142,8 +142,9 @@ cleanup:
   return status;
 }
 
-enum status picture_frames(const struct run *run, json_t **picture) {
+enum status picture_frames(const struct run *run, json_t *pictures) {
   enum status status = STATUS_OK;
+  json_t *picture = NULL;
   const bool unsaturated = strcmp(run->method, "richards") == 0;
   const size_t n = run->snapshot_count < FRAMES ? run->snapshot_count : FRAMES;
   struct grid grid = {0};
@@ -158,23 +159,25 @@ enum status picture_frames(const struct run *run, json_t **picture) {
   TRY(memory_allocate(&grid.kind, cells, 1, "a picture"));
   TRY(memory_allocate(&grid.all, n * cells, sizeof *grid.all, "a picture"));
   TRY(memory_allocate(&kept, n * cells, sizeof *kept, "a picture"));
-  *picture = json_pack("{s:s,s:[I,I],s:o,s:o,s:[],s:[],s:[]}", "value",
-                       unsaturated ? "saturation" : "pressure", "size", (json_int_t)grid.size[0],
-                       (json_int_t)grid.size[1], "cell_m", json_numbers(grid.cell, 2), "origin_m",
-                       json_numbers((double[2]){run->origin[0], run->origin[2]}, 2), "times_s",
-                       "kinds", "values");
+  picture = json_pack("{s:s,s:[I,I],s:o,s:o,s:[],s:[],s:[]}", "value",
+                      unsaturated ? "saturation" : "pressure", "size", (json_int_t)grid.size[0],
+                      (json_int_t)grid.size[1], "cell_m", json_numbers(grid.cell, 2), "origin_m",
+                      json_numbers((double[2]){run->origin[0], run->origin[2]}, 2), "times_s",
+                      "kinds", "values");
   for (size_t i = 0; i < n; i++) {
     const size_t shot = n == 1 ? 0 : i * (run->snapshot_count - 1) / (n - 1);
-    TRY(add_frame(&grid, shot, unsaturated, kept + i * cells, *picture));
+    TRY(add_frame(&grid, shot, unsaturated, kept + i * cells, picture));
   }
   /* The scale of pressure shows no less than what a spacing of water weighs. */
   double high = 1.0;
   if (!unsaturated && grid.all_count > 0) TRY(quantile_find(grid.all, grid.all_count, 0.99, &high));
   if (!unsaturated) high = fmax(high, run->density * GRAVITY_STANDARD * run->spacing[2]);
   for (size_t i = 0; i < n; i++)
-    json_array_append_new(json_object_get(*picture, "values"),
+    json_array_append_new(json_object_get(picture, "values"),
                           encode_field(kept + i * cells, cells, 0.0, high));
+  json_object_set(pictures, "frames", picture);
 cleanup:
+  json_decref(picture);
   memory_free(&grid.value);
   memory_free(&grid.count);
   memory_free(&grid.kind);

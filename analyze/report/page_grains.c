@@ -97,7 +97,7 @@ cleanup:
   return status;
 }
 
-enum status grain_sizes(const struct voxel_model *model, json_t **sizes) {
+enum status grain_sizes(const struct voxel_model *model, json_t *data) {
   enum status status = STATUS_OK;
   struct window window = {0};
   double diameters[POINTS], finer[POINTS], all = 0.0;
@@ -117,8 +117,9 @@ enum status grain_sizes(const struct voxel_model *model, json_t **sizes) {
     for (int p = POINTS - 1; p >= 0 && width <= diameters[p]; p--) finer[p] += 1.0;
   }
   for (int p = 0; p < POINTS; p++) finer[p] /= all;
-  *sizes = json_pack("{s:o,s:o}", "diameter_m", json_numbers(diameters, POINTS), "finer",
-                     json_numbers(finer, POINTS));
+  json_object_set_new(data, "grain_sizes",
+                      json_pack("{s:o,s:o}", "diameter_m", json_numbers(diameters, POINTS), "finer",
+                                json_numbers(finer, POINTS)));
 cleanup:
   memory_free(&window.depth);
   memory_free(&window.width);

@@ -9,15 +9,17 @@
 #include "common/page_encode.h"
 #include "common/statistics.h"
 
-/* Lengths in spacings: point (i, j) is at (i, j). */
+#define PLANE_SIDE 256 /* largest number of points per side, so that a page stays small */
+
+/* A point stands for `every` by `every` sites; lengths in its spacings. */
 struct plane {
   int axis, across, up; /* normal; horizontal; vertical, along the force */
-  size_t size[2];
-  double spacing[2], at; /* m; position of the plane along its normal */
-  float *distance;       /* [size] in spacings, positive in pores */
-  float *velocity;       /* [size][2] m/s in the plane */
-  float *speed;          /* [size] m/s */
-  /* [size] Pa relative to its mean, extrapolated into the grains; NULL: not stored. */
+  size_t size[2], every, layer;
+  double spacing[2], low[2], at; /* m; corner; position of the plane along its normal */
+  float *distance;               /* [size] in spacings, positive in pores */
+  float *velocity;               /* [size][2] m/s in the plane */
+  float *speed;                  /* [size] m/s */
+  /* [size] Pa relative to its mean, NAN in grains; NULL: not stored. */
   float *pressure;
   /* [size] 1 in soil with pores below the site size, else 0; NULL without such soil. */
   float *soil;
@@ -32,8 +34,8 @@ static double clamped(double v, size_t size) {
   return fmin(fmax(v, 0.0), (double)size - 1.0);
 }
 
-double picture_model_value(const struct voxel_model *model, const float *field,
-                           const double at[3]) {
+/* Trilinear value of a field of the model at a position (m, from the model's corner); periodic. */
+static double model_value(const struct voxel_model *model, const float *field, const double at[3]) {
   size_t low[3], high[3];
   double part[3], value = 0.0;
   for (int d = 0; d < 3; d++) {
@@ -56,38 +58,36 @@ double picture_model_value(const struct voxel_model *model, const float *field,
   return value;
 }
 
-/* Distances by the walls of the model, or by its grain fraction; false if it has neither. */
-static bool find_distances(const struct run *run, const struct voxel_model *model,
-                           struct plane *plane) {
+bool picture_walls(const struct voxel_model *model, const int axes[3], const double low[3],
+                   const double step[2], const size_t size[2], float *distance) {
   const bool walls = model->wall_distance != NULL;
   const float *field = walls ? model->wall_distance : model->grain_fraction;
-  for (size_t j = 0; field != NULL && j < plane->size[1]; j++)
-    for (size_t i = 0; i < plane->size[0]; i++) {
-      double at[3];
-      at[plane->axis] = plane->at;
-      at[plane->across] = run->origin[plane->across] + (double)i * plane->spacing[0];
-      at[plane->up] = run->origin[plane->up] + (double)j * plane->spacing[1];
-      const double value = picture_model_value(model, field, at);
-      plane->distance[j * plane->size[0] + i] =
-          (float)(walls ? value / plane->spacing[0] : 0.5 - value);
-    }
+  for (size_t p = 0; field != NULL && p < size[0] * size[1]; p++) {
+    const size_t i = p % size[0], j = p / size[0];
+    double at[3];
+    at[axes[0]] = low[0] + ((double)i + 0.5) * step[0];
+    at[axes[1]] = low[1] + ((double)j + 0.5) * step[1];
+    at[axes[2]] = low[2];
+    const double value = model_value(model, field, at);
+    distance[p] = (float)(walls ? value / step[0] : 4.0 * (0.5 - value));
+  }
   return field != NULL;
 }
 
 /* Approximate distances from the lattice of the run: half a spacing on both sides of each face,
  * smoothed. */
-static void approximate_distances(const struct run *run, size_t layer, struct plane *plane) {
+static void approximate_distances(const struct run *run, struct plane *plane) {
   const size_t stride[3] = {1, run->size[0], run->size[0] * run->size[1]};
   for (size_t j = 0; j < plane->size[1]; j++)
     for (size_t i = 0; i < plane->size[0]; i++) {
       double grains = 0.0, count = 0.0;
       for (int k = 0; k < 9; k++) {
         const int beside = k % 3 - 1, above = k / 3 - 1;
-        const size_t x = (size_t)clamped((double)i + beside, plane->size[0]);
-        const size_t y = (size_t)clamped((double)j + above, plane->size[1]);
+        const size_t x = (size_t)clamped((double)i + beside, plane->size[0]) * plane->every;
+        const size_t y = (size_t)clamped((double)j + above, plane->size[1]) * plane->every;
         const double weight = k == 4 ? 4.0 : k % 2 != 0 ? 2.0 : 1.0;
         const size_t site =
-            layer * stride[plane->axis] + x * stride[plane->across] + y * stride[plane->up];
+            plane->layer * stride[plane->axis] + x * stride[plane->across] + y * stride[plane->up];
         if (run->solid != NULL && run->solid[site] != 0) grains += weight;
         count += weight;
       }
@@ -101,10 +101,10 @@ static void fill(const struct run *run, const struct particles *particles, struc
   for (size_t i = 0; i < particles->count; i++) {
     const double *x = &particles->points[3 * i], *v = &particles->velocity[3 * i];
     if (fabs(x[plane->axis] - plane->at) > 0.5 * run->spacing[plane->axis]) continue;
-    const double a = (x[plane->across] - run->origin[plane->across]) / plane->spacing[0];
-    const double b = (x[plane->up] - run->origin[plane->up]) / plane->spacing[1];
-    const size_t p = (size_t)clamped(round(b), plane->size[1]) * plane->size[0] +
-                     (size_t)clamped(round(a), plane->size[0]);
+    const double a = (x[plane->across] - plane->low[0]) / plane->spacing[0];
+    const double b = (x[plane->up] - plane->low[1]) / plane->spacing[1];
+    const size_t p = (size_t)clamped(floor(b), plane->size[1]) * plane->size[0] +
+                     (size_t)clamped(floor(a), plane->size[0]);
     count[p] += 1.0f;
     plane->velocity[2 * p] += (float)v[plane->across];
     plane->velocity[2 * p + 1] += (float)v[plane->up];
@@ -127,31 +127,7 @@ static void fill(const struct run *run, const struct particles *particles, struc
     filled += 1.0;
   }
   for (size_t p = 0; plane->pressure != NULL && filled > 0 && p < points_of(plane); p++)
-    if (count[p] > 0) plane->pressure[p] -= (float)(mean / filled);
-}
-
-/* Extrapolates the pressure by two points into the grains, for the interpolation near walls. */
-static void extrapolate_pressure(const struct plane *plane, float *count) {
-  static const float fresh = -1.0f; /* filled in this round, and not a source in it */
-  for (int round = 0; round < 2; round++) {
-    for (size_t p = 0; p < points_of(plane); p++) {
-      const size_t i = p % plane->size[0], j = p / plane->size[0];
-      float sum = 0, n = 0;
-      if (count[p] > 0) continue;
-      for (int k = 0; k < 4; k++) {
-        const size_t x = (size_t)clamped((double)i + (k == 0) - (k == 1), plane->size[0]);
-        const size_t y = (size_t)clamped((double)j + (k == 2) - (k == 3), plane->size[1]);
-        if (!(count[y * plane->size[0] + x] > 0)) continue;
-        sum += plane->pressure[y * plane->size[0] + x];
-        n += 1;
-      }
-      if (!(n > 0)) continue;
-      plane->pressure[p] = sum / n;
-      count[p] = fresh;
-    }
-    for (size_t p = 0; p < points_of(plane); p++)
-      if (count[p] < 0) count[p] = 1.0f;
-  }
+    plane->pressure[p] = count[p] > 0 ? plane->pressure[p] - (float)(mean / filled) : NAN;
 }
 
 static enum status find_ranges(struct plane *plane, const float *count) {
@@ -185,35 +161,17 @@ static void choose_plane(const struct run *run, struct plane *plane) {
     plane->axis = plane->across;
     plane->across = 3 - plane->up - plane->axis;
   }
+  const int sides[2] = {plane->across, plane->up};
+  const size_t nx = run->size[sides[0]], ny = run->size[sides[1]];
+  plane->every = ((nx > ny ? nx : ny) + PLANE_SIDE - 1) / PLANE_SIDE;
   for (int i = 0; i < 2; i++) {
-    const int d = i == 0 ? plane->across : plane->up;
-    plane->size[i] = run->size[d];
-    plane->spacing[i] = run->spacing[d];
+    const int d = sides[i];
+    plane->size[i] = (run->size[d] + plane->every - 1) / plane->every;
+    plane->spacing[i] = run->spacing[d] * (double)plane->every;
+    plane->low[i] = run->origin[d] - 0.5 * run->spacing[d];
   }
-}
-
-#define PLANE_SIDE 256 /* largest number of points per side of an encoded plane */
-
-/* Every so many points of the plane, so that a page stays small. */
-static void thin_out(struct plane *plane) {
-  const size_t most = plane->size[0] > plane->size[1] ? plane->size[0] : plane->size[1];
-  const size_t every = (most + PLANE_SIDE - 1) / PLANE_SIDE;
-  const size_t width = plane->size[0];
-  size_t n = 0;
-  if (every < 2) return;
-  for (size_t j = every / 2; j < plane->size[1]; j += every)
-    for (size_t i = every / 2; i < width; i += every, n++) {
-      const size_t from = j * width + i;
-      plane->distance[n] = plane->distance[from] / (float)every;
-      plane->speed[n] = plane->speed[from];
-      memmove(&plane->velocity[2 * n], &plane->velocity[2 * from], 2 * sizeof *plane->velocity);
-      if (plane->pressure != NULL) plane->pressure[n] = plane->pressure[from];
-      if (plane->soil != NULL) plane->soil[n] = plane->soil[from];
-    }
-  for (int d = 0; d < 2; d++) {
-    plane->size[d] = (plane->size[d] - every / 2 + every - 1) / every;
-    plane->spacing[d] *= (double)every;
-  }
+  plane->layer = run->size[plane->axis] / 2;
+  plane->at = run->origin[plane->axis] + (double)plane->layer * run->spacing[plane->axis];
 }
 
 /* Two components as signed square roots of their share of the highest, so that slow water keeps
@@ -253,13 +211,12 @@ static json_t *encode_plane(const struct plane *plane) {
 }
 
 enum status picture_plane(const struct run *run, const struct particles *particles,
-                          const struct voxel_model *model, json_t **picture) {
+                          const struct voxel_model *model, json_t *pictures) {
   enum status status = STATUS_OK;
   struct plane whole = {0}, *plane = &whole;
   float *count = NULL;
   choose_plane(run, plane);
-  const size_t layer = run->size[plane->axis] / 2, n = points_of(plane);
-  plane->at = run->origin[plane->axis] + (double)layer * run->spacing[plane->axis];
+  const size_t n = points_of(plane);
   TRY(memory_allocate(&plane->distance, n, sizeof *plane->distance, "a plane"));
   TRY(memory_allocate(&plane->velocity, 2 * n, sizeof *plane->velocity, "a plane"));
   TRY(memory_allocate(&plane->speed, n, sizeof *plane->speed, "a plane"));
@@ -268,12 +225,16 @@ enum status picture_plane(const struct run *run, const struct particles *particl
     TRY(memory_allocate(&plane->pressure, n, sizeof *plane->pressure, "a plane"));
   if (particles->micro_porosity != NULL)
     TRY(memory_allocate(&plane->soil, n, sizeof *plane->soil, "a plane"));
-  if (!find_distances(run, model, plane)) approximate_distances(run, layer, plane);
+  const int axes[3] = {plane->across, plane->up, plane->axis};
+  const double low[3] = {plane->low[0], plane->low[1], plane->at};
+  if (!picture_walls(model, axes, low, plane->spacing, plane->size, plane->distance))
+    approximate_distances(run, plane);
   fill(run, particles, plane, count);
   TRY(find_ranges(plane, count));
-  if (plane->pressure != NULL) extrapolate_pressure(plane, count);
-  thin_out(plane);
-  if (plane->speed_high > 0.0) *picture = encode_plane(plane);
+  /* Under a thousandth of what drives the flow it is rounding, and not shown. */
+  const double drives = run->density * run_driving(run) * extent_of(run, plane->up);
+  if (plane->pressure_high < 1e-3 * drives) plane->pressure_high = 0.0;
+  if (plane->speed_high > 0.0) json_object_set_new(pictures, "plane", encode_plane(plane));
 cleanup:
   memory_free(&count);
   memory_free(&plane->distance);

@@ -68,13 +68,12 @@ cleanup:
   return value;
 }
 
-enum status record_group(struct h5_file *file, const char *group, json_t **record) {
+static enum status add_group(struct h5_file *file, const char *group, json_t *object) {
   enum status status = STATUS_OK;
   char **names = NULL, path[256];
   size_t count = 0;
-  json_t *attributes = json_object();
-  *record = json_pack("{s:O}", "attributes", attributes);
-  if (!h5_exists(file, group)) goto cleanup;
+  json_t *attributes = json_object(), *record = json_pack("{s:o}", "attributes", attributes);
+  json_object_set_new(object, strrchr(group, '/') + 1, record);
   TRY(h5_list_attributes(file, group, &count, &names));
   for (size_t i = 0; i < count; i++) {
     json_t *value = attribute_value(file, group, names[i]);
@@ -85,23 +84,17 @@ enum status record_group(struct h5_file *file, const char *group, json_t **recor
   for (size_t i = 0; i < count; i++) {
     if (snprintf(path, sizeof path, "%s/%s", group, names[i]) >= (int)sizeof path) continue;
     json_t *value = dataset_value(file, path);
-    if (value != NULL) json_object_set_new(*record, names[i], value);
+    if (value != NULL) json_object_set_new(record, names[i], value);
   }
 cleanup:
   h5_free_texts(count, &names);
-  json_decref(attributes);
   return status;
 }
 
-enum status record_groups(struct h5_file *file, const char *const *groups, size_t n,
-                          json_t *object) {
+enum status record_groups(struct h5_file *file, const char *const *groups, json_t *object) {
   enum status status = STATUS_OK;
-  for (size_t i = 0; i < n; i++) {
-    json_t *record = NULL;
-    if (!h5_exists(file, groups[i])) continue;
-    TRY(record_group(file, groups[i], &record));
-    json_object_set_new(object, strrchr(groups[i], '/') + 1, record);
-  }
+  for (; *groups != NULL; groups++)
+    if (h5_exists(file, *groups)) TRY(add_group(file, *groups, object));
 cleanup:
   return status;
 }

@@ -8,20 +8,15 @@ const solid = (function () {
     return values;
   };
 
-  /* Surface nets (Gibson 1998) of the field f = 1/2, closed by an empty border. Axes x y z of the
+  /* Surface nets (Gibson 1998) of the field f = 1/2, closed by an empty border of two cells. Axes x y z of the
    * model; a vertex for each cell that the surface crosses, a quad for each edge. */
   function surface(f, size) {
-    const [nx, ny, nz] = size.map(n => n + 2);
+    const [nx, ny, nz] = size.map(n => n + 4);
     const at = (x, y, z) => (z * ny + y) * nx + x;
-    const g = new Float32Array(nx * ny * nz);
+    const g = new Float32Array(nx * ny * nz).fill(-0.5);
     for (let z = 0; z < size[2]; z++)
       for (let y = 0; y < size[1]; y++)
-        for (let x = 0; x < size[0]; x++) g[at(x + 1, y + 1, z + 1)] = f[(z * size[1] + y) * size[0] + x] - 0.5;
-    for (let i = 0; i < g.length; i++) if (g[i] === 0) g[i] = -1e-4;
-    for (let z = 0; z < nz; z++)
-      for (let y = 0; y < ny; y++)
-        for (let x = 0; x < nx; x++)
-          if (x === 0 || y === 0 || z === 0 || x === nx - 1 || y === ny - 1 || z === nz - 1) g[at(x, y, z)] = -0.5;
+        for (let x = 0; x < size[0]; x++) g[at(x + 2, y + 2, z + 2)] = f[(z * size[1] + y) * size[0] + x] - 0.5 || -1e-4;
     const vertex = new Int32Array(g.length).fill(-1), positions = [], indices = [];
     const corner = [0, 1, nx, nx + 1, nx * ny, nx * ny + 1, nx * ny + nx, nx * ny + nx + 1];
     for (let z = 0; z + 1 < nz; z++)
@@ -44,7 +39,7 @@ const solid = (function () {
               n++;
             }
           vertex[base] = positions.length / 3;
-          positions.push(x + px / n - 0.5, y + py / n - 0.5, z + pz / n - 0.5);
+          positions.push(x + px / n - 1.5, y + py / n - 1.5, z + pz / n - 1.5);
         }
     const step = [1, nx, nx * ny];
     for (let z = 1; z + 1 < nz; z++)
@@ -59,18 +54,7 @@ const solid = (function () {
             if (!inside) q.reverse();
             indices.push(q[0], q[1], q[2], q[0], q[2], q[3]);
           }
-          /* Edges that leave the border are those of the layer below: they start at 0. */
         }
-    for (let d = 0; d < 3; d++) { /* from the border into the first layer */
-      const a = (d + 1) % 3, b = (d + 2) % 3, n = [nx, ny, nz];
-      for (let i = 1; i + 1 < n[a]; i++)
-        for (let j = 1; j + 1 < n[b]; j++) {
-          const base = i * step[a] + j * step[b];
-          if (!(g[base + step[d]] > 0)) continue;
-          const q = [vertex[base], vertex[base - step[a]], vertex[base - step[a] - step[b]], vertex[base - step[b]]].reverse();
-          indices.push(q[0], q[1], q[2], q[0], q[2], q[3]);
-        }
-    }
     return {positions: positions, indices: indices};
   }
 

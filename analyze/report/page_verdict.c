@@ -6,6 +6,7 @@
 
 #include "analyze/compatible_runs.h"
 #include "analyze/product.h"
+#include "common/hdf5_file.h"
 #include "common/units.h"
 
 static const double error_wanted = 0.05; /* relative error that the advice aims at */
@@ -25,7 +26,7 @@ static const struct run *run_of(const struct run *runs, size_t n, const json_t *
 /* Adds a result from a group of `darcy` or a series of `converge`; the spacing is that of its first
  * run. */
 static void add_result(json_t *results, const struct run *runs, size_t n, const json_t *fit,
-                       const char *name, const char *note) {
+                       const char *name, const char *from) {
   const json_t *rows = json_object_get(fit, "runs");
   const struct run *run = run_of(runs, n, json_array_get(rows, 0));
   double k = json_number_or_nan(fit, "k_m_per_s"),
@@ -47,7 +48,7 @@ static void add_result(json_t *results, const struct run *runs, size_t n, const 
     relative = k > 0.0 ? fmax(high - k, k - low) / k : NAN;
   }
   json_t *result = json_pack(
-      "{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?,s:O?}", "name", json_text(name), "note", note,
+      "{s:o,s:s,s:o,s:o,s:o,s:o,s:o,s:o,s:o,s:O?,s:O?}", "name", json_text(name), "from", from,
       "path", json_text(run->path), "k_m_per_s", json_number(k), "k_low_m_per_s", json_number(low),
       "k_high_m_per_s", json_number(high), "k_relative_error", json_number(relative),
       "intrinsic_permeability_m2", json_number(permeability), "spacing_m",
@@ -69,25 +70,17 @@ static bool contains_run(const json_t *fit, const json_t *row) {
   return false;
 }
 
-/* The run of a series whose own lattices give k with a smaller error than the extrapolation over
- * all spacings; NULL if none does. */
+/* The group that is nothing but the run of a series whose own lattices give k with a smaller error
+ * than the extrapolation over all spacings; NULL if there is none. */
 static const json_t *better_single_run(const json_t *series, const json_t *groups) {
-  double least = json_number_or_nan(series, "k_relative_error");
-  const json_t *group, *best = NULL;
+  const json_t *better = json_object_get(series, "better_run"), *group;
   size_t i;
   json_array_foreach(groups, i, group) {
-    const json_t *rows = json_object_get(group, "runs");
-    const json_t *parts = json_object_get(group, "error_budget");
-    const double error = json_number_or_nan(group, "k_relative_error");
-    if (json_array_size(rows) != 1 || !(error < least) ||
-        !isfinite(json_number_or_nan(parts, "resolution")) ||
-        strcmp(string(parts, "resolution_from"), "lattices") != 0 ||
-        !contains_run(series, json_array_get(rows, 0)))
-      continue;
-    least = error;
-    best = group;
+    if (better != NULL && json_array_size(json_object_get(group, "runs")) == 1 &&
+        contains_run(group, better))
+      return group;
   }
-  return best;
+  return NULL;
 }
 
 /* Whether all runs of a group are in a series that has a k. */
@@ -130,40 +123,6 @@ static void put_best_first(json_t *results, const struct run *runs, size_t n) {
   json_array_insert_new(results, 0, first);
 }
 
-/* ", 0.0013 Pa s, 1000 kg/m^3" for a run if the runs have different fluids, else "". */
-static void name_fluid(const struct run *runs, size_t n, const char *path, char text[80]) {
-  bool unlike = false;
-  text[0] = '\0';
-  for (size_t i = 1; i < n; i++)
-    unlike = unlike || runs[i].viscosity != runs[0].viscosity || runs[i].density != runs[0].density;
-  for (size_t i = 0; i < n && unlike; i++)
-    if (strcmp(runs[i].path, path) == 0)
-      snprintf(text, 80, ", %.4g Pa s, %.4g kg/m^3", runs[i].viscosity, runs[i].density);
-}
-
-/* Results with the same name, as of runs that differ only in their fluid, are distinguished by
- * their fluids and files. */
-static void distinguish_names(json_t *results, const struct run *runs, size_t n) {
-  json_t *names = json_array(), *result;
-  size_t i;
-  json_array_foreach(results, i, result) {
-    json_array_append_new(names, json_text(string(result, "name")));
-  }
-  json_array_foreach(results, i, result) {
-    const char *name = json_string_value(json_array_get(names, i)), *path = string(result, "path");
-    const char *slash = strrchr(path, '/');
-    size_t same = 0;
-    for (size_t j = 0; j < json_array_size(names); j++)
-      same += strcmp(json_string_value(json_array_get(names, j)), name) == 0;
-    char apart[700], fluid[80];
-    name_fluid(runs, n, path, fluid);
-    snprintf(apart, sizeof apart, "%.300s%s, %.250s", name, fluid,
-             slash == NULL ? path : slash + 1);
-    if (same > 1) json_object_set_new(result, "name", json_text(apart));
-  }
-  json_decref(names);
-}
-
 json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
                         const json_t *converge) {
   json_t *results = json_array();
@@ -174,9 +133,7 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
     char name[300];
     const json_t *alone = better_single_run(fit, groups);
     if (alone != NULL) {
-      add_result(
-          results, runs, n, alone, string(alone, "name"),
-          "From the lattices of this run, which tell more than the runs' spacings together.");
+      add_result(results, runs, n, alone, string(alone, "name"), "lattices");
       continue;
     }
     const bool extrapolated = json_is_true(json_object_get(fit, "extrapolated"));
@@ -185,58 +142,20 @@ json_t *verdict_results(const struct run *runs, size_t n, const json_t *darcy,
         extrapolated ? "Extrapolated to spacing 0, from the spacings" : "At the finest spacing",
         json_array_size(json_object_get(fit, "runs")), string(fit, "method"), string(fit, "wall"));
     add_result(results, runs, n, fit, name,
-               extrapolated
-                   ? "Richardson extrapolation; the error holds the grid convergence index."
-               : json_is_true(json_object_get(fit, "spacings_too_near"))
-                   ? "The spacings are too near each other to tell the error of the resolution."
-                   : "The spacings do not converge well enough to extrapolate; the error is three "
-                     "times what they differ by.");
+               extrapolated                                              ? "extrapolated"
+               : json_is_true(json_object_get(fit, "spacings_too_near")) ? "too_near"
+                                                                         : "scattered");
   }
   json_array_foreach(groups, i, fit) {
     if (!covered(fit, series))
       add_result(results, runs, n, fit, string(fit, "name"),
-                 json_array_size(json_object_get(fit, "runs")) > 1 ? "Fitted through all gradients."
-                                                                   : "");
+                 json_array_size(json_object_get(fit, "runs")) > 1 ? "gradients" : "");
   }
   if (json_array_size(results) > 1) put_best_first(results, runs, n);
-  distinguish_names(results, runs, n);
   return results;
 }
 
 /* ---- assessment ---- */
-
-/* Lower bounds of k in m/s, for water. The last one includes negative k due to noise. */
-struct class_of_k {
-  double least;
-  const char *name;
-};
-/* DIN 18130-1 (1998), table 1; the test itself is specified in ISO 17892-11. */
-static const struct class_of_k din[] = {{1e-2, "very strongly permeable"},
-                                        {1e-4, "strongly permeable"},
-                                        {1e-6, "permeable"},
-                                        {1e-8, "weakly permeable"},
-                                        {-INFINITY, "very weakly permeable"}};
-/* Casagrande, Fadum (1940), as drawn by Terzaghi, Peck (1948). */
-static const struct class_of_k casagrande[] = {
-    {1e-6, "good drainage"}, {1e-8, "poor drainage"}, {-INFINITY, "practically impervious"}};
-
-static const char *class_name(const struct class_of_k *classes, double k) {
-  while (k < classes->least) classes++;
-  return classes->name;
-}
-
-static void judge_class(json_t *result, const char *key, const struct class_of_k *classes) {
-  char text[100];
-  const double k = json_number_or_nan(result, "k_m_per_s");
-  const bool known = isfinite(json_number_or_nan(result, "k_relative_error"));
-  const char *low = class_name(classes, known ? json_number_or_nan(result, "k_low_m_per_s") : k);
-  const char *high = class_name(classes, known ? json_number_or_nan(result, "k_high_m_per_s") : k);
-  if (strcmp(low, high) == 0)
-    snprintf(text, sizeof text, "%s", low);
-  else
-    snprintf(text, sizeof text, "%s to %s", low, high);
-  json_object_set_new(result, key, json_string(text));
-}
 
 static const char *good_for(double k, double relative) {
   if (k == 0)
@@ -269,16 +188,16 @@ static void judge_use(json_t *result) {
 /* The parts of the error, and what reduces each of them. */
 static const struct {
   const char *part, *remedy;
-} remedies[] = {{"resolution", ""},
-                {"scan", "a finer or sharper scan is needed"},
-                {"sides",
-                 "a larger sample is needed, or one mirrored at its sides (ct2model build --sides "
-                 "mirrored)"},
-                {"void_ratio", "build the model nearer to the measured void ratio"},
-                {"threshold", "measure the void ratio"},
-                {"micro", "measure the permeability of the soil below the voxel more precisely"},
-                {"averaging", "run longer"},
-                {"steadiness", "run longer"}};
+} remedies[] = {
+    {"resolution", ""},
+    {"scan", "a finer or sharper scan is needed"},
+    {"sides", "a larger sample is needed, or one mirrored at its sides by ct2model build --sides "
+              "mirrored"},
+    {"void_ratio", "build the model nearer to the measured void ratio"},
+    {"threshold", "measure the void ratio"},
+    {"micro", "measure the permeability of the soil below the voxel more precisely"},
+    {"averaging", "run longer"},
+    {"steadiness", "run longer"}};
 
 /* If the other parts reach this share of the wanted error, no affordable lattice can meet it. */
 #define OTHER_PARTS_MAX 0.97
@@ -294,8 +213,6 @@ static bool judge_interrupted(json_t *result, const struct run *run) {
   return true;
 }
 
-/* `scanned`: voxel size of the scan (m; NAN: unknown), below which a finer model has no more
- * information. */
 static void judge_advice(json_t *result, double scanned) {
   const json_t *parts = json_object_get(result, "error_budget");
   const char *needs = string(parts, "resolution_needs");
@@ -364,68 +281,19 @@ static void judge_advice(json_t *result, double scanned) {
   json_object_set_new(result, "advice", json_string(text));
 }
 
-/* k by the formula of Kozeny (1927), Carman (1937), K = n^3 / (5 S^2), from the porosity n and the
- * grain surface S per bulk volume. Not with soil below the voxel size, whose pores are included in
- * n but its grains not in S. */
-static void judge_formulas(json_t *result, const struct run *run, const struct page_model *model) {
-  const double n = model->porosity, s = model->specific_surface;
-  const double weight = GRAVITY_STANDARD * run->density / run->viscosity;
-  if (!(n > 0.0) || !(n < 1.0) || !(s > 0.0) || model->soil) return;
-  json_object_set_new(
-      result, "formulas",
-      json_pack("{s:o}", "kozeny_carman", json_number(weight * n * n * n / (5.0 * s * s))));
+double verdict_scanned_voxel(const struct run *run) {
+  struct h5_file *file = NULL;
+  double voxel = NAN;
+  if (run->model_file[0] != '\0' && h5_open(run->model_file, &file) == STATUS_OK)
+    voxel = h5_attribute_or_nan(file, "/model", "voxel_scanned");
+  error_clear();
+  h5_close(file);
+  return voxel;
 }
 
-/* What the error does not count, or where a part of it is from. */
-static void judge_notes(json_t *result) {
-  const json_t *budget = json_object_get(result, "error_budget");
-  const double assumed = json_number_or_nan(budget, "blur_assumed_m");
-  const double slope = fabs(json_number_or_nan(result, "dlnk_dvoid_ratio"));
-  const double closed = json_number_or_nan(budget, "dlnk_sides_closed");
-  json_t *notes = json_array();
-  char text[300], change[32] = "less than 0.01";
-  json_object_set_new(result, "notes", notes);
-  if (json_is_true(json_object_get(budget, "scan_unknown")))
-    json_array_append_new(notes, json_string("What the scan left in k, its blur, noise and labels, "
-                                             "is not known and not counted."));
-  if (json_is_true(json_object_get(budget, "sides_unknown")))
-    json_array_append_new(notes,
-                          json_string("What the sample's sides do to k is not known and not "
-                                      "counted: no pore leads through the lattice on which it is "
-                                      "looked for."));
-  if (isfinite(assumed)) {
-    snprintf(text, sizeof text,
-             "The scanner's blur could not be measured: no surface stands alone in the scan. The "
-             "part of the scan is that of a blur of %.3g µm.",
-             1e6 * assumed);
-    json_array_append_new(notes, json_string(text));
-  }
-  if (isfinite(json_number_or_nan(budget, "void_ratio")) && isfinite(slope) &&
-      isnan(json_number_or_nan(budget, "threshold"))) {
-    char share[32];
-    snprintf(text, sizeof text,
-             "The void ratio was given without its ±, which is not counted: each 0.01 of it is "
-             "%s %% of k.",
-             percent_format(slope / 100.0, share));
-    json_array_append_new(notes, json_string(text));
-  }
-  if (isfinite(closed)) {
-    if (fabs(closed) > 1e-4) snprintf(change, sizeof change, "%+.2g", 100.0 * expm1(closed));
-    snprintf(text, sizeof text,
-             "Sides: the sample wraps round; mirrored at its sides, k changes by the part above. "
-             "In a tube filled by the sample k would change by %s %%.",
-             change);
-    json_array_append_new(notes, json_string(text));
-  }
-}
-
-void verdict_judge(json_t *results, const struct run *run, const struct page_model *model) {
+void verdict_judge(json_t *results, const struct run *run, double scanned) {
   json_t *result = json_array_get(results, 0);
   if (result == NULL) return;
   judge_use(result);
-  judge_class(result, "class_din", din);
-  judge_class(result, "class_casagrande", casagrande);
-  if (!judge_interrupted(result, run)) judge_advice(result, model->voxel_scanned);
-  judge_formulas(result, run, model);
-  judge_notes(result);
+  if (!judge_interrupted(result, run)) judge_advice(result, scanned);
 }

@@ -4,7 +4,6 @@
 
 #include "analyze/product.h"
 #include "analyze/report/page.h"
-#include "analyze/report/page_model.h"
 #include "analyze/report/page_verdict.h"
 #include "analyze/report_command.h"
 #include "analyze/solute_flow.h"
@@ -16,16 +15,16 @@
 /* Prints the assessment of k and the advice as at the head of the page; with several results that
  * of the first, with its name. */
 static void print_verdict(const struct run *runs, size_t n, const json_t *darcy) {
-  struct page_model model;
   json_t *results = verdict_results(runs, n, darcy, NULL);
   const json_t *first = json_array_get(results, 0);
-  page_model_read(&runs[0], &model);
-  verdict_judge(results, &runs[0], &model);
+  verdict_judge(results, &runs[0], verdict_scanned_voxel(&runs[0]));
   if (first != NULL) {
-    const bool one = json_array_size(results) == 1;
-    const char *name = one ? "" : json_string_value(json_object_get(first, "name"));
-    printf("Verdict%s%s: %s. %s\n", one ? "" : " of ", name,
-           json_string_value(json_object_get(first, "good_for")),
+    if (json_array_size(results) == 1)
+      fputs("Verdict", stdout);
+    else
+      printf("Verdict of %s, %s", json_string_value(json_object_get(first, "path")),
+             json_string_value(json_object_get(first, "name")));
+    printf(": %s. %s\n", json_string_value(json_object_get(first, "good_for")),
            json_string_value(json_object_get(first, "advice")));
   }
   json_decref(results);
@@ -43,27 +42,9 @@ cleanup:
   return status;
 }
 
-/* Moves the run with the finest lattice of the first run's body to the front, because its pictures
- * are shown. The copies in *ordered own nothing. */
-static enum status put_finest_first(const struct run *runs, size_t n, struct run **ordered) {
-  enum status status = STATUS_OK;
-  size_t finest = 0;
-  TRY(memory_allocate(ordered, n, sizeof **ordered, "the runs of a report"));
-  for (size_t i = 1; i < n; i++)
-    if (runs[i].spacing[0] < 0.999 * runs[finest].spacing[0] &&
-        verdict_one_body(&runs[0], &runs[i]))
-      finest = i;
-  (*ordered)[0] = runs[finest];
-  for (size_t i = 0, at = 1; i < n; i++)
-    if (i != finest) (*ordered)[at++] = runs[i];
-cleanup:
-  return status;
-}
-
 static enum status write_report(const struct options *options, const struct run *runs, size_t n) {
   enum status status = STATUS_OK;
   json_t *json = NULL;
-  struct run *ordered = NULL;
   const char **solutes = NULL;
   size_t solute_count = 0;
   static const char *const ENDINGS[] = {".html", ".htm", NULL};
@@ -76,15 +57,13 @@ static enum status write_report(const struct options *options, const struct run 
   TRY(output_allow(path));
   TRY(find_solutes(options, &solutes, &solute_count));
   TRY(solute_flow_check(solutes, solute_count, runs, n, options_given(options, "mix")));
-  TRY(put_finest_first(runs, n, &ordered));
-  TRY(report_write(ordered, n, solutes, solute_count, path, options_command_line(options), &json));
+  TRY(report_write(runs, n, solutes, solute_count, path, options_command_line(options), &json));
   if (options_json(options)) {
     product_print_json(json);
   } else if (log_level() > LOG_QUIET) {
     printf("written: %s\n", path);
   }
 cleanup:
-  memory_free(&ordered);
   memory_free(&solutes);
   json_decref(json);
   return status;

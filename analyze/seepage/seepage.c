@@ -146,7 +146,8 @@ static void show_flow(struct seepage *s, const json_t *fluxes, json_t *json, FIL
   json_put_number(json, "flow_drift_m2_per_s", s->drift);
   if (s->drift > 0.1 * s->flow)
     fprintf(summary, "unsteady   the velocities in the soil still go one way: run longer\n");
-  if (seepage_is_filling(s->flow, s->flow_error, s->uptake))
+  /* A smaller uptake is only included in the error. */
+  if (fabs(s->uptake) > 0.1 * s->flow && fabs(s->uptake) > 0.5 * s->flow_error)
     fprintf(summary, "unsteady   the soil %s %.3g m^2/s: what flows in is not what flows out\n",
             s->uptake > 0 ? "fills with" : "drains of", fabs(s->uptake));
 }
@@ -241,7 +242,8 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
   }
 }
 
-const char *seepage_judge(double factor) {
+/* Assessment of a factor of safety against uplift. */
+static const char *judge(double factor) {
   return factor < 1 ? "the soil is lifted" : factor < 1.5 ? "little is in hand" : "it stays";
 }
 
@@ -265,9 +267,9 @@ static void show_gradient(double gradient, double error, double critical, bool r
     snprintf(factor, 80, "factor %.3g, not resolved: take a finer spacing", critical / gradient);
   else if (isfinite(error))
     snprintf(factor, 80, "factor %.3g, %.3g at least: %s", critical / gradient, least,
-             seepage_judge(least));
+             judge(least));
   else
-    snprintf(factor, 80, "factor %.3g, %s", critical / gradient, seepage_judge(least));
+    snprintf(factor, 80, "factor %.3g, %s", critical / gradient, judge(least));
 }
 
 /* Reports water that is not at the head of its window. */

@@ -32,14 +32,9 @@ struct seepage {
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *seepage);
 void seepage_free(struct seepage *seepage);
 
-/* Whether the soil fills or drains so fast that its inflow is not a flow through it. */
-bool seepage_is_filling(double flow, double error, double uptake);
-
 /* Whether a flow net of the run is meaningful: the heads in its soil differ by more than a spacing.
  * False also if the run has no such field. */
 enum status seepage_applies(const struct run *run, bool *applies);
-/* Assessment of a factor of safety against uplift, in a few words. */
-const char *seepage_judge(double factor);
 
 /* seepage_plot.c: the gnuplot commands of the flow net. */
 void seepage_plot(const struct seepage *seepage, struct product *product);

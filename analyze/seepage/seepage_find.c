@@ -129,11 +129,6 @@ static double find_uptake(const struct head_field *f, const double *psi) {
   return sum;
 }
 
-/* A smaller uptake is only included in the error. */
-bool seepage_is_filling(double flow, double error, double uptake) {
-  return fabs(uptake) > 0.1 * flow && fabs(uptake) > 0.5 * error;
-}
-
 enum status seepage_find(const struct run *run, double grain_density, struct seepage *s) {
   enum status status = STATUS_OK;
   struct head_field *f = &s->field;

@@ -255,8 +255,8 @@ page_data() { /usr/bin/python3 -c "import json, sys; sys.path.insert(0, sys.argv
   grep -q "TOO NEAR" near.txt
   grep -q "near1 alone tells more, by its own lattices" near.txt
   analyze report near1.hdf near2.hdf -o near.html -q
-  absent -q "Richardson extrapolation; the error holds" near.html
-  grep -q "From the lattices of this run" near.html
+  absent -q "Richardson extrapolation; the error holds" <(page near.html)
+  said near.html -q "From the lattices of this run"
   # Without lattices of their own the finest stands, and its error is all of it.
   /usr/bin/python3 "$MAKE_RUN" $(for n in 1 2; do echo bare$n.hdf n=$((44 - 4 * n)) spacing=$((2000 + 222 * (n - 1)))e-8 k=1.3${n}e-3 method=stokes model= --; done)
   analyze converge bare1.hdf bare2.hdf --json 2> /dev/null > bare.json

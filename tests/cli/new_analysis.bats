@@ -55,7 +55,7 @@ const struct analysis tortuosity_analysis = {
     .analyze = analyze};
 C
   local files
-  files=$(cd "$ROOT" && ls analyze/analyze.c analyze/analysis.c && grep -l page_internal.h analyze/report/*.c)
+  files=$(cd "$ROOT" && ls analyze/analyze.c analyze/analysis.c analyze/report/page.c)
   for file in $files; do
     ${CC:-gcc} -std=gnu11 -O1 -fopenmp -Inew -I"$ROOT" -I"$build" -DTOSUI_VERSION='"0"' -DTOSUI_COMPILER='"cc"' -c "$ROOT/$file" -o "$(basename "$file").o"
   done

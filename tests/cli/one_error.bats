@@ -53,7 +53,7 @@ END
   done
   grep -q "void ratio was given without its +-, which is not counted: each 0.01 moves k by" bare-run.darcy
   said bare-run.html -q "The void ratio was given without its ±, which is not counted"
-  run grep "given without" run.darcy run.html
+  run grep "given without" run.darcy <(page run.html)
   [ "$status" -eq 1 ]
 }
 

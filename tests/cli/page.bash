@@ -16,9 +16,15 @@ narrow() {
     grep -q "<title>wide:;" dom.html || { echo "$page"; false; }
   done
 }
-# PAGE.html: what a browser makes of it.
-browse() {
+# OPTION... FILE: a browser on a page of this folder.
+in_browser() {
   timeout 120 chromium --headless --no-sandbox --disable-quic --no-first-run --disable-background-networking \
     --disable-component-update --disable-sync --user-data-dir="$PWD/profile" --use-angle=swiftshader --window-size=500,900 \
-    --enable-unsafe-swiftshader --virtual-time-budget=20000 --dump-dom "file://$PWD/$1" 2> /dev/null
+    --enable-unsafe-swiftshader --virtual-time-budget=20000 "${@:1:$#-1}" "file://$PWD/${!#}" 2> /dev/null
+}
+# PAGE.html: what a browser makes of it; and how many sheets it prints.
+browse() { in_browser --dump-dom "$1"; }
+sheets() {
+  in_browser --no-pdf-header-footer --print-to-pdf="$PWD/paper.pdf" "$1" > /dev/null
+  grep -a -o "/Type */Page\b" paper.pdf | wc -l
 }

@@ -1,14 +1,28 @@
 """page.py PAGE.html: every text of the JSON in a page of analyze report, a line each, without the pictures.
-page.py PAGE.html EXPRESSION...: fails where one is not so; `page` is the JSON, `field(f)` the values of a field of a picture."""
+page.py PAGE.html EXPRESSION...: fails where one is not so; `page` is the JSON, `field(f)` the values of a field of a picture.
+
+The JSON is as the page's own script page_words.js completes it with its sentences, which needs nodejs."""
 import base64
 import json
 import re
+import subprocess
 import sys
 
 
-def read(path):
+def read(path, change=None):
+    """The JSON of the page, with what change(data) makes of it before the sentences are."""
     with open(path, encoding="utf-8") as file:
-        return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', file.read(), re.S)[1])
+        html = file.read()
+    data = json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', html, re.S)[1])
+    script = next((s for s in re.findall(r"<script>(.*?)</script>", html, re.S) if "const words = (function" in s), None)
+    if script is None:  # a page of ct2model
+        return data
+    if change:
+        change(data)
+    call = "const data = JSON.parse(require('fs').readFileSync(0, 'utf8')); process.stdout.write(JSON.stringify(words.fill(data)));"
+    told = subprocess.run(["node", "-e", script + call], input=json.dumps(data), capture_output=True, text=True)
+    assert told.returncode == 0, told.stderr
+    return json.loads(told.stdout)
 
 
 def field(f):

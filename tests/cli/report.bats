@@ -176,6 +176,22 @@ class_of_interval() { # NAME...
     page["models"][0]["model"]["attributes"]["porosity"], page["models"][0]["model"]["attributes"]["specific_surface"], page["verdict"][0]["formulas"])'
 }
 
+@test "the classes of an interval of k" {
+  /usr/bin/python3 - << 'END'
+import os, sys
+sys.path.insert(0, os.environ["ROOT"] + "/tests/cli")
+import page
+for low, high, din, casagrande in (
+    (2e-4, 3e-4, "strongly permeable", "good drainage"),
+    (5e-7, 5e-6, "weakly permeable to permeable", "poor drainage to good drainage"),
+    (0, 0, "very weakly permeable", "practically impervious"),
+    (-2e-9, -1e-9, "very weakly permeable", "practically impervious"),  # what noise may leave of water at rest
+):
+    k = page.read("matched.html", lambda d: d["verdict"][0].update(k_m_per_s=(low + high) / 2, k_low_m_per_s=low, k_high_m_per_s=high))["verdict"][0]
+    assert (k["class_din"], k["class_casagrande"]) == (din, casagrande), k
+END
+}
+
 # bats test_tags=long
 @test "results of one name, of runs that differ in their fluid, are told apart by fluid and run" {
   sphsolve run scene.cfg --set "fluids[0].viscosity=2e-3 Pa s" -o run-thick -q > /dev/null
@@ -370,6 +386,18 @@ a["k_low_image"], a["k_high_image"] = 0.95e-3, 1.1e-3'
 @test "on a telephone nothing is wider than the screen" {
   command -v chromium > /dev/null || skip "chromium is not installed"
   narrow matched
+}
+
+@test "on paper: at most five sheets" {
+  command -v chromium > /dev/null || skip "chromium is not installed"
+  printed=$(sheets matched.html)
+  [ "$printed" -ge 2 ] && [ "$printed" -le 5 ]
+}
+
+@test "a flow in two dimensions: a map of its plane, without a pressure that is rounding" {
+  sphsolve run "$ROOT/data-samples/scenes/poiseuille.cfg" -o slit -q > /dev/null
+  analyze report slit.hdf -o slit.html -q > /dev/null
+  page slit.html '(lambda p: set(p) == {"plane"} and {p["plane"]["across"], p["plane"]["up"]} == {"x", "z"} and "pressure" not in p["plane"])(page["pictures"])'
 }
 
 # bats test_tags=long

@@ -12,42 +12,17 @@
 
 #include "common/json_number.h"
 
-/* The classes of an interval of k, m/s. */
-static void classes_are(double low, double high, const char *din, const char *casagrande) {
-  const struct run run = {.density = 1000, .viscosity = 1e-3};
-  const struct page_model model = {.porosity = NAN, .specific_surface = NAN};
-  json_t *results =
-      json_pack("[{s:f,s:o,s:o,s:f}]", "k_m_per_s", 0.5 * (low + high), "k_low_m_per_s",
-                json_number(low), "k_high_m_per_s", json_number(high), "k_relative_error", 0.1);
-  verdict_judge(results, &run, &model);
-  const json_t *first = json_array_get(results, 0);
-  assert_string_equal(json_string_value(json_object_get(first, "class_din")), din);
-  assert_string_equal(json_string_value(json_object_get(first, "class_casagrande")), casagrande);
-  json_decref(results);
-}
-
-static void test_classes(void **state) {
-  (void)state;
-  classes_are(2e-4, 3e-4, "strongly permeable", "good drainage");
-  classes_are(5e-7, 5e-6, "weakly permeable to permeable", "poor drainage to good drainage");
-  classes_are(0, 0, "very weakly permeable", "practically impervious");
-  /* What the noise of a run may leave of water at rest. */
-  classes_are(-2e-9, -1e-9, "very weakly permeable", "practically impervious");
-}
-
 /* What is to be done for 5 % of a k whose lattice was of 12 um, by the parts of its error. */
 static void advice_is(double voxel, const char *needs, double resolution, double threshold,
                       double void_ratio, const char *advice) {
   const struct run run = {.density = 1000, .viscosity = 1e-3, .path = "run.hdf"};
-  const struct page_model model = {
-      .porosity = NAN, .specific_surface = NAN, .voxel_scanned = voxel};
   json_t *results = json_pack("[{s:f,s:f,s:f,s:f,s:f,s:s,s:{s:s,s:f,s:o,s:o}}]", "k_m_per_s", 1e-4,
                               "k_low_m_per_s", 9e-5, "k_high_m_per_s", 1.1e-4, "k_relative_error",
                               0.1, "spacing_m", 12e-6, "path", "run.hdf", "error_budget",
                               "resolution_needs", needs, "resolution", resolution, "threshold",
                               json_number(threshold), "void_ratio", json_number(void_ratio));
   assert_non_null(results);
-  verdict_judge(results, &run, &model);
+  verdict_judge(results, &run, voxel);
   assert_string_equal(json_string_value(json_object_get(json_array_get(results, 0), "advice")),
                       advice);
   json_decref(results);
@@ -73,6 +48,6 @@ static void test_advice(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_classes), cmocka_unit_test(test_advice)};
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_advice)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
