@@ -159,7 +159,7 @@ static size_t trace(const struct flow *flow, const double seed[3], double sign, 
 
 static double random_unit(uint64_t *state) { /* generator MMIX of Knuth, reproducible */
   *state = *state * 6364136223846793005u + 1442695040888963407u;
-  return (double)(*state >> 11) / 9007199254740992.0;
+  return (double)(*state >> 11) / 0x1p53;
 }
 
 /* Starts streamlines evenly distributed over the pores; each is traced in both directions and

@@ -11,6 +11,9 @@
 
 #define PLANE_SIDE 256 /* largest number of points per side, so that a page stays small */
 
+/* Colours end at this quantile, so that a few large values do not darken the rest. */
+static const double colour_top = 0.98;
+
 /* A point stands for `every` by `every` sites; lengths in its spacings. */
 struct plane {
   int axis, across, up; /* normal; horizontal; vertical, along the force */
@@ -137,11 +140,11 @@ static enum status find_ranges(struct plane *plane, const float *count) {
   TRY(memory_allocate(&values, points_of(plane), sizeof *values, "a plane"));
   for (size_t p = 0; p < points_of(plane); p++)
     if (count[p] > 0) values[n++] = (double)plane->speed[p];
-  TRY(quantile_find(values, n, 0.98, &plane->speed_high));
+  TRY(quantile_find(values, n, colour_top, &plane->speed_high));
   n = 0;
   for (size_t p = 0; plane->pressure != NULL && p < points_of(plane); p++)
     if (count[p] > 0) values[n++] = fabs((double)plane->pressure[p]);
-  TRY(quantile_find(values, n, 0.98, &plane->pressure_high));
+  TRY(quantile_find(values, n, colour_top, &plane->pressure_high));
 cleanup:
   memory_free(&values);
   return status;

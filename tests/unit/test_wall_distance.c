@@ -61,7 +61,8 @@ static void scan_make(struct scan *scan, bool mirror, double plane) {
         fwrite(&grey, sizeof grey, 1, file);
       }
   fclose(file);
-  struct raw_layout raw = {true, {scan->size[0], scan->size[1], scan->size[2]}, PIXEL_F32, false, 0};
+  struct raw_layout raw = {
+      true, {scan->size[0], scan->size[1], scan->size[2]}, PIXEL_F32, false, 0};
   const char *paths[] = {scan->path};
   assert_int_equal(stack_open(paths, 1, &raw, &scan->stack), STATUS_OK);
   scan->region = (struct region){.stack = &scan->stack, .voxel = {1, 1, 1}, .scale = 1.0};
