@@ -267,6 +267,7 @@ static void find_thin_walls(const struct scene *scene, struct lattice *lattice) 
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     const double thickness = scene_region_thickness(scene, region);
+    lattice->stepped = lattice->stepped || (region->type == REGION_WALL && region->is_part);
     if (region->type != REGION_WALL || region->is_part ||
         !(thickness < (1.0 + 1e-6) * scene->spacing))
       continue;

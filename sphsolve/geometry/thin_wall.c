@@ -236,10 +236,11 @@ static size_t site_in_box(const struct lattice *l, const size_t first[3], int i,
          wrap((long)first[0] + i, l->size[0], 0);
 }
 
-/* Whether a way over faces leads from one corner of a cell to the opposite one, each step towards
- * it, through fluid sites. */
-static bool leads_across_cell(const struct lattice *l, const size_t at[3], const int step[3]) {
+/* Whether points of a wall that touch over an edge or a corner separate opposite corners of a cell:
+ * no way over faces leads from one to the other, each step towards it, through fluid sites. */
+static bool is_pinched(const struct lattice *l, const size_t at[3], const int step[3]) {
   bool reached[8] = {true};
+  if (!l->stepped) return false;
   for (unsigned c = 1; c < 8; c++) { /* bit a: whether the step along axis a is done */
     const unsigned done[3] = {c & 1U, c >> 1 & 1U, c >> 2 & 1U};
     size_t to[3];
@@ -252,7 +253,7 @@ static bool leads_across_cell(const struct lattice *l, const size_t at[3], const
     reached[c] = from && l->kind[(to[2] * l->size[1] + to[1]) * l->size[0] + to[0]] == SITE_FLUID;
   next:;
   }
-  return reached[(step[0] != 0) | (step[1] != 0) << 1 | (step[2] != 0) << 2];
+  return !reached[(step[0] != 0) | (step[1] != 0) << 1 | (step[2] != 0) << 2];
 }
 
 /* Whether a link lies in one cell of a lattice that is the surface itself. */
@@ -266,7 +267,7 @@ bool thin_wall_open_box(const struct lattice *l, const size_t at[3], const int s
   size_t first[3];
   for (int a = 0; a < 3; a++)
     first[a] = wrap((long)at[a] + (step[a] < 0 ? step[a] : 0), l->size[a], 0);
-  if (in_own_cell(l, step)) return leads_across_cell(l, at, step);
+  if (in_own_cell(l, step)) return !is_pinched(l, at, step);
   for (int k = 0; k <= n[2]; k++)
     for (int j = 0; j <= n[1]; j++)
       for (int i = 0; i <= n[0]; i++) {
@@ -306,7 +307,7 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
     w.unit = fmax(s->thinnest, SCENE_WALL_THICKNESS_MIN * w.unit);
     w.error = 0.0;
   }
-  const bool pinched = in_own_cell(l, step) && !leads_across_cell(l, at, step);
+  const bool pinched = in_own_cell(l, step) && is_pinched(l, at, step);
   const double slack = l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0;
   const double d_here = (double)l->wall_distance[here], d_there = (double)l->wall_distance[there];
   if (d_here + d_there > w.length + slack && !pinched) return false;
@@ -316,7 +317,7 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
       follow(&w, first, last))
     return true;
   if (!pinched) return false;
-  for (int end = 0; end < 2; end++) { /* two voxels of wall touch halfway */
+  for (int end = 0; end < 2; end++) {
     struct thin_wall_side *side = end ? last : first;
     if (side == NULL) continue;
     side->before = side->behind = 0.5 * w.length;

@@ -28,7 +28,8 @@ bool thin_wall_cuts(const struct lattice *lattice, const size_t at[3], const int
 /* Whether a link is known to be open without following it. The sites of the box that it spans are
  * all fluid, and none of their faces is cut (lattice.cut): a wall on the link would end within the
  * box, and fluid would go around. Or the box is one cell of a lattice that is the surface itself,
- * whose walls have sites. */
+ * whose walls have sites; where they are stepped (lattice.stepped), a way over faces must lead
+ * across it. */
 bool thin_wall_open_box(const struct lattice *lattice, const size_t at[3], const int step[3]);
 
 /* Fills lattice->cut from the links over faces; it stays NULL if no wall separates two fluid sites
