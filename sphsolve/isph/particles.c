@@ -41,7 +41,6 @@ enum status isph_let_in(struct isph *s, const double position[3], const double v
     enum status status = isph_add_particle(s, position, velocity, mass);
     if (status != STATUS_OK) return status;
     s->pressure[s->count - 1] = pressure;
-    if (s->pressure_before != NULL) s->pressure_before[s->count - 1] = pressure;
   } else {
     s->next_id++;
   }

@@ -7,7 +7,6 @@
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/effects/surface.h"
 #include "sphsolve/isph/link.h"
-#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/matrix.h"
 #include "sphsolve/isph/multigrid.h"
 #include "sphsolve/isph/petsc.h"
@@ -185,22 +184,6 @@ static bool pressure_is_exact(struct isph *s, const double *error) {
   return largest(s, error) <= s->scene->isph.tolerance * solve->pressure;
 }
 
-/* Adds to the pressure of calm water a part of its last change. A pressure that is carried over as
- * it is comes a step late, and what the approximate projection leaves of the difference drives the
- * water along its velocity: a wave on 20 rows gains 2 % of its energy a period by that. With all of
- * the change (p* = 2 p^n - p^{n-1}: Guermond, Minev, Shen 2006, section 3.2) pressures that
- * alternate from particle to particle would grow. */
-static void extrapolate(struct isph *s) {
-  double *x = s->pressure;
-  if (s->calm == NULL) return;
-  for (size_t i = s->local.begin; i < s->local.end; i++) {
-    const double now = x[i];
-    if (s->step > 1) x[i] += EXTRAPOLATED * s->calm[i] * (now - s->pressure_before[i]);
-    s->pressure_before[i] = now;
-  }
-  isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
-}
-
 /* One Jacobi sweep from the last pressure, except for particles on the surface. A pressure that
  * alternates from particle to particle has almost no gradient, so that the second solve does not
  * see it; as the gradient is not quite the adjoint of the divergence, it would grow, by 1 % a step
@@ -217,7 +200,6 @@ void isph_carry_pressure(struct isph *s) {
     top = fmax(top, -(f[0] * at[0] + f[1] * at[1] + f[2] * at[2]));
   }
   top = ranks_max(top);
-  extrapolate(s);
   isph_multiply(s, x, q);
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
