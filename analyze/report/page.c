@@ -184,10 +184,12 @@ static void add_section(json_t *sections, const struct analysis *analysis,
     json_object_set(section, "charts", product->charts);
   } else if (product->width > 0) {
     if (plot_svg(analysis->name, product->plot.data, product->width, product->height, &svg) ==
-        STATUS_OK)
+        STATUS_OK) {
+      json_object_set_new(section, "width", json_integer(product->width));
       json_object_set_new(section, "svg", encode_bytes(svg, strlen(svg)));
-    else
+    } else {
       leave_out("a picture");
+    }
   }
   memory_free(&svg);
 }

@@ -14,9 +14,6 @@
 #define ROUGHNESS_RATIO 2.0
 /* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
 #define ROUGHNESS_SCAN 0.8
-/* Widths that row_ends.c does not judge; and voxels of so small a part of a scan that one in twenty
- * wrong sizes shows nothing. */
-enum { WIDTH_UNJUDGED = 8, VOXELS_UNJUDGED = 4000 };
 /* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
 #define EQUAL_BYTES 0.9
 
@@ -132,6 +129,20 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
   return best;
 }
 
+/* Whether a slice has the few greys of labels, whose neighbours tell nothing of its layout. */
+static bool has_few_greys(const float *pixels, size_t n) {
+  enum { FEW = 8 };
+  float grey[FEW];
+  size_t count = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t k = 0;
+    while (k < count && grey[k] != pixels[i]) k++;
+    if (k == FEW) return false;
+    if (k == count) grey[count++] = pixels[i];
+  }
+  return true;
+}
+
 /* Of pixels that are not whole ones, but bytes or channels of such in turns, the number that makes
  * one; 0 if neighbours are as alike as any. Bytes of one kind come round at that distance, and are
  * more alike than neighbours are; or some neighbours, of one pixel, are alike and others not. */
@@ -202,11 +213,7 @@ enum status byte_order_check(const struct image *image) {
     goto cleanup;
   }
   pixels_to_float(pixels, stored, n, image->type);
-  if (image->size[0] <= WIDTH_UNJUDGED || n * image->pages < VOXELS_UNJUDGED)
-    log_warning("%s: too few voxels to see whether --raw is right: compare a slice with what is "
-                "known of it",
-                image->path);
-  const size_t turns = find_turns(pixels, n);
+  const size_t turns = has_few_greys(pixels, n) ? 0 : find_turns(pixels, n);
   if (turns > 0) {
     log_warning("%s: pixels alternate in turns of %zu: are they the bytes of wider pixels, or "
                 "channels or colours, that --raw takes for pixels?",

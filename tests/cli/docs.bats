@@ -107,7 +107,7 @@ P
   analyze report tutorial/coarse-run.hdf tutorial/fine-run.hdf -o tutorial/report.html
   [ -s tutorial/converge/converge.json ]
   # Of one body's runs the finest is shown.
-  page tutorial/report.html 'page["runs"][0]["name"] == "fine-run" and page["model"]["path"].endswith("tutorial/fine.hdf")'
+  page tutorial/report.html 'page["runs"][0]["name"] == "fine-run" and any(f.endswith("tutorial/fine.hdf") for f in page["runs"][0]["provenance"]["input_files"])'
 }
 
 # bats test_tags=long
