@@ -131,7 +131,7 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
 
 /* Whether a slice has the few greys of labels, whose neighbours tell nothing of its layout. */
 static bool has_few_greys(const float *pixels, size_t n) {
-  enum { FEW = 8 };
+  enum { FEW = 4 };
   float grey[FEW];
   size_t count = 0;
   for (size_t i = 0; i < n; i++) {
