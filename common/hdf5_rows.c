@@ -135,6 +135,9 @@ enum status h5_write_rows(struct h5_file *file, const char *name, enum h5_type t
   if (!ranks_any(!ready)) ready = write_rows(set, whole, type, rank, start, extent, data);
   if (!ready)
     status = FAIL(STATUS_RUN, "%s: %s cannot be written; is the disk full?", file->path, name);
+  /* HDF5 would flush what is left and wait for a rank whose write fails: the run ends, and the file
+   * stays open. */
+  if (ranks_any(!ready)) set = together = -1;
 cleanup:
   if (set >= 0) H5Dclose(set);
   if (whole >= 0) H5Sclose(whole);

@@ -18,7 +18,8 @@ static void write_bytes(const char *name, size_t n, unsigned char (*byte)(size_t
 static unsigned char slabs(size_t i) {
   uint32_t noise = (uint32_t)i * 2654435761U;
   noise = (noise ^ noise >> 15) * 2246822519U;
-  return (unsigned char)(((i % N + i / N % N + i / (N * N)) / 4 % 2 ? 120 : 40) + (noise >> 13) % 23);
+  return (unsigned char)(((i % N + i / N % N + i / (N * N)) / 4 % 2 ? 120 : 40) +
+                         (noise >> 13) % 23);
 }
 /* Along x: 8 voxels of the label 1, 8 of 3, 8 of 2. */
 static unsigned char layers(size_t i) {
