@@ -171,9 +171,9 @@ static void write_summary(const struct run_history *table, size_t n, FILE *strea
 /* The kind of a column that the scene asks for, NAME of NAME_PLACE: its length; 0 for a record of
  * the solver. */
 static size_t kind_of(const char *column) {
-  static const char *const kinds[] = {"head",     "level",    "flux",          "force",
-                                      "pressure", "velocity", "water_content", "infiltration",
-                                      "inflow",   "entered",  "fallen",        "ran_off"};
+  static const char *const kinds[] = {
+      "head",         "level",  "flux",    "force",  "pressure", "velocity", "water_content",
+      "infiltration", "inflow", "entered", "fallen", "ran_off",  "ponded"};
   if (strcmp(column, "velocity_through_soil") == 0) return 0;
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
     const size_t length = strlen(kinds[i]);

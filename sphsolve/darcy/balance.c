@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/pond.h"
 
 void richards_place(const struct richards *s, size_t i, double x[3]) {
   const struct lattice *l = s->lattice;
@@ -53,6 +54,7 @@ void richards_evaluate(struct richards *s, double time) {
                    &s->face_flux[f]);
   }
   richards_edge_fluxes(s, time);
+  richards_pond_fluxes(s, time);
 }
 
 double richards_water(const struct richards *s) {
@@ -62,7 +64,7 @@ double richards_water(const struct richards *s) {
 }
 
 double richards_net_inflow(const struct richards *s) {
-  double sum = -s->seeped;
+  double sum = -s->seeped - richards_pond_volume(s, NULL);
   for (size_t r = 0; r < s->scene->region_count; r++)
     sum += s->entered[r] + s->rained[r] - s->ran_off[r];
   return sum;

@@ -11,16 +11,14 @@ double richards_rain_at(const struct richards_edge *edge, double time) {
   return edge->share * given_at(edge->region, edge->region->rate, time);
 }
 
-/* Inward flux from a prescribed pressure head outside the face. */
-static void from_head(const struct richards *s, const struct richards_edge *edge, double head,
-                      struct flux *flux) {
+void richards_flux_from_head(const struct richards *s, const struct richards_edge *edge,
+                             double head, struct flux *flux) {
   const struct retention *soil = &s->soils[s->soil[edge->site]];
   struct retention_state outside;
   retention_at(soil, head, &outside);
   flux_in_soil(soil->conductivity[edge->axis], 0.5 * s->spacing,
                edge->low ? s->pull[edge->axis] : -s->pull[edge->axis], &outside,
                &s->now[edge->site], flux);
-  flux->di = flux->dj;
 }
 
 double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time) {
@@ -47,7 +45,8 @@ void richards_share_wells(struct richards *s) {
 
 /* Without gravity a head is a pressure head. A well holds atmospheric pressure where it takes less
  * than its rate: nothing is sucked out of unsaturated soil. A face to the air lets out what comes
- * under pressure and takes in nothing but rain, as much of it as soil without ponding takes.
+ * under pressure and takes in nothing but rain, as much of it as soil takes from no depth of water
+ * (with a depth: darcy/pond.h).
  * Evaporation is limited to what air-dry soil at the face draws. */
 struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
                                     double time) {
@@ -81,7 +80,8 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
 static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
                     struct flux *flux) {
   const struct richards_law law = richards_law_at(s, edge, time);
-  from_head(s, edge, law.head, flux);
+  richards_flux_from_head(s, edge, law.head, flux);
+  flux->di = flux->dj;
   if (flux->q < law.least) *flux = (struct flux){law.least, 0, 0};
   if (flux->q > law.most) *flux = (struct flux){law.most, 0, 0};
 }

@@ -11,7 +11,12 @@ struct richards_law {
 };
 struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
                                     double time);
-/* Fluxes through the boundary faces at a time, from the states of the sites. */
+/* Inward flux through an edge from a pressure head outside it, m; `di` is its derivative by that
+ * head, `dj` by that of the site. */
+void richards_flux_from_head(const struct richards *s, const struct richards_edge *edge,
+                             double head, struct flux *flux);
+/* Fluxes through the boundary faces at a time, from the states of the sites, with no water that
+ * stands on them. */
 void richards_edge_fluxes(struct richards *s, double time);
 /* Distributes the rates of wells for a step, evenly over their sites under pressure. */
 void richards_share_wells(struct richards *s);

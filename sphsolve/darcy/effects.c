@@ -85,6 +85,14 @@ static bool richards_rain_wanted(const struct effect_context *context, char why[
   return context->has_rain;
 }
 
+static bool richards_ponding_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
+  bool stands = false;
+  for (size_t r = 0; r < context->scene->region_count; r++)
+    stands = stands || context->scene->regions[r].ponding > 0;
+  snprintf(why, EFFECT_WHY, stands ? "rain with a ponding depth" : "no rain with a ponding depth");
+  return stands;
+}
+
 static bool richards_wells_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
   bool has = false;
   for (size_t r = 0; r < context->scene->region_count; r++)

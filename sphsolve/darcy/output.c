@@ -9,6 +9,7 @@
 #include "sphsolve/output/history_columns.h"
 #include "sphsolve/darcy/balance.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/pond.h"
 
 /* Sites of soil around a point, two along each used axis, with interpolation weights that add up to
  * 1. Returns their number. */
@@ -169,6 +170,9 @@ static void walk_region(struct history_columns *columns, const struct richards *
     history_number(columns, "m^3/s", flow_of(s, r), "infiltration_%s", region->name);
     history_number(columns, "kg", density * s->rained[r], "fallen_%s", region->name);
     history_number(columns, "kg", density * s->ran_off[r], "ran_off_%s", region->name);
+    if (region->ponding > 0)
+      history_number(columns, "kg", density * richards_pond_volume(s, region), "ponded_%s",
+                     region->name);
   }
 }
 
@@ -280,13 +284,14 @@ static double *number_at(struct richards *s, int k) {
   return numbers[k];
 }
 
-#define ARRAYS 5
+#define ARRAYS 6
 static double *array_at(struct richards *s, int k, const char **name, size_t *count) {
   static const char *const names[ARRAYS] = {"/state/pressure_head", "/state/water",
-                                            "/state/entered", "/state/rained", "/state/ran_off"};
-  double *const arrays[ARRAYS] = {s->h, s->water, s->entered, s->rained, s->ran_off};
+                                            "/state/entered",       "/state/rained",
+                                            "/state/ran_off",       "/state/pond"};
+  double *const arrays[ARRAYS] = {s->h, s->water, s->entered, s->rained, s->ran_off, s->pond};
   *name = names[k];
-  *count = k < 2 ? s->count : s->scene->region_count;
+  *count = k < 2 ? s->count : k < 5 ? s->scene->region_count : s->edge_count;
   return arrays[k];
 }
 
@@ -302,6 +307,7 @@ enum status richards_write_checkpoint(const struct richards *s, struct recorder 
     const char *name;
     size_t count;
     const double *array = array_at(of, k, &name, &count);
+    if (array == NULL) continue;
     TRY(h5_write(file, name, H5_F64, 1, &count, array, true));
   }
   for (int k = 0; k < NUMBERS; k++) numbers[k] = *number_at(of, k);
@@ -322,6 +328,7 @@ enum status richards_read_checkpoint(struct richards *s, struct h5_file *file) {
     const char *name;
     size_t count, there;
     double *array = array_at(s, k, &name, &count);
+    if (array == NULL) continue;
     TRY(h5_read(file, name, H5_F64, 1, &there, &data));
     if (there != count)
       TRY_FAIL(STATUS_INPUT, "%s: %s is of another scene; remove the file to start anew",

@@ -10,6 +10,7 @@
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/pond.h"
 #include "sphsolve/darcy/saturated.h"
 #include "sphsolve/scene/scene.h"
 
@@ -270,6 +271,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->face_flux, s->face_count, sizeof *s->face_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_flux, s->edge_count, sizeof *s->edge_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_first, s->edge_count, sizeof *s->edge_first, "fluxes"));
+  TRY(richards_pond_create(s));
   if (s->full) TRY(memory_allocate(&s->speed, s->count, sizeof *s->speed, "fluxes"));
   if (s->full) TRY(memory_allocate(&s->limited, s->edge_count, sizeof *s->limited, "fluxes"));
   double **const sums[] = {&s->entered, &s->rained, &s->ran_off};
@@ -306,6 +308,7 @@ void richards_free(struct richards *s) {
                              &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,
                              &s->edge_first, &s->ran_off,  &s->term_size};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++) memory_free(arrays[k]);
+  richards_pond_free(s);
   memory_free(&s->beside);
   memory_free(&s->corners);
   memory_free(&s->body);

@@ -99,9 +99,14 @@ struct richards {
   /* m^3 since the start; a 2-D scene is one spacing thick. */
   double start;             /* volume of water in the soil at the start */
   double *entered;          /* [regions]: inflow; negative: outflow */
-  double *rained, *ran_off; /* [regions]: rain; the part of it that the soil did not take */
+  double *rained, *ran_off; /* [regions]: rain; the part of it that neither went into the soil nor
+                               stands on it */
   double seeped;            /* seepage to the air */
-  double in, out;           /* total inward and total outward flow through boundary faces */
+  /* Rain that stands on the soil (darcy/pond.h); else not allocated. [edges]: its depth now, at the
+   * start of the step, and at that of the stage, m; its rate in the first stage, m/s. */
+  double *pond, *pond_before, *pond_from, *pond_first;
+  double stage;   /* s; length of the stage that is solved, 0 between steps */
+  double in, out; /* total inward and total outward flow through boundary faces */
 };
 
 #endif

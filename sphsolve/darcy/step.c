@@ -8,6 +8,7 @@
 #include "sphsolve/darcy/balance.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/pond.h"
 #include "sphsolve/darcy/saturated.h"
 
 /* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
@@ -146,6 +147,7 @@ static double error_of(const struct richards *s, double dt) {
     const struct retention *soil = &s->soils[s->soil[i]];
     most = fmax(most, fabs(s->second[i] - s->first[i]) / (soil->theta_s - soil->theta_r));
   }
+  most = fmax(most, richards_pond_difference(s) / s->spacing);
   return (1 - SDIRK_GAMMA) * dt * most / s->tolerance;
 }
 
@@ -167,7 +169,7 @@ static void update_balance(struct richards *s, double from, double dt, double la
                           ((1 - SDIRK_GAMMA) * richards_rain_at(edge, from + SDIRK_GAMMA * dt) +
                            SDIRK_GAMMA * richards_rain_at(edge, from + dt));
       s->rained[r] += fell;
-      s->ran_off[r] += fell - came;
+      s->ran_off[r] += fell - came - area * richards_pond_rise(s, e);
     }
   }
 }
@@ -175,9 +177,11 @@ static void update_balance(struct richards *s, double from, double dt, double la
 static bool try_step(struct richards *s, double dt) {
   memcpy(s->target, s->water, s->count * sizeof *s->target);
   s->iterations = 0;
+  richards_pond_begin(s, dt);
   if (!solve(s, SDIRK_GAMMA * dt, s->time + SDIRK_GAMMA * dt, s->first)) return false;
   for (size_t e = 0; e < s->edge_count; e++) s->edge_first[e] = s->edge_flux[e].q;
   for (size_t i = 0; i < s->count; i++) s->target[i] += (1 - SDIRK_GAMMA) * dt * s->first[i];
+  richards_pond_second(s, dt);
   return solve(s, SDIRK_GAMMA * dt, s->time + dt, s->second);
 }
 
@@ -230,6 +234,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     }
     s->refused++;
     memcpy(s->h, s->before, s->count * sizeof *s->h);
+    richards_pond_back(s);
     dt *= isfinite(error) ? fmax(STEP_SAFETY / sqrt(error), STEP_SHRINK_MIN) : STEP_SHRINK_MIN;
     s->next_dt = dt;
     if (!(dt > STEP_MIN * fmax(s->time, 1 / s->fastest))) return no_step_found(s, dt);
@@ -245,6 +250,9 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     s->water[i] = s->target[i] + SDIRK_GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
+  for (size_t e = 0; s->pond != NULL && e < s->edge_count; e++)
+    s->rate = fmax(s->rate, fabs(richards_pond_rise(s, e)) / (dt * s->spacing));
+  richards_pond_end(s);
   s->rate_most = fmax(s->rate_most, s->rate);
   s->time = dt >= left * (1 - 1e-9) ? until : s->time + dt;
   s->step++;

@@ -266,6 +266,11 @@ static enum status check_soils(const struct scene *scene) {
                   "leaves it dry; write method = \"richards\"%s, or leave it out",
                   scene->path, region->line, curve->given ? retention_name(curve) : "pressure_head",
                   curve->given ? "" : " and give the soil its van_genuchten, haverkamp or gardner");
+    if (region->ponding > 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: ponding: in method isph rain stands wherever the soil does not take it; "
+                  "leave it out",
+                  scene->path, region->line);
   }
   return STATUS_OK;
 }

@@ -152,6 +152,7 @@ struct region {
    * or without a head (BOUNDARY_NONE) above atmospheric pressure. Rain supplies a rate, m/s, to
    * what lies below. All three have a name. */
   double rate;
+  double ponding; /* m; depth to which rain stands on unsaturated soil before it runs off */
   /* Head, flux, rate or wall velocity as a function of time; the members above then hold the values
    * of largest magnitude. */
   struct time_table table;

@@ -163,6 +163,7 @@ static enum status read_well(struct config *config, config_node *group, const st
                          of = given_rate ? rate : DIM_LENGTH;
   double *value = given_rate ? &region->rate : &region->head;
   bool given = config_child(group, key) != NULL;
+  TRY(keys_read(config, group, "regions[]", 1u << region->type, scene, region));
   TRY(scene_read_name(config, group, title, region->number + 1, region->name, sizeof region->name));
   for (const struct region *r = scene->regions; r < region; r++)
     if (!strcmp(r->name, region->name))

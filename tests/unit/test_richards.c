@@ -233,6 +233,81 @@ static void start_box(struct run *run, const char *soil, const char *more) {
         soil, more);
 }
 
+/* Depth of the water on a face under rain, m; all of them have the same. */
+static double pond_depth(const struct run *run) {
+  double depth = NAN;
+  for (size_t e = 0; e < run->s.edge_count; e++)
+    if (run->s.edges[e].region != NULL && run->s.edges[e].region->type == REGION_RAIN) {
+      assert_true(isnan(depth) || fabs(run->s.pond[e] - depth) < 1e-12);
+      depth = run->s.pond[e];
+    }
+  return depth;
+}
+
+/* Water stands on full soil as deep as allowed while it rains hard, and then falls as in a
+ * permeameter, (d + L) ~ exp(-K t/L), to nothing. */
+static void falling_head(void **state) {
+  (void)state;
+  struct run run;
+  start_box(&run, SAND "head = \"1 m\";",
+            ", { type = \"inflow\"; box = [\"0\", \"0\", \"0.4 m\", \"1 cm\"]; pressure_head = "
+            "\"0 m\"; }, { type = \"rain\"; name = \"storm\"; box = [\"0\", \"0.99 m\", \"0.4 m\", "
+            "\"1 m\"]; ponding = \"0.2 m\"; times = [\"0 s\", \"100 s\", \"101 s\"]; rate = "
+            "[\"1e-2 m/s\", \"1e-2 m/s\", \"0 m/s\"]; }");
+  advance(&run, 100);
+  assert_true(fabs(pond_depth(&run) - .2) < 1e-15 && run.s.ran_off[2] > 0);
+  advance(&run, 200);
+  const double first = pond_depth(&run);
+  assert_true(first > .18 && first < .2);
+  for (double t = 400; t <= 1400; t += 200) {
+    advance(&run, t);
+    const double exact = (1 + first) * exp(-1e-4 * (t - 200)) - 1;
+    assert_true(fabs(pond_depth(&run) - exact) < 1e-6);
+    assert_true(water_open(&run.s) < 1e-10);
+  }
+  advance(&run, 3600);
+  assert_true(pond_depth(&run) == 0 && water_open(&run.s) < 1e-10);
+  finish(&run);
+}
+
+/* Rain faster than dry sand takes it stands, and all of it goes in after it; what would stand
+ * deeper than allowed runs off. */
+static void ponding(void **state) {
+  (void)state;
+  for (int shallow = 0; shallow < 2; shallow++) {
+    struct run run;
+    char storm[256];
+    snprintf(storm, sizeof storm,
+             ", { type = \"rain\"; name = \"storm\"; box = [\"0\", \"0.99 m\", \"0.4 m\", \"1 "
+             "m\"]; ponding = \"%s\"; times = [\"0 s\", \"200 s\", \"201 s\"]; rate = [\"5e-4 "
+             "m/s\", \"5e-4 m/s\", \"0 m/s\"]; }",
+             shallow ? "1 cm" : "1 m");
+    start_box(&run, SAND "pressure_head = \"-10 m\";", storm);
+    const double area = .4 * run.s.spacing, fallen = 5e-4 * 200.5;
+    double stood = 0;
+    static const double times[] = {50,  100, 150, 200,
+                                   201, 300, 400}; /* kinks of the rain as well */
+    for (size_t k = 0; k < sizeof times / sizeof *times; k++) {
+      advance(&run, times[k]);
+      stood = fmax(stood, pond_depth(&run));
+      assert_true(water_open(&run.s) < 1e-10);
+    }
+    advance(&run, 7200);
+    assert_true(pond_depth(&run) == 0);
+    assert_true(fabs(run.s.rained[1] / (area * fallen) - 1) < 1e-12);
+    const double soaked = (richards_water(&run.s) - run.s.start) / area;
+    if (shallow) {
+      assert_true(fabs(stood - .01) < 1e-15);
+      assert_true(fabs(run.s.ran_off[1] / area + soaked - fallen) < 1e-12);
+      assert_true(run.s.ran_off[1] > .1 * run.s.rained[1]);
+    } else {
+      assert_true(stood > .03 && fabs(run.s.ran_off[1]) < 1e-12 * run.s.rained[1]);
+      assert_true(fabs(soaked - fallen) < 1e-12);
+    }
+    finish(&run);
+  }
+}
+
 /* Soil takes rain at its rate until it can take no more; the rest runs off, and all is accounted
  * for. The rain covers three faces and a half. */
 static void rain(void **state) {
@@ -423,9 +498,10 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),      cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),      cmocka_unit_test(rows),      cmocka_unit_test(rain),
-      cmocka_unit_test(fills),       cmocka_unit_test(ditch),     cmocka_unit_test(wells),
-      cmocka_unit_test(evaporation), cmocka_unit_test(sorption),  cmocka_unit_test(too_much)};
+      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
+      cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(wells),
+      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
+      cmocka_unit_test(falling_head), cmocka_unit_test(ponding)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
