@@ -13,12 +13,6 @@
 /* No real run takes this many steps: the scene has a wrong number or unit. */
 #define STEPS_MAX 1e12
 
-static bool has_region(const struct scene *scene, enum region_type type) {
-  for (size_t r = 0; r < scene->region_count; r++)
-    if (scene->regions[r].type == type) return true;
-  return false;
-}
-
 static bool has_moving_wall(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
@@ -69,10 +63,10 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
   *context = (struct effect_context){.scene = scene,
                                      .lattice = lattice,
                                      .driving = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]),
-                                     .has_porous = has_region(scene, REGION_POROUS),
-                                     .has_inflow = has_region(scene, REGION_INFLOW),
-                                     .has_rain = has_region(scene, REGION_RAIN),
-                                     .has_absorbing = has_region(scene, REGION_ABSORBING),
+                                     .has_porous = scene_has_region(scene, REGION_POROUS),
+                                     .has_inflow = scene_has_region(scene, REGION_INFLOW),
+                                     .has_rain = scene_has_region(scene, REGION_RAIN),
+                                     .has_absorbing = scene_has_region(scene, REGION_ABSORBING),
                                      .has_moving_wall = has_moving_wall(scene)};
   if (lattice == NULL) return;
   context->has_surface = lattice->fluid_count + lattice->wall_count < lattice->count;
