@@ -24,39 +24,48 @@ cleanup:
   return status;
 }
 
-/* Cells of an UnstructuredGrid: one vertex cell (VTK type 1) per particle, `count` of them on this
- * rank. */
+/* Cells of an UnstructuredGrid, `count` of them on this rank, of `each` points. */
 struct cells {
-  size_t first, count;
+  size_t first, count, each;
+  int type;
 };
 static enum status fill_numbers(const void *context, void *data) {
   const struct cells *cells = context;
   int64_t *numbers = data;
-  for (size_t i = 0; i < cells->count; i++) numbers[i] = (int64_t)(cells->first + i);
+  for (size_t i = 0; i < cells->count; i++)
+    numbers[i] = (int64_t)((cells->first + i) * cells->each);
   return STATUS_OK;
 }
 static enum status fill_types(const void *context, void *data) {
   const struct cells *cells = context;
-  if (cells->count > 0) memset(data, 1, cells->count);
+  if (cells->count > 0) memset(data, cells->type, cells->count);
   return STATUS_OK;
 }
 
-static enum status write_cells(struct h5_file *file, size_t count) {
+enum status snapshot_write_grid(struct h5_file *file, size_t count,
+                                const struct snapshot_field *place, size_t each, int type) {
   enum status status = STATUS_OK;
+  const int version[2] = {1, 0};
   size_t one = 1, all;
-  struct cells own = {ranks_offset(count, &all), count}, ends = own;
+  const struct cells points = {ranks_offset(count, &all), count, 1, type},
+                     own = {points.first / each, count / each, each, type};
+  struct cells ends = own;
   if (ranks_own() + 1 == ranks_count()) ends.count++;
-  int64_t total = (int64_t)all;
+  const int64_t totals[2] = {(int64_t)all, (int64_t)(all / each)};
   const struct snapshot_field
-      numbers = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &own},
+      numbers = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &points},
       offsets = {.type = H5_I64, .components = 1, .fill = fill_numbers, .context = &ends},
       types = {.type = H5_U8, .components = 1, .fill = fill_types, .context = &own};
+  TRY(h5_make_group(file, "/VTKHDF"));
+  TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
+  TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "UnstructuredGrid"));
+  TRY(write_field(file, "/VTKHDF/Points", count, place));
   TRY(write_field(file, "/VTKHDF/Connectivity", count, &numbers));
   TRY(write_field(file, "/VTKHDF/Offsets", ends.count, &offsets));
-  TRY(write_field(file, "/VTKHDF/Types", count, &types));
-  TRY(h5_write(file, "/VTKHDF/NumberOfPoints", H5_I64, 1, &one, &total, false));
-  TRY(h5_write(file, "/VTKHDF/NumberOfCells", H5_I64, 1, &one, &total, false));
-  TRY(h5_write(file, "/VTKHDF/NumberOfConnectivityIds", H5_I64, 1, &one, &total, false));
+  TRY(write_field(file, "/VTKHDF/Types", own.count, &types));
+  TRY(h5_write(file, "/VTKHDF/NumberOfPoints", H5_I64, 1, &one, &totals[0], false));
+  TRY(h5_write(file, "/VTKHDF/NumberOfCells", H5_I64, 1, &one, &totals[1], false));
+  TRY(h5_write(file, "/VTKHDF/NumberOfConnectivityIds", H5_I64, 1, &one, &totals[0], false));
 cleanup:
   return status;
 }
@@ -90,16 +99,11 @@ enum status snapshot_write(const char *path, double time, int64_t step, uint64_t
                            const struct snapshot_field *fields) {
   enum status status = STATUS_OK;
   struct h5_file *file = NULL;
-  int version[2] = {1, 0};
   TRY(h5_create(path, &file));
   TRY(h5_write_attribute(file, "/", "time", H5_F64, 1, &time));
   TRY(h5_write_attribute(file, "/", "step", H5_I64, 1, &step));
   TRY(flow_hash_write(file, "/", flow));
-  TRY(h5_make_group(file, "/VTKHDF"));
-  TRY(h5_write_attribute(file, "/VTKHDF", "Version", H5_I32, 2, version));
-  TRY(h5_write_attribute_text(file, "/VTKHDF", "Type", "UnstructuredGrid"));
-  TRY(write_field(file, "/VTKHDF/Points", count, points));
-  TRY(write_cells(file, count));
+  TRY(snapshot_write_grid(file, count, points, 1, VTK_VERTEX));
   for (size_t i = 0; i < field_count; i++) {
     const struct snapshot_field *field = &fields[i];
     char name[128];

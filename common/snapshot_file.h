@@ -34,6 +34,13 @@ enum status snapshot_write(const char *path, double time, int64_t step, uint64_t
                            const struct snapshot_field *points, size_t field_count,
                            const struct snapshot_field *fields);
 
+/* Collective: makes a file an UnstructuredGrid of points, `count` of them on this rank, with cells
+ * of `each` consecutive ones and VTK's number `type`. */
+#define VTK_VERTEX 1
+#define VTK_POLY_LINE 4
+enum status snapshot_write_grid(struct h5_file *file, size_t count,
+                                const struct snapshot_field *points, size_t each, int type);
+
 /* Rewrites PREFIX.hdf.series, ParaView's list of the snapshots and their times. */
 enum status series_write(const char *path, size_t count, char *const *names, const double *times);
 

@@ -18,7 +18,7 @@
 #include "common/ranks.h"
 #include "common/threads.h"
 #include "sphsolve/plan/reynolds.h"
-#include "sphsolve/plan/explain.h"
+#include "sphsolve/explain.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/geometry/other_sides.h"
 #include "sphsolve/geometry/resample.h"
@@ -30,7 +30,7 @@
 #include "sphsolve/output/tensor.h"
 #include "sphsolve/scene/keys_print.h"
 #include "sphsolve/scene/scene_read.h"
-#include "sphsolve/stokes/cascade/cascade_add.h"
+#include "sphsolve/error/cascade_add.h"
 
 enum { RUN = 1u << 0, EXPLAIN = 1u << 1, KEYS = 1u << 2 };
 

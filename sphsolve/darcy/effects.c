@@ -94,10 +94,8 @@ static bool richards_ponding_wanted(const struct effect_context *context, char w
 }
 
 static bool richards_wells_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  bool has = false;
-  for (size_t r = 0; r < context->scene->region_count; r++)
-    has = has || context->scene->regions[r].type == REGION_WELL ||
-          context->scene->regions[r].type == REGION_DRAIN;
+  const bool has = scene_has_region(context->scene, REGION_WELL) ||
+                   scene_has_region(context->scene, REGION_DRAIN);
   snprintf(why, EFFECT_WHY, has ? "wells or drains" : "no well, no drain");
   return has;
 }

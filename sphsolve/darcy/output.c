@@ -120,16 +120,12 @@ static double plane_flux(const struct richards *s, const struct flux_plane *plan
   return sum * s->spacing * s->spacing;
 }
 
-static bool is_sink(const struct region *region) {
-  return region->type == REGION_WELL || region->type == REGION_DRAIN;
-}
-
 /* Whether a region has columns in the history: the first box of an inflow, a rain, a well or a
  * drain. */
 static bool is_source(const struct richards *s, size_t r) {
   const struct region *region = &s->scene->regions[r];
   return region->first == r &&
-         (region->type == REGION_INFLOW || region->type == REGION_RAIN || is_sink(region));
+         (region->type == REGION_INFLOW || region->type == REGION_RAIN || region_is_sink(region));
 }
 
 /* Inward flux through the faces of a region, m^3/s. */
@@ -163,7 +159,7 @@ static void walk_region(struct history_columns *columns, const struct richards *
   if (region->type == REGION_INFLOW) {
     history_number(columns, "m^3/s", flow_of(s, r), "inflow_%zu", number);
     history_number(columns, "m^3", s->entered[r], "entered_%zu", number);
-  } else if (is_sink(region)) {
+  } else if (region_is_sink(region)) {
     history_number(columns, "m^3/s", 0 - flow_of(s, r), "outflow_%s", region->name);
     history_number(columns, "kg", 0 - density * s->entered[r], "taken_%s", region->name);
   } else {

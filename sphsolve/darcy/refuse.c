@@ -117,8 +117,7 @@ static enum status check_full(const struct effect_context *context) {
                          why);
   for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
     const struct region *region = &scene->regions[r];
-    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
-      status = check_well(context, region);
+    if (region->first == r && region_is_sink(region)) status = check_well(context, region);
   }
   return status;
 }
@@ -138,8 +137,7 @@ enum status richards_refuse(const struct effect_context *context) {
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     TRY(check_region(scene, region));
-    if (region->first == r && (region->type == REGION_WELL || region->type == REGION_DRAIN))
-      TRY(check_well(context, region));
+    if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
   }
 cleanup:
   return status;

@@ -222,12 +222,9 @@ static void classify_point(const struct scene *scene, const double x[3], bool al
 /* Whether soil is saturated by default: there can be no free surface if there is no water region,
  * or if the domain is periodic along the driving force. */
 static bool saturated_by_default(const struct scene *scene) {
-  bool water = false;
-  for (size_t r = 0; r < scene->region_count; r++)
-    water = water || scene->regions[r].type == REGION_WATER;
   for (int a = 0; a < 3; a++)
     if (scene->periodic[a] && scene->driving[a] != 0) return true;
-  return !water;
+  return !scene_has_region(scene, REGION_WATER);
 }
 
 /* Sets the sites of planes [first, end); returns whether any site of the lattice is empty.

@@ -15,4 +15,12 @@ struct wall_shape {
 void wall_shape_find(const struct lattice *lattice, size_t site, double spacing,
                      struct wall_shape *shape);
 
+/* Largest curvature, 1/m, of the wall nearest to a fluid site where it is convex seen from the
+ * fluid; infinite at an edge, 0 at a plane or hollow wall. The largest curvature K of the surface
+ * at distance d from the wall that passes through the site is the largest second difference of
+ * the wall distance along the lines to neighbours; that of the wall is K / (1 - K d), as parallel
+ * surfaces have a common centre of curvature (do Carmo 1976, Differential Geometry of Curves and
+ * Surfaces, sec. 3-5). 0 in a lattice without wall distances. */
+double wall_curvature(const struct lattice *lattice, const size_t at[3]);
+
 #endif

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sphsolve/isph/moment.h"
+#include "sphsolve/isph/vector.h"
 
 /* Lower bound of m, the mean of M along a surface: it is .8 in the outermost row of a level
  * surface, and less in spray. */
@@ -34,4 +35,20 @@ void isph_linear_find(struct isph *s) {
     for (int n = 0; n < 6; n++) moment[n] = (double)s->linear[i][n];
     find_correction(s, i, moment, s->linear[i]);
   }
+}
+
+bool isph_strain_turn(const struct isph *s, size_t i, double d[6]) {
+  if (s->linear == NULL || s->gradient == NULL || s->surface[i] >= 1) return false;
+  const float *k = s->linear[i];
+  const double *v = s->velocity[i];
+  double carried[3];
+  for (int a = 0; a < 3; a++) {
+    const float *g = s->gradient[i] + 3 * a;
+    carried[a] = (double)g[0] * v[0] + (double)g[1] * v[1] + (double)g[2] * v[2];
+  }
+  const double square = dot(carried, carried);
+  const double share = (1 - s->surface[i]) * square / (square + dot(s->force, s->force));
+  for (int n = 0; n < 6; n++) d[n] = share * (double)k[n];
+  for (int a = 0; a < 3; a++) d[symmetric_diagonal[a]] += 1 - share;
+  return true;
 }

@@ -12,7 +12,7 @@
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
-#include "sphsolve/isph/strain.h"
+#include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/enclosed.h"
 #include "sphsolve/isph/mobility.h"
@@ -40,7 +40,7 @@ ROW double assemble_pairs(enum isph_images images, const struct isph *s,
   return diagonal;
 }
 
-/* Divergence of the velocities v at particle i, from its pairs. d: isph/strain.h. */
+/* Divergence of the velocities v at particle i, from its pairs. d: isph/linear.h. */
 ROW double pairs_divergence(enum isph_images images, const struct isph *s,
                             const struct isph_chunk *chunk, size_t i, double (*v)[3],
                             const double d[6]) {

@@ -234,10 +234,8 @@ static enum status check_moving_walls(const struct effect_context *context) {
  * rest, and if nothing drives the water there is no velocity that could become steady. */
 static enum status check_end(const struct effect_context *context) {
   const struct scene *scene = context->scene;
-  bool driven = false;
+  bool driven = context->has_inflow;
   if (isfinite(scene->end_time)) return STATUS_OK;
-  for (size_t r = 0; r < scene->region_count; r++)
-    driven = driven || scene->regions[r].type == REGION_INFLOW;
   for (int a = 0; a < 3; a++) driven = driven || (scene->periodic[a] && scene->driving[a] != 0);
   if (driven && !context->has_surface) return STATUS_OK;
   return FAIL(STATUS_INPUT,

@@ -25,25 +25,15 @@
 /* c over the row's diagonal: P - P_d is then a tenth of the pressure difference to a neighbour. */
 #define DRAIN_COEFFICIENT 10.0
 
-static bool is_well(const struct region *region) {
-  return region->type == REGION_WELL || region->type == REGION_DRAIN;
-}
-
-bool isph_has_wells(const struct scene *scene) {
-  bool has = false;
-  for (size_t k = 0; k < scene->region_count; k++) has = has || is_well(&scene->regions[k]);
-  return has;
-}
-
 enum status isph_wells_create(struct isph *s) {
   const struct scene *scene = s->scene;
   size_t n = 0;
   for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
-    n += is_well(&scene->regions[k]);
+    n += region_is_sink(&scene->regions[k]);
   enum status status = memory_allocate(&s->wells, n, sizeof *s->wells, "wells");
   if (status != STATUS_OK) return status;
   for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
-    if (is_well(&scene->regions[k])) s->wells[s->well_count++].region = &scene->regions[k];
+    if (region_is_sink(&scene->regions[k])) s->wells[s->well_count++].region = &scene->regions[k];
   return STATUS_OK;
 }
 

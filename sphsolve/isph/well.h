@@ -23,8 +23,6 @@ struct isph_outlet {
   double tie;   /* in a drain: outflow over the excess of the pressure over the drain's */
 };
 
-/* Whether a scene has a well or a drain. */
-bool isph_has_wells(const struct scene *scene);
 /* Sets up the wells and drains of the scene; isph_free frees them. */
 enum status isph_wells_create(struct isph *s);
 /* Whether x lies in a well or a drain. */

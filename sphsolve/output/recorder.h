@@ -11,7 +11,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "common/snapshot_file.h"
-#include "sphsolve/output/uncertainty.h"
+#include "sphsolve/error/uncertainty.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/output/micropores.h"

@@ -10,7 +10,7 @@
 #include "common/units.h"
 #include "sphsolve/output/conservation.h"
 #include "sphsolve/output/tensor.h"
-#include "sphsolve/output/uncertainty.h"
+#include "sphsolve/error/uncertainty.h"
 #include "sphsolve/plan/reynolds.h"
 
 static json_t *error_json(const struct uncertainty *u) {

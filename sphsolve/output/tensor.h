@@ -8,7 +8,7 @@
 #include "common/error.h"
 #include "common/hdf5_file.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/uncertainty.h"
+#include "sphsolve/error/uncertainty.h"
 #include "sphsolve/scene/scene.h"
 
 /* Result for one direction of the force. */

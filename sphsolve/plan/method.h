@@ -51,8 +51,10 @@ struct method {
    * their number. NULL: the method has no such choice. */
   int (*levels)(const struct plan *plan, int most, struct predicted_level *levels);
   const char *(*wall_name)(const struct scene *scene); /* for the run record */
+  /* For methods that resolve pores: sets shape and expected_scan of the plan, before the scales. */
+  enum status (*expect)(struct plan *plan);
   /* For methods that resolve pores: the wall scheme, and the parts of the error of k that do not
-   * depend on it (error_forecast.h). */
+   * depend on it (error/error_forecast.h). */
   enum wall_scheme (*wall)(const struct scene *scene);
   /* For methods that resolve pores: whether water also flows across edges and corners of sites.
    * NULL: no. */

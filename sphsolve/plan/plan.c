@@ -6,20 +6,12 @@
 
 #include "common/units.h"
 #include "sphsolve/geometry/percolation.h"
-#include "sphsolve/geometry/throat_width.h"
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/scan_error.h"
 #include "sphsolve/plan/reynolds.h"
 
 /* No real run takes this many steps: the scene has a wrong number or unit. */
 #define STEPS_MAX 1e12
-
-static bool has_region(const struct scene *scene, enum region_type type) {
-  for (size_t r = 0; r < scene->region_count; r++)
-    if (scene->regions[r].type == type) return true;
-  return false;
-}
 
 static bool has_moving_wall(const struct scene *scene) {
   for (size_t r = 0; r < scene->region_count; r++) {
@@ -71,10 +63,10 @@ void plan_context(const struct scene *scene, const struct lattice *lattice,
   *context = (struct effect_context){.scene = scene,
                                      .lattice = lattice,
                                      .driving = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]),
-                                     .has_porous = has_region(scene, REGION_POROUS),
-                                     .has_inflow = has_region(scene, REGION_INFLOW),
-                                     .has_rain = has_region(scene, REGION_RAIN),
-                                     .has_absorbing = has_region(scene, REGION_ABSORBING),
+                                     .has_porous = scene_has_region(scene, REGION_POROUS),
+                                     .has_inflow = scene_has_region(scene, REGION_INFLOW),
+                                     .has_rain = scene_has_region(scene, REGION_RAIN),
+                                     .has_absorbing = scene_has_region(scene, REGION_ABSORBING),
                                      .has_moving_wall = has_moving_wall(scene)};
   if (lattice == NULL) return;
   context->has_surface = lattice->fluid_count + lattice->wall_count < lattice->count;
@@ -115,18 +107,6 @@ static double add_program_bytes(double bytes) {
   return PROGRAM_BYTES + (1.0 + MEMORY_OVERHEAD) * bytes;
 }
 
-/* Error of k by the void ratio and by the threshold, where d ln k/d e is `slope`. */
-static double threshold_error(const struct model_facts *model, double slope) {
-  const double by_void_ratio = slope * model->void_ratio_error;
-  const double by_threshold = slope / model->threshold_slope * model->threshold_uncertainty;
-  return hypot(isfinite(by_void_ratio) ? by_void_ratio : 0.0,
-               isfinite(by_threshold) ? by_threshold : 0.0);
-}
-
-double plan_expected_rest(const struct plan *plan) {
-  return hypot(isfinite(plan->expected_scan) ? plan->expected_scan : 0.0, plan->expected_threshold);
-}
-
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan) {
@@ -147,21 +127,7 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
     context->has_wall = context->has_wall || !scene->periodic[a];
   if (method->resolves_pores) {
     plan_estimate_seepage(context);
-    pore_shape_find(scene, lattice, &plan->shape);
-    if (context->driving > 0.0 && (*scene->model_path || lattice->boxes != NULL)) {
-      TRY(throat_width_find(lattice, scene->driving, &plan->shape.throat));
-      plan->shape.throat /= context->spacing;
-    }
-    const struct scan_quality *scan = &lattice->model.scan;
-    /* Soil narrows the pores, but the blur does not move its surface: the geometric mean of both
-     * widths. */
-    const double width = sqrt(plan->shape.width * plan->shape.open) * context->spacing;
-    const double n = (double)lattice->fluid_count / lattice->bulk_count;
-    const double slope = (1.0 - n) * (3.0 / n - 1.0); /* d ln k/d e from Kozeny and Carman */
-    if (isfinite(width) && scan->known)
-      plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
-                                  scan->void_ratio_error * slope);
-    if (isfinite(width)) plan->expected_threshold = threshold_error(&lattice->model, slope);
+    TRY(method->expect(plan));
   }
   TRY(method->scales(plan));
   for (size_t i = 0; method->effects[i] != NULL; i++) {

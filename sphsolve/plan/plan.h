@@ -10,7 +10,6 @@
 #include "common/error.h"
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/effect.h"
-#include "sphsolve/plan/error_forecast.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/scene/scene.h"
 
@@ -41,6 +40,34 @@ struct planned_effect {
   bool on;
   char why[EFFECT_WHY];
   double dt_max; /* s; INFINITY: none */
+};
+
+/* The shape of the pores. Lengths are in spacings; without walls they are infinite and the slope is
+ * 0. */
+struct pore_shape {
+  double width; /* mean pore width, 4 V / S of the pores */
+  double open;  /* the same without the pore volume filled by soil */
+  double
+      throat;  /* critical width along the force (geometry/throat_width.h); infinite without one */
+  double ways; /* mean pores side by side in a plane across the force */
+  int dimensions;
+  double grain;  /* mean thickness, 2 V / S of the grains; infinite between boxes */
+  double slope;  /* d ln k if all walls recede by one spacing, after Kozeny and Carman */
+  double outer;  /* mean depth of the wall sites next to fluid behind the surface */
+  double middle; /* mean depth of the midpoint of these pairs of sites (< 0: in the fluid) */
+  bool sharp;    /* walls are boxes or voxel faces */
+  bool straight; /* and has hardly any edges: ducts */
+  bool flat;     /* and all normal to one axis: slits */
+};
+
+/* Expected |k/k_exact - 1|. Where two parts of opposite sign may cancel, `error` is the root of the
+ * sum of their squares, and `least` the smallest possible remainder, or 0 if they have similar
+ * size: the error then passes through zero, and only the range is meaningful. Otherwise both are
+ * equal. */
+struct error_forecast {
+  double error, least; /* NAN: no walls */
+  double pores;        /* error without the part of the narrowest way */
+  char why[EFFECT_WHY];
 };
 
 /* The accuracy or run time that the user requests; 0: not requested. */
@@ -100,8 +127,6 @@ enum status plan_method(const struct scene *scene, const struct lattice *lattice
 enum status plan_make(const struct scene *scene, const struct lattice *lattice,
                       const struct method *method, const char *method_why, int threads,
                       struct plan *plan);
-/* Expected error by scan and threshold, which no lattice reduces. */
-double plan_expected_rest(const struct plan *plan);
 /* Sets plan->blocked by following the pores as a run does; time and error are then NAN. */
 enum status plan_find_path(struct plan *plan);
 /* Sets what follows from scene and lattice (NULL if not built yet), without a method. */

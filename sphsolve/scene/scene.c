@@ -71,6 +71,12 @@ void scene_free(struct scene *scene) {
   MEMORY_FREE(&scene->regions, &scene->gauges, &scene->planes, &scene->output_fields, &scene->text);
 }
 
+bool scene_has_region(const struct scene *scene, enum region_type type) {
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (scene->regions[r].type == type) return true;
+  return false;
+}
+
 int scene_axis_along(const double vector[3]) {
   int axis = 0;
   for (int a = 1; a < 3; a++)

@@ -158,6 +158,11 @@ struct region {
   struct time_table table;
 };
 
+/* Whether water leaves by it within the soil or the water. */
+static inline bool region_is_sink(const struct region *region) {
+  return region->type == REGION_WELL || region->type == REGION_DRAIN;
+}
+
 struct gauge {
   char name[32];
   double at[3]; /* m */
@@ -265,6 +270,7 @@ void scene_free(struct scene *scene);
 enum status scene_error(const struct scene *scene, enum scene_place place, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+bool scene_has_region(const struct scene *scene, enum region_type type);
 /* |driving| / 9.80665 m/s^2, unless the scene says otherwise. */
 double scene_hydraulic_gradient(const struct scene *scene);
 /* Axis of the side of the domain that an inflow region lies on, -1 if none; *at_low: it is the

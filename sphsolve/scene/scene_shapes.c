@@ -234,7 +234,7 @@ static enum status cut(const struct scene *scene, const struct region *whole,
   const double low = whole->box[p->plane[w]], high = whole->box[p->plane[w] + 3];
   for (double row = floor(low / dx + 1e-6); row * dx < high - near; row++) {
     const enum status status =
-        whole->type == REGION_POROUS || whole->type == REGION_WELL || whole->type == REGION_DRAIN
+        whole->type == REGION_POROUS || region_is_sink(whole)
             ? cut_row(whole, w, fmax(low, row * dx), fmin(high, (row + 1) * dx), near,
                       BISECTIONS_MAX, parts)
             : cut_sites(scene, whole, w, (row + 0.5) * dx, parts);

@@ -126,8 +126,8 @@ struct walk_record {
 /* Makes the record of a walk; takes over tracks and frames. Free with walk_record_free. */
 enum status walk_record(struct walk *walk, struct walk_record *record);
 void walk_record_free(struct walk_record *record);
-/* Writes it in SI units: the first spacing is `length` m, the time unit `time` s. Afterwards the
- * tracks are in m. */
+/* Converts it to SI units, in which the first spacing is `length` m and the time unit `time` s, and
+ * writes it. */
 enum status walk_record_write(struct h5_file *file, const char *group, struct walk_record *record,
                               double length, double time);
 

@@ -9,14 +9,14 @@
 #include "common/interrupt.h"
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/error/cascade_add.h"
+#include "sphsolve/error/cascade_next.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/throats.h"
-#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/output/recorder.h"
 #include "sphsolve/plan/reynolds.h"
-#include "sphsolve/stokes/cascade/cascade_add.h"
-#include "sphsolve/stokes/cascade/cascade_next.h"
-#include "sphsolve/stokes/cascade/soil_response.h"
+#include "sphsolve/stokes/soil_response.h"
 #include "sphsolve/stokes/output.h"
 #include "sphsolve/stokes/solver/step.h"
 
@@ -491,6 +491,7 @@ const struct method method_stokes = {.name = "stokes",
                                      .takes_soil = true,
                                      .wall_layers = 4,
                                      .takes = takes,
+                                     .expect = error_expect,
                                      .scales = stokes_scales,
                                      .cost = stokes_cost,
                                      .wall_name = wall_name,

@@ -7,8 +7,8 @@
 #include "sphsolve/geometry/soil.h"
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/constants.h"
-#include "sphsolve/stokes/cascade/cascade.h"
-#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/error/cascade.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/stokes/solver/cost.h"
 #include "sphsolve/stokes/solver/rows.h"
 

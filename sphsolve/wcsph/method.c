@@ -4,6 +4,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/wcsph/plan.h"
 #include "sphsolve/wcsph/run.h"
 #include "sphsolve/geometry/percolation.h"
@@ -237,6 +238,7 @@ const struct method method_wcsph = {
     .wall_layers = 4,
     .walls_need_sites = true,
     .takes = takes,
+    .expect = error_expect,
     .scales = wcsph_scales,
     .cost = wcsph_cost,
     .wall_name = wall_name,

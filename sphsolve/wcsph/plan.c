@@ -6,7 +6,8 @@
 
 #include "common/kernel.h"
 #include "common/units.h"
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/stokes/method.h"
 #include "sphsolve/stokes/solver/state.h"

@@ -1,5 +1,5 @@
-"""named_files.py: exit 1 where a comment of a source file names a source file that is not there, or where the README of a
-program does not name one of its source files (by its stem, or by what it adds to the one before it: `_bar` of foo_bar)."""
+"""named_files.py: exit 1 where a comment of a source file names a source file that is not there, or where no README of a
+program names one of its source files (by its stem, or by what it adds to the one before it: `_bar` of foo_bar)."""
 import os
 import re
 import subprocess
@@ -18,7 +18,8 @@ for path in files:
             if not there and not name.startswith("METHOD/"):
                 missing.append(f"{path}: {name}")
 for program in ("common", "ct2model", "sphsolve", "analyze"):
-    quoted = re.findall(r"`([^`]+)`", open(f"{program}/README.md", encoding="utf-8").read())
+    pages = [f for f in files if f.startswith(program + "/") and f.endswith("/README.md")]
+    quoted = re.findall(r"`([^`]+)`", "".join(open(page, encoding="utf-8").read() for page in pages))
     told = {word.split("/")[-1].split(".")[0] for words in quoted for word in re.split(r"[ ,]+", words)}
     for path in files:
         stem = os.path.basename(path).split(".")[0]

@@ -136,5 +136,5 @@ static void test_points(void **state) {
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_chunks), cmocka_unit_test(test_noise),
                                      cmocka_unit_test(test_points)};
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+  return cmocka_run_group_tests(tests, make_file, remove_folder);
 }

@@ -448,5 +448,5 @@ int main(void) {
                                      cmocka_unit_test(test_series),
                                      cmocka_unit_test(test_damaged_checkpoints),
                                      cmocka_unit_test(test_torn_checkpoints)};
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+  return cmocka_run_group_tests(tests, make_file, remove_folder);
 }

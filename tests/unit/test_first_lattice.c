@@ -12,9 +12,10 @@
 #include <cmocka.h>
 
 #include "common/hdf5_file.h"
-#include "sphsolve/stokes/cascade/cascade_add.h"
-#include "sphsolve/stokes/cascade/cascade_levels.h"
-#include "sphsolve/stokes/cascade/cascade_next.h"
+#include "sphsolve/error/cascade_add.h"
+#include "sphsolve/error/cascade_levels.h"
+#include "sphsolve/error/cascade_next.h"
+#include "sphsolve/error/error_forecast.h"
 
 /* In spacings, for pores and grains of so many, in a body of 1000. */
 static double first_of(double width, double grain) {
@@ -127,9 +128,9 @@ static void test_checkpoint_keeps_all(void **state) {
 static void test_rest_has_scan_and_threshold(void **state) {
   (void)state;
   struct plan plan = {.expected_scan = 0.04, .expected_threshold = 0.03};
-  assert_true(fabs(plan_expected_rest(&plan) - 0.05) < 1e-15);
+  assert_true(fabs(error_expected_rest(&plan) - 0.05) < 1e-15);
   plan.expected_scan = NAN;
-  assert_true(plan_expected_rest(&plan) == 0.03);
+  assert_true(error_expected_rest(&plan) == 0.03);
 }
 
 int main(void) {

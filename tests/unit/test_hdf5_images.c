@@ -1,39 +1,23 @@
 /* HDF5 files of other programs as images: which of their arrays is the scan, and which of its axes.
  */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "tests/unit/folder_rig.h"
 
 #include <hdf5.h>
 #include <math.h>
 #include <stdbool.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/log.h"
 #include "ct2model/readers/stack.h"
 
 enum { NX = 14, NY = 18, NZ = 22, N = NX * NY * NZ };
-static char folder[] = "/tmp/tosui-h5-XXXXXX";
 static char file[100];
 
-static int make_folder(void **state) {
-  (void)state;
-  log_start("test_hdf5_images", LOG_QUIET);
-  if (mkdtemp(folder) == NULL) return 1;
+static int make_file(void **state) {
+  if (make_folder(state) != 0) return 1;
   snprintf(file, sizeof file, "%s/scan.h5", folder);
   return 0;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[100];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
 }
 
 static unsigned char grey(size_t i) {
@@ -559,5 +543,5 @@ int main(void) {
       cmocka_unit_test(test_chunk_that_inflates_beyond_itself),
       cmocka_unit_test(test_deflated_twice),
   };
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+  return cmocka_run_group_tests(tests, make_file, remove_folder);
 }

@@ -1,46 +1,18 @@
 /* Pixels behind or beside a header of text, NRRD and MetaImage, and headerless ones: in every
  * spelling the voxels are those that were written, or the file is refused. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "tests/unit/folder_rig.h"
 
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/log.h"
 #include "ct2model/readers/stack.h"
 
 enum { NX = 14, NY = 18, NZ = 22, N = NX * NY * NZ };
-static char folder[] = "/tmp/tosui-headers-XXXXXX";
 
 static unsigned char grey(size_t i) {
   return (unsigned char)((i * 2654435761u) >> 13);
-}
-
-static const char *in_folder(const char *name) {
-  static char path[4][200];
-  static int turn;
-  turn = (turn + 1) % 4;
-  snprintf(path[turn], sizeof path[turn], "%s/%s", folder, name);
-  return path[turn];
-}
-
-static int make_folder(void **state) {
-  (void)state;
-  log_start("test_headers", LOG_QUIET);
-  return mkdtemp(folder) == NULL;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[100];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
 }
 
 /* How the greys lie in a file. */

@@ -1,36 +1,16 @@
 /* BMP, VTI and DICOM, byte by byte: what they hold is read voxel for voxel, what the short readers
  * do not read is refused. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "tests/unit/folder_rig.h"
 
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/log.h"
 #include "ct2model/readers/stack.h"
 
 enum { NX = 13, NY = 18, NZ = 5, N = NX * NY * NZ };
-static char folder[] = "/tmp/tosui-more-XXXXXX";
 static char names[NZ][120];
-
-static int make_folder(void **state) {
-  (void)state;
-  log_start("test_more_formats", LOG_QUIET);
-  return mkdtemp(folder) == NULL;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[100];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
-}
 
 static unsigned grey(size_t x, size_t y, size_t z) {
   return (unsigned)(7 * x + 11 * y + 3 * z + x * y) & 255u;

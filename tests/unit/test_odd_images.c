@@ -1,40 +1,24 @@
 /* TIFF and PNG as other programs write them: sparse ones, thumbnails first, labels of less than a
  * byte or by the number of a colour, samples that nobody declared. The voxels are those that the
  * file means, or it is refused. */
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <setjmp.h>
-#include <cmocka.h>
+#include "tests/unit/folder_rig.h"
 
 #include <math.h>
 #include <png.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <tiffio.h>
 #include <zlib.h>
 
 #include "common/error.h"
-#include "common/log.h"
 #include "ct2model/readers/stack.h"
 
 enum { NX = 14, NY = 18 };
-static char folder[] = "/tmp/tosui-odd-XXXXXX";
 static char file[100];
 
-static int make_folder(void **state) {
-  (void)state;
-  log_start("test_odd_images", LOG_QUIET);
-  if (mkdtemp(folder) == NULL) return 1;
+static int make_file(void **state) {
+  if (make_folder(state) != 0) return 1;
   snprintf(file, sizeof file, "%s/odd", folder);
   return 0;
-}
-static int remove_folder(void **state) {
-  (void)state;
-  char command[100];
-  snprintf(command, sizeof command, "rm -rf %s", folder);
-  return system(command);
 }
 
 static unsigned grey(size_t x, size_t y, unsigned page) {
@@ -903,5 +887,5 @@ int main(void) {
       cmocka_unit_test(test_no_data),
       cmocka_unit_test(test_png_alpha),
   };
-  return cmocka_run_group_tests(tests, make_folder, remove_folder);
+  return cmocka_run_group_tests(tests, make_file, remove_folder);
 }

@@ -6,7 +6,7 @@
 #include <math.h>
 #include <cmocka.h>
 
-#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/error/scan_error.h"
 
 #define VOXEL 5.83e-6
 

@@ -11,7 +11,7 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/soil.h"
-#include "sphsolve/stokes/cascade/soil_response.h"
+#include "sphsolve/stokes/soil_response.h"
 #include "sphsolve/stokes/solver/step.h"
 
 /* Layers across x: water from 0 to `water`, soil beyond. */

@@ -11,7 +11,7 @@
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/throat_width.h"
-#include "sphsolve/geometry/wall_curvature.h"
+#include "sphsolve/geometry/wall_shape.h"
 #include "sphsolve/stokes/solver/state.h"
 #include "sphsolve/stokes/solver/step.h"
 

@@ -10,7 +10,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
-#include "sphsolve/stokes/cascade/soil_response.h"
+#include "sphsolve/stokes/soil_response.h"
 #include "sphsolve/stokes/solver/step.h"
 
 static FILE *json;

@@ -2,7 +2,7 @@
 #ifndef TOSUI_SPHSOLVE_STOKES_COST_H
 #define TOSUI_SPHSOLVE_STOKES_COST_H
 
-#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/plan/plan.h"
 #include "sphsolve/stokes/solver/step.h"
 
 /* Iterations of GMRES until the goal is reached. */

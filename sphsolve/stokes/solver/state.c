@@ -8,7 +8,7 @@
 #include "common/interrupt.h"
 #include "common/memory.h"
 #include "common/threads.h"
-#include "sphsolve/geometry/wall_curvature.h"
+#include "sphsolve/geometry/wall_shape.h"
 #include "sphsolve/stokes/effects/stabilisation.h"
 
 #define BASIS_MIN 6

@@ -1,7 +1,7 @@
 /* The parts of the error of k. Methods and the cascade of lattices set them; the record, stdout and
  * the report show them. */
-#ifndef TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
-#define TOSUI_SPHSOLVE_OUTPUT_UNCERTAINTY_H
+#ifndef TOSUI_SPHSOLVE_ERROR_UNCERTAINTY_H
+#define TOSUI_SPHSOLVE_ERROR_UNCERTAINTY_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -27,7 +27,7 @@ struct error_level {
   double slope_blur;     /* slope_blur (below) on this lattice; NAN: not computed */
   double critical;       /* critical_width (below) on this lattice */
   double sites, seconds; /* number of sites; processor seconds including set-up */
-  long iterations;
+  double iterations;     /* of the solver, a whole number */
 };
 
 /* The parts (common/uncertainty_parts.h), and details of the resolution error; NAN: unknown. */

@@ -1,11 +1,11 @@
 /* Choice of the lattices of a cascade, and their predicted cost. Spacings in m. */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_LEVELS_H
+#ifndef TOSUI_SPHSOLVE_ERROR_CASCADE_LEVELS_H
+#define TOSUI_SPHSOLVE_ERROR_CASCADE_LEVELS_H
 
 #include <stdbool.h>
 
+#include "sphsolve/error/uncertainty.h"
 #include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/scene/scene.h"
 #include "sphsolve/stokes/solver/step.h"

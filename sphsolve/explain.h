@@ -1,6 +1,6 @@
 /* Output of `sphsolve explain`: the plan as text and as JSON. */
-#ifndef TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
-#define TOSUI_SPHSOLVE_PLAN_EXPLAIN_H
+#ifndef TOSUI_SPHSOLVE_EXPLAIN_H
+#define TOSUI_SPHSOLVE_EXPLAIN_H
 
 #include <stdbool.h>
 

@@ -7,11 +7,11 @@
  *   the fraction of the flux through soil: the sum of the superficial velocity over its sites;
  *   k as a function of k_micro: one solve per value, started from the solution of the one before.
  */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_SOIL_RESPONSE_H
+#ifndef TOSUI_SPHSOLVE_STOKES_SOIL_RESPONSE_H
+#define TOSUI_SPHSOLVE_STOKES_SOIL_RESPONSE_H
 
 #include "sphsolve/output/micropores.h"
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
 
 /* Fills flux, connected and slope of `point` for a solved lattice. Afterwards solution, mean and
  * stencil of the solver are unchanged, but the rest belongs to other soil: nothing more can be

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/soil_response.h"
+#include "sphsolve/stokes/soil_response.h"
 
 #include <math.h>
 #include <string.h>

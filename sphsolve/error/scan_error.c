@@ -1,4 +1,4 @@
-#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/error/scan_error.h"
 #include "sphsolve/plan/constants.h"
 
 #include <math.h>

@@ -1,4 +1,4 @@
-#include "sphsolve/plan/explain.h"
+#include "sphsolve/explain.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -7,6 +7,7 @@
 
 #include "common/json_number.h"
 #include "common/units.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/plan/constants.h"
 #include "sphsolve/plan/method.h"
 #include "common/memory.h"
@@ -150,7 +151,7 @@ static json_t *recommend_json(const struct plan *plan, const struct recommendati
 
 /* Total error including those of scan and threshold, which no lattice reduces. */
 static double with_scan(const struct plan *plan, double resolution) {
-  return hypot(resolution, plan_expected_rest(plan));
+  return hypot(resolution, error_expected_rest(plan));
 }
 
 /* The effect of the sides is not predictable (cascade_add_sides). */

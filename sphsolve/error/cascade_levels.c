@@ -1,14 +1,13 @@
-#include "sphsolve/stokes/cascade/cascade_levels.h"
+#include "sphsolve/error/cascade_levels.h"
 
 #include <math.h>
 #include <string.h>
 
 #include "common/convergence.h"
 #include "common/memory.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/geometry/resample.h"
-#include "sphsolve/output/uncertainty.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/scan_error.h"
 #include "sphsolve/stokes/constants.h"
 #include "sphsolve/stokes/solver/cost.h"
 
@@ -231,7 +230,7 @@ static double expected_of_open(const struct plan *plan, int enough, int lattices
  * errors of scan and threshold together meet the goal, or those dominate, so that a finer lattice
  * does not help. */
 static bool is_expected_enough(const struct plan *plan, double error) {
-  const double wanted = plan->goal.error, rest = plan_expected_rest(plan);
+  const double wanted = plan->goal.error, rest = error_expected_rest(plan);
   return hypot(error, rest) <= wanted || (wanted > 0.0 && rest > wanted && error < 0.5 * rest);
 }
 

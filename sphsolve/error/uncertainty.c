@@ -1,4 +1,4 @@
-#include "sphsolve/output/uncertainty.h"
+#include "sphsolve/error/uncertainty.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -6,6 +6,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include "common/hdf5_table.h"
 #include "common/log.h"
 
 const char *const resolution_needs_names[] = {"lattice", "model", "scan"};
@@ -44,27 +45,22 @@ double uncertainty_largest(const struct uncertainty *u) {
 static enum status write_levels(const struct uncertainty *u, double to_speed,
                                 struct h5_file *file) {
   enum status status = STATUS_OK;
-  size_t count = (size_t)u->level_count;
-  double column[ERROR_LEVELS_MAX];
-  static const char *const names[] = {"spacing", "k",     "estimate", "low",
-                                      "high",    "sites", "seconds",  "iterations"};
-  enum { SECONDS = 6 };
+  const size_t count = (size_t)u->level_count;
+  struct uncertainty copy = *u;
+  struct error_level *l = copy.levels;
+  const struct h5_column columns[] = {{"spacing", H5_F64, 1, &l->spacing},
+                                      {"k", H5_F64, 1, &l->permeability},
+                                      {"estimate", H5_F64, 1, &l->estimate},
+                                      {"low", H5_F64, 1, &l->low},
+                                      {"high", H5_F64, 1, &l->high},
+                                      {"sites", H5_F64, 1, &l->sites},
+                                      {"iterations", H5_F64, 1, &l->iterations}};
+  /* What differs from run to run is stored with the timings. */
+  const struct h5_column seconds = {"seconds", H5_F64, 1, &l->seconds};
   if (count == 0) return STATUS_OK;
-  TRY(h5_make_group(file, "/run/timing/levels"));
-  TRY(h5_make_group(file, "/run/levels"));
-  for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
-    char path[64];
-    for (size_t i = 0; i < count; i++) {
-      const struct error_level *l = &u->levels[i];
-      const double values[] = {
-          l->spacing, to_speed * l->permeability, to_speed * l->estimate, l->low, l->high, l->sites,
-          l->seconds, (double)l->iterations};
-      column[i] = values[n];
-    }
-    /* Values that differ from run to run are stored with the timings. */
-    snprintf(path, sizeof path, "/run/%s/%s", n == SECONDS ? "timing/levels" : "levels", names[n]);
-    TRY(h5_write(file, path, H5_F64, 1, &count, column, false));
-  }
+  for (size_t i = 0; i < count; i++) l[i].permeability *= to_speed, l[i].estimate *= to_speed;
+  TRY(h5_write_columns(file, "/run/levels", count, sizeof *l, 7, columns));
+  TRY(h5_write_columns(file, "/run/timing/levels", count, sizeof *l, 1, &seconds));
   TRY(h5_soft_link(file, "/run/timing/levels/seconds", "/run/levels/seconds"));
 cleanup:
   return status;

@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/cascade_parts.h"
+#include "sphsolve/error/cascade_parts.h"
 
 #include <math.h>
 
@@ -9,7 +9,7 @@
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/geometry/surface_blur.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/plan/scan_error.h"
+#include "sphsolve/error/scan_error.h"
 
 /* Displacement of the surface for dk/de, in spacings: it changes k by some per cent to some tens of
  * per cent, far more than the tolerance of the solver. */

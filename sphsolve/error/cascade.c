@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
 
 #include <math.h>
 

@@ -1,7 +1,7 @@
 /* Error of k due to blur and noise of the CT scanner, from the scan quality and from the change of
  * k when the surface is blurred once more. */
-#ifndef TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
-#define TOSUI_SPHSOLVE_PLAN_SCAN_ERROR_H
+#ifndef TOSUI_SPHSOLVE_ERROR_SCAN_ERROR_H
+#define TOSUI_SPHSOLVE_ERROR_SCAN_ERROR_H
 
 #include "sphsolve/geometry/model_facts.h"
 

@@ -1,8 +1,8 @@
 /* Estimate of k from the lattices of a cascade, and the choice of the next one. */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_NEXT_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_NEXT_H
+#ifndef TOSUI_SPHSOLVE_ERROR_CASCADE_NEXT_H
+#define TOSUI_SPHSOLVE_ERROR_CASCADE_NEXT_H
 
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
 
 /* Updates k and its error of resolution from all lattices so far, at least one. */
 void cascade_estimate(struct cascade *cascade);

@@ -1,9 +1,9 @@
 /* Parts of the error of k other than the resolution. Each is computed from additional solves, on
  * lattices that differ from those of the cascade in the property in question. */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_PARTS_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_PARTS_H
+#ifndef TOSUI_SPHSOLVE_ERROR_CASCADE_PARTS_H
+#define TOSUI_SPHSOLVE_ERROR_CASCADE_PARTS_H
 
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
 
 /* Whether the effect of the sides is computed at the end, because a time limit was given. */
 bool cascade_sides_wait(const struct cascade *cascade);

@@ -1,9 +1,9 @@
 /* The lattices of a cascade one after the other: each solved k is added to the estimate, with the
  * other parts of its error; checkpoints between them. */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_ADD_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_ADD_H
+#ifndef TOSUI_SPHSOLVE_ERROR_CASCADE_ADD_H
+#define TOSUI_SPHSOLVE_ERROR_CASCADE_ADD_H
 
-#include "sphsolve/stokes/cascade/cascade.h"
+#include "sphsolve/error/cascade.h"
 
 /* Adds the solved k of a lattice to the estimate. `seconds`: processor time of the solve. The
  * solution is not changed. */

@@ -1,10 +1,12 @@
-#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/error/error_forecast.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
 
+#include "sphsolve/error/scan_error.h"
 #include "sphsolve/geometry/soil.h"
+#include "sphsolve/geometry/throat_width.h"
 #include "sphsolve/plan/method.h"
 #include "sphsolve/plan/constants.h"
 
@@ -57,7 +59,9 @@ static void add_faces(const struct lattice *l, double unit, size_t site, size_t 
   }
 }
 
-void pore_shape_find(const struct scene *scene, const struct lattice *l, struct pore_shape *shape) {
+/* From the kinds, distances and faces of the lattice. */
+static void pore_shape_find(const struct scene *scene, const struct lattice *l,
+                            struct pore_shape *shape) {
   const size_t *n = l->size, step[3] = {1, n[0], n[0] * n[1]}, rows = n[1] * n[2];
   const double unit =
       l->dimensions == 2 ? l->spacing[0] : cbrt(l->spacing[0] * l->spacing[1] * l->spacing[2]);
@@ -118,7 +122,7 @@ void pore_shape_find(const struct scene *scene, const struct lattice *l, struct 
 }
 
 /* Part of the narrowest way, of `width` spacings, as computed from a solution by
- * stokes/cascade/cascade_add.c, with the number of independent ways and the curvature of the walls
+ * error/cascade_add.c, with the number of independent ways and the curvature of the walls
  * of a mean pore and grain: spheres of radius R have 2 V / S = 2/3 R. */
 static double narrow_ways(const struct pore_shape *shape, double refined) {
   const double width = shape->throat * refined, radius = 1.5 * shape->grain * refined;
@@ -174,4 +178,40 @@ struct error_forecast error_forecast_of(const struct pore_shape *shape, const st
     snprintf(e.why + length, sizeof e.why - (size_t)length, "; the narrowest way has %.2g points",
              shape->throat * refined);
   return e;
+}
+
+/* Error of k by the void ratio and by the threshold, where d ln k/d e is `slope`. */
+static double threshold_error(const struct model_facts *model, double slope) {
+  const double by_void_ratio = slope * model->void_ratio_error;
+  const double by_threshold = slope / model->threshold_slope * model->threshold_uncertainty;
+  return hypot(isfinite(by_void_ratio) ? by_void_ratio : 0.0,
+               isfinite(by_threshold) ? by_threshold : 0.0);
+}
+
+double error_expected_rest(const struct plan *plan) {
+  return hypot(isfinite(plan->expected_scan) ? plan->expected_scan : 0.0, plan->expected_threshold);
+}
+
+enum status error_expect(struct plan *plan) {
+  enum status status = STATUS_OK;
+  const struct effect_context *context = &plan->context;
+  const struct scene *scene = context->scene;
+  const struct lattice *lattice = context->lattice;
+  pore_shape_find(scene, lattice, &plan->shape);
+  if (context->driving > 0.0 && (*scene->model_path || lattice->boxes != NULL)) {
+    TRY(throat_width_find(lattice, scene->driving, &plan->shape.throat));
+    plan->shape.throat /= context->spacing;
+  }
+  const struct scan_quality *scan = &lattice->model.scan;
+  /* Soil narrows the pores, but the blur does not move its surface: the geometric mean of both
+   * widths. */
+  const double width = sqrt(plan->shape.width * plan->shape.open) * context->spacing;
+  const double n = (double)lattice->fluid_count / lattice->bulk_count;
+  const double slope = (1.0 - n) * (3.0 / n - 1.0); /* d ln k/d e from Kozeny and Carman */
+  if (isfinite(width) && scan->known)
+    plan->expected_scan = hypot(scan_error(scan, scan_change_expected(scan, width), width),
+                                scan->void_ratio_error * slope);
+  if (isfinite(width)) plan->expected_threshold = threshold_error(&lattice->model, slope);
+cleanup:
+  return status;
 }

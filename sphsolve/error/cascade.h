@@ -1,15 +1,11 @@
 /* k from a cascade of lattices of one body, from coarse to fine: each solve starts from the
  * solution of the coarser lattice, and k and its error are estimated from all of them. Here: what
  * is known of it so far, and the solve of one lattice; cascade_add.h takes its result. */
-#ifndef TOSUI_SPHSOLVE_STOKES_CASCADE_H
-#define TOSUI_SPHSOLVE_STOKES_CASCADE_H
+#ifndef TOSUI_SPHSOLVE_ERROR_CASCADE_H
+#define TOSUI_SPHSOLVE_ERROR_CASCADE_H
 
 #include "common/error.h"
-#include "sphsolve/geometry/lattice.h"
-#include "sphsolve/output/uncertainty.h"
-#include "sphsolve/plan/plan.h"
-#include "sphsolve/scene/scene.h"
-#include "sphsolve/stokes/cascade/cascade_levels.h"
+#include "sphsolve/error/cascade_levels.h"
 #include "sphsolve/stokes/solver/step.h"
 
 struct cascade {

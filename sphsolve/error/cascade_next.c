@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/cascade_next.h"
+#include "sphsolve/error/cascade_next.h"
 
 #include <math.h>
 
@@ -6,9 +6,9 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
-#include "sphsolve/plan/error_forecast.h"
+#include "sphsolve/error/error_forecast.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/stokes/cascade/cascade_parts.h"
+#include "sphsolve/error/cascade_parts.h"
 
 /* Factors on the error of the limit by the number of lattices. From 14 bodies of overlapping
  * spheres (docs/physics/error-of-k.md). */

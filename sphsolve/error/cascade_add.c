@@ -1,4 +1,4 @@
-#include "sphsolve/stokes/cascade/cascade_add.h"
+#include "sphsolve/error/cascade_add.h"
 
 #include <math.h>
 
@@ -6,8 +6,8 @@
 #include "common/memory.h"
 #include "sphsolve/geometry/resample.h"
 #include "sphsolve/plan/method.h"
-#include "sphsolve/stokes/cascade/cascade_next.h"
-#include "sphsolve/stokes/cascade/cascade_parts.h"
+#include "sphsolve/error/cascade_next.h"
+#include "sphsolve/error/cascade_parts.h"
 
 /* Error of k by the position of the walls in the ways where the energy is dissipated, relative. At
  * an edge a wall is known to half a spacing, on smooth walls to a part of that
@@ -51,7 +51,7 @@ static enum status add(struct cascade *c, const struct lattice *lattice, double 
                                                      .critical = critical,
                                                      .sites = (double)lattice->count,
                                                      .seconds = seconds,
-                                                     .iterations = from->iterations};
+                                                     .iterations = (double)from->iterations};
   if (!c->model_parts && u->level_count == 2) {
     TRY(cascade_add_model_parts(c, lattice, spacing, k, from));
     c->model_parts = true;
@@ -178,7 +178,7 @@ enum status cascade_write(const struct cascade *c, bool solved, struct h5_file *
     numbers[count++] = l->permeability;
     numbers[count++] = l->sites;
     numbers[count++] = l->seconds;
-    numbers[count++] = (double)l->iterations;
+    numbers[count++] = l->iterations;
     numbers[count++] = l->slope_blur;
     numbers[count++] = l->critical;
   }
@@ -216,7 +216,7 @@ enum status cascade_read(struct cascade *c, struct h5_file *file) {
                                                        .permeability = n[1],
                                                        .sites = n[2],
                                                        .seconds = n[3],
-                                                       .iterations = (long)n[4],
+                                                       .iterations = n[4],
                                                        .slope_blur = n[5],
                                                        .critical = n[6]};
     cascade_estimate(c);
