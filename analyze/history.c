@@ -222,9 +222,10 @@ static void draw_column(json_t *chart, const struct run_history *table, size_t n
       char name[500], place[200] = "";
       if (vector && d == 1 && table[i].run->dimensions == 2) continue;
       if (kind > 0) name_in_words(own->name + kind + 1, sizeof place, place, sizeof place);
+      const char *region = isdigit((unsigned char)place[0]) ? "region " : "";
       const char *of = n > 1 || (kind == 0 && !vector) ? table[i].run->name : "";
-      snprintf(name, sizeof name, "%.200s%s%.200s%s%.*s", of, *of && *place ? ", " : "", place,
-               vector && (*of || *place) ? ", " : "", vector ? 1 : 0, &"xyz"[d]);
+      snprintf(name, sizeof name, "%.200s%s%s%.200s%s%.*s", of, *of && *place ? ", " : "", region,
+               place, vector && (*of || *place) ? ", " : "", vector ? 1 : 0, &"xyz"[d]);
       const int colour = (int)json_array_size(json_object_get(chart, "series"));
       draw_rows(chart_series(chart, name, CHART_LINE, colour, 0), &table[i], time_scale,
                 own->values + d, (size_t)own->components, 1.0, 0.0);

@@ -60,7 +60,7 @@ const tosui = (function () {
   function interval(value, low, high, unit) {
     if (value === 0 && !(high > low)) return ['0 ' + unit, ''];
     const open = !(known(low) && known(high) && high > low), s = scaled(open ? [value] : [value, low, high], open ? 0 : (high - low) / 2);
-    return [s.texts[0] + s.ten + ' ' + unit, open ? '' : `${s.texts[1]} to ${s.texts[2]}${s.ten} (95 %)`];
+    return [s.texts[0] + s.ten + ' ' + unit, open || s.texts[1] === s.texts[2] ? '' : `${s.texts[1]} to ${s.texts[2]}${s.ten} (95 %)`];
   }
   function size(metres, digits = 3) {
     const [scale, unit] = Math.abs(metres) < 0.9995e-3 ? [1e6, 'µm'] : Math.abs(metres) < 0.9995 ? [1e3, 'mm'] : [1, 'm'];
@@ -102,7 +102,7 @@ const tosui = (function () {
     const box = add(parent, 'div', {class: 'chart'});
     add(box, 'h3', {}, title);
     const plot = add(box, 'div', {class: 'plot', role: 'img', 'aria-label': `${title}: ${ylabel} against ${xlabel}`});
-    const legend = add(box, 'div', {class: 'legend'}), lines = options.lines || [], names = new Set(['x']);
+    const legend = add(box, 'div', {class: 'legend'}), lines = options.lines || [], names = new Set([xlabel]);
     series.forEach(s => {
       while (names.has(s.name)) s.name += '\u2032';
       names.add(s.name);
@@ -172,6 +172,9 @@ const tosui = (function () {
     if (!window.Dygraph) return void note(plot, 'No curve: the program was built without dygraphs.');
     let graph = null;
     const axis = {axisLabelFormatter: v => short(v)};
+    /* The axis of values that are equal but for rounding shows 0: its ticks would be equal. */
+    const values = rows.flatMap(r => r.slice(1)).filter(known), most = Math.max(...values), least = Math.min(...values);
+    const flat = most - least < 1e-3 * Math.max(Math.abs(most), Math.abs(least));
     draw(() => {
       const per = {};
       series.forEach((s, i) => {
@@ -187,10 +190,10 @@ const tosui = (function () {
         graph.resize();
       } else {
         graph = new Dygraph(plot, rows, {
-          labels: ['x', ...series.map(s => s.name)], connectSeparatedPoints: true, xlabel: xlabel, ylabel: ylabel, legend: 'never',
+          labels: [xlabel, ...series.map(s => s.name)], connectSeparatedPoints: true, xlabel: xlabel, ylabel: ylabel, legend: 'never',
           axisLabelWidth: 62, xRangePad: 8, yRangePad: 12, labelsKMB: false, axes: {y: axis, x: {...axis, ...(options.logx ? {logscale: true} : {})}},
           underlayCallback: under, highlightCallback: (event, x, selected, index) => show(x, rows[index]), unhighlightCallback: () => show(),
-          ...padded, ...look, ...options.dygraph});
+          ...padded, ...look, ...options.dygraph, ...(flat ? {includeZero: true} : {})});
       }
       show();
     });

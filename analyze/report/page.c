@@ -252,8 +252,8 @@ static void add_answer(const struct page *page) {
 
 /* ---- the pictures ---- */
 
-/* The first run's flow in three dimensions, and maps of a plane, but of water that is shown at some
- * times. */
+/* The first run's flow in three dimensions, and maps of a plane, but of a scene's own soil and
+ * water that are shown at some times. */
 static enum status add_flow(const struct page *page, json_t *pictures) {
   enum status status = STATUS_OK;
   struct particles particles = {0};
@@ -262,7 +262,8 @@ static enum status add_flow(const struct page *page, json_t *pictures) {
   if (!page->subject.snapshots) return STATUS_OK;
   TRY(run_last_snapshot(run, &particles));
   if (run->dimensions == 3) TRY(picture_flow(run, &particles, driven, pictures));
-  if (driven || json_object_get(pictures, "frames") == NULL)
+  const bool body = driven && page->voxels.solid != NULL;
+  if (body || json_object_get(pictures, "frames") == NULL)
     TRY(picture_plane(run, &particles, &page->voxels, pictures));
 cleanup:
   particles_free(&particles);

@@ -5,8 +5,6 @@
          save, chart, map, zip, span, draw, again, start} = tosui;
 
   const data = words.fill(tosui.data);
-  /* A unit as a file has it. */
-  const written = unit => (!unit || unit === '1' ? '-' : unit.replace('^2', '²').replace('^3', '³'));
   /* ---- the answer ---- */
   const result = data.verdict[0], first = data.runs[0], run = first.run.attributes, seen = data.pictures;
   const PARTS = {resolution: 'resolution', scan: 'scan', sides: 'sides of the sample', sample: 'size of the sample', void_ratio: 'void ratio',
@@ -58,76 +56,77 @@
       note(parent, `Of ${first.name} alone; give ${data.runs.slice(1).map(r => r.name).join(', ')} pages of their own.`);
   }
 
+  /* ---- what the page begins with ---- */
   /* Of a solute: how many times as fast it spreads as by diffusion alone, at the i-th Peclet number. */
   const solutes = data.dispersion ? data.dispersion.runs || [data.dispersion] : [];
-  const times = (d, key, i) => quantity(d[key][i], (d[key + '_error'] || [])[i] * d[key][i] || 0, '').trim() + ' D';
+  const dispersion = (d, i) => ['longitudinal', 'transverse'].map(key => quantity(d[key][i], (d[key + '_error'] || [])[i] * d[key][i] || 0, '').trim() + ' D');
+  const aside = (parent, text) => add(parent, 'span', {class: 'interval'}, text);
 
   function answerOfSolute() {
-    const d = solutes[0], last = d.peclet.length - 1;
-    by('answer').append(`Dispersion ${times(d, 'longitudinal', last)}`);
-    add(by('answer'), 'span', {class: 'interval'}, ` along the flow, ${times(d, 'transverse', last)} across it, at Pe ${short(d.peclet[last])}; D is the diffusion of the solute`);
+    const d = solutes[0], last = d.peclet.length - 1, [along, across] = dispersion(d, last);
+    by('answer').append(`Dispersion ${along}`);
+    aside(by('answer'), ` along the flow, ${across} across it, at Pe ${short(d.peclet[last])}; D is the diffusion of the solute`);
+  }
+
+  function answerOfHeadline() {
+    const h = data.headline;
+    by('answer').append(known(h.value) ? quantity(h.value, h.error, h.unit) : h.text || 'No permeability');
+    if (known(h.value)) aside(by('answer'), ' ' + h.text);
+    by('verdict').append(h.sentence);
+  }
+
+  /* k, and its interval of this image and of its material: one where they are alike, or no image was taken. */
+  function intervals() {
+    const of = (low, high) => interval(100 * result.k_m_per_s, 100 * low, 100 * high, 'cm/s');
+    const [value, material] = of(result.k_low_m_per_s, result.k_high_m_per_s), image = of(result.k_low_image_m_per_s, result.k_high_image_m_per_s)[1];
+    const rest = material && (result.error_budget || {}).sides_unknown ? ', sides not counted' : '';
+    if (!image || data.model.state === 'none') return [value, material && material + rest];
+    return image === material ? [value, `of this image and of the material: ${image}${rest}`] : [value, 'of this image: ' + image, `of the material: ${material}${rest}`];
   }
 
   function answerOfK() {
-    const k = 100 * result.k_m_per_s, unknown = (result.error_budget || {}).sides_unknown;
-    const lines = [];
-    const mean = v => 100 * v;
-    if (known(result.k_low_image_m_per_s) && known(result.k_high_image_m_per_s))
-      lines.push(['of this image', interval(k, mean(result.k_low_image_m_per_s), mean(result.k_high_image_m_per_s), 'cm/s')]);
-    lines.push([lines.length > 0 ? 'of the material' : '', interval(k, mean(result.k_low_m_per_s), mean(result.k_high_m_per_s), 'cm/s')]);
-    if (lines.length > 1 && lines[0][1][1] === lines[1][1][1]) lines.splice(0, 2, ['of this image and of the material', lines[0][1]]);
-    lines.forEach(([of, [value, range]], i) => {
-      const line = by(i === 0 && solutes.length === 0 ? 'answer' : 'second');
-      if (line.childNodes.length > 0) line.append('; ');
-      line.append(...(i === 0 ? [add(null, 'var', {}, 'k'), ' = ' + value] : []));
-      const text = range && [of, range, unknown && i === lines.length - 1 ? 'sides not counted' : ''].filter(t => t).join(': ').replace(': sides', ', sides');
-      if (text) add(line, 'span', {class: 'interval'}, (i === 0 ? ', ' : '') + text);
-    });
-    by('verdict').append(result.good_for.replace(/^./, c => c.toUpperCase()) + '. ' + result.advice);
+    const begun = by('answer').hasChildNodes(), [value, ...ranges] = intervals(), line = by(begun ? 'second' : 'answer');
+    line.append(add(null, 'var', {}, 'k'), ' = ' + value);
+    ranges.forEach((range, i) => range && aside(i === 0 ? line : by('second'), (i === 0 ? ', ' : begun ? '; ' : '') + range));
+    if (!data.headline) by('verdict').append(result.good_for.replace(/^./, c => c.toUpperCase()) + '. ' + result.advice);
     const area = result.intrinsic_permeability_m2, share = result.k_relative_error < 1 ? result.k_relative_error : 0;
-    table(by('units'), [[result.name, ''], ['Hydraulic conductivity k', quantity(result.k_m_per_s, share * result.k_m_per_s, 'm/s')],
+    table(by('units'), [['Hydraulic conductivity k', quantity(result.k_m_per_s, share * result.k_m_per_s, 'm/s')],
                         ['Intrinsic permeability', quantity(area, share * area, 'm²')],
-                        ['', quantity(area / 9.869233e-13, share * area / 9.869233e-13, 'darcy')]].filter(r => r[1]), result.name);
+                        ['', quantity(area / 9.869233e-13, share * area / 9.869233e-13, 'darcy')]], result.name);
     note(by('units'), result.note);
     budget(by('budget'));
     orientation(by('orientation'));
     tensor(by('tensor'));
   }
 
-  function answerOfHeadline() {
-    const h = data.headline;
-    by('answer').append(known(h.value) ? quantity(h.value, h.error, h.unit) : h.text || 'No permeability');
-    if (known(h.value)) add(by('answer'), 'span', {class: 'interval'}, ' ' + h.text);
-    by('verdict').append(h.sentence);
+  /* What the scene asks for: heads, fluxes, exit gradient, forces; dispersion. */
+  const WHERE = {flux: ['fluxes_m2_per_s', 'Flux through', 'm²/s'], head: ['heads_m', 'Head at', 'm'], level: ['levels_m', 'Water level at', 'm'],
+                 force: ['', 'Force on', 'N']};
+
+  function ofSeepage(s) {
+    const exit = s.exit || {}, wall = w => (/^\d+$/.test(w.wall) ? `the wall regions[${w.wall}]` : `wall ${w.wall}`);
+    const force = (w, axis) => `${quantity(1e-3 * w[`force_${axis}_N_per_m`], 1e-3 * w[`force_${axis}_error95`], 'kN/m')} along ${axis}`;
+    const resolved = one => (one.resolved ? '' : ', not resolved');
+    return [
+      ...Object.values(WHERE).flatMap(([key, what, unit]) => Object.entries(s[key] || {}).map(([name, f]) => [`${what} ${name}`, quantity(f.mean, f.error95, unit)])),
+      known(exit.gradient) && [`Exit gradient at x = ${number(exit.x_m)} m`, `${quantity(exit.gradient, exit.error95, '').trim()}; critical ${number(exit.critical)}` +
+        (known(exit.factor_of_safety) ? `, factor of safety ${number(exit.factor_of_safety)}` : '') + resolved(exit)],
+      ...(s.heave || []).map(p => [`Heave beside ${wall(p)} (${p.side}), ${number(p.depth_m)} m deep`, `factor of safety ${number(p.factor_of_safety)}${resolved(p)}`]),
+      ...(s.walls || []).map(w => [`Force on ${wall(w)}, for each metre along y`, `${force(w, 'x')}, ${force(w, 'z')}`])];
   }
 
-  /* What was asked of a flow through soil: heads, fluxes, exit gradient, forces. */
-  function asked(parent) {
-    const s = data.seepage, rows = [];
-    if (s) {
-      Object.entries(s.fluxes_m2_per_s || {}).forEach(([name, f]) => rows.push([`Flux through ${name}`, quantity(f.mean, f.error95, 'm²/s')]));
-      Object.entries(s.heads_m || {}).forEach(([name, f]) => rows.push([`Head at ${name}`, quantity(f.mean, f.error95, 'm')]));
-      Object.entries(s.levels_m || {}).forEach(([name, f]) => rows.push([`Water level at ${name}`, quantity(f.mean, f.error95, 'm')]));
-      const exit = s.exit || {};
-      if (known(exit.gradient))
-        rows.push([`Exit gradient at x = ${number(exit.x_m)} m`,
-          `${quantity(exit.gradient, exit.error95, '').trim()}; critical ${number(exit.critical)}, ` +
-          (known(exit.factor_of_safety) ? `factor of safety ${number(exit.factor_of_safety)}` : '') + (exit.resolved ? '' : ', not resolved')]);
-      const wall = w => (/^\d+$/.test(w.wall) ? `the wall regions[${w.wall}]` : `wall ${w.wall}`);
-      (s.heave || []).forEach(p => rows.push([`Heave beside ${wall(p)} (${p.side}), ${number(p.depth_m)} m deep`,
-                                             `factor of safety ${number(p.factor_of_safety)}` + (p.resolved ? '' : ', not resolved')]));
-      const force = (w, axis) => `${quantity(1e-3 * w[`force_${axis}_N_per_m`], 1e-3 * w[`force_${axis}_error95`], 'kN')} along ${axis}`;
-      (s.walls || []).forEach(w => rows.push([`Force on ${wall(w)}, for each metre`, `${force(w, 'x')}, ${force(w, 'z')}`]));
-    }
-    const columns = !s && !result && data.history ? data.history.runs[0].columns : {};
-    const names = {head: 'Head at', level: 'Water level at', flux: 'Flux through', force: 'Force on'};
-    Object.entries(columns).forEach(([name, c]) => {
-      const [, kind, of] = /^(head|level|flux|force)_(.+)$/.exec(name) || [], values = c.last.filter(known);
-      if (kind && values.length > 0) rows.push([`${names[kind]} ${of} at the end`, values.map(v => number(v)).join(', ') + ' ' + written(c.unit)]);
+  /* Of a run without an analysis of its seepage: the last values of its record. */
+  function ofHistory(columns) {
+    return Object.entries(columns).map(([name, c]) => {
+      const [, kind, of] = /^(head|level|flux|force)_(.+)$/.exec(name) || [], values = c.last.filter(known), unit = (c.unit || '-').replace('^2', '²').replace('^3', '³');
+      return kind && values.length > 0 && [`${WHERE[kind][1]} ${of} at the end`, values.map(v => number(v)).join(', ') + ' ' + unit];
     });
-    solutes.forEach(d => d.peclet.slice(0, 8).forEach((p, i) => rows.push(
-      [`Dispersion at Pe ${short(p)}`, `${times(d, 'longitudinal', i)} along the flow, ${times(d, 'transverse', i)} across it`])));
-    table(parent, rows, rows.length > 0 ? 'What was asked' : undefined);
+  }
+
+  function asked(parent) {
+    const rows = data.seepage ? ofSeepage(data.seepage) : !result && data.history ? ofHistory(data.history.runs[0].columns) : [];
+    solutes.forEach(d => d.peclet.slice(0, 8).forEach((p, i) => rows.push([`Dispersion at Pe ${short(p)}`, dispersion(d, i).join(' along the flow, ') + ' across it'])));
+    table(parent, rows, 'Results');
   }
 
   /* ---- scan ---- */
@@ -231,29 +230,28 @@
     const ground = new Uint8Array(f.size[0] * f.size[1]);
     for (let k = 0; k < f.size[1]; k++)
       for (let i = 0; i < f.size[0]; i++) {
-        const x = f.origin_m[0] + i * f.cell_m[0], z = f.origin_m[1] + k * f.cell_m[1];
+        const x = f.low_m[0] + (i + 0.5) * f.cell_m[0], z = f.low_m[1] + (k + 0.5) * f.cell_m[1];
         if (regions.some(b => x > b[0] && x < b[3] && z > b[2] && z < b[5])) ground[k * f.size[0] + i] = 1;
       }
-    const soil = regions.length > 0;
-    /* To the eye: a hundredth of the cells may differ by more than a hundredth of the scale. */
-    const cells = f.kinds.map((kinds, i) => [pictures.bytes(kinds), pictures.bytes(f.values[i].bytes)]);
-    const same = (i, k) => cells[i][0].reduce((n, kind, c) => n + (kind !== cells[k][0][c] || Math.abs(cells[i][1][c] - cells[k][1][c]) > 2.54), 0) <
-      0.01 * cells[i][0].length;
-    let shown = -1;
-    f.times_s.forEach((t, i) => {
-      if (i <= shown) return; /* nothing has changed */
-      let until = i;
-      while (until + 1 < f.times_s.length && same(until + 1, i)) until++;
-      shown = until;
-      const time = duration(t) + (until > i ? ` to ${duration(f.times_s[until])}, unchanged` : '');
+    /* Times at which nothing has changed to the eye share a picture: a hundredth of the cells may differ by more than a
+     * hundredth of the scale. */
+    const cells = f.kinds.map((kinds, i) => [pictures.bytes(kinds), pictures.bytes(f.values[i].bytes)]), spans = [];
+    const same = ([kinds, values], [others, also]) => kinds.filter((kind, c) => kind !== others[c] || Math.abs(values[c] - also[c]) > 2.54).length < 0.01 * kinds.length;
+    cells.forEach((cell, i) => {
+      const last = spans[spans.length - 1];
+      if (last && same(cells[last[0]], cell)) last[1] = i;
+      else spans.push([i, i]);
+    });
+    spans.forEach(([i, until]) => {
+      const time = duration(f.times_s[i]) + (until > i ? ` to ${duration(f.times_s[until])}, unchanged` : '');
       map(by('times'), time, time, {
         size: f.size, spacing: f.cell_m[0], value: pictures.field(f.values[i]), kinds: cells[i][0], low: 0, high: high,
-        palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: 340, axes: 'x across, z up',
+        palette: wet ? 'saturation' : 'water', ground: ground, hatch: !wet, most: spans.length > 2 ? 340 : 520, axes: 'x across, z up',
         unit: {factor: factor, name: name}});
     });
     if (f.times_s.length < 3) note(by('frames'), 'The run stored few times: output.interval in its scene sets how often.');
     note(by('frames'), wet ? 'Saturation: the fraction of the pore volume that is full of water.' :
-      `Pressure of the water${soil ? '; hatched: water in soil, sand-coloured: soil without water' : ''}, grey: walls.`);
+      `Pressure of the water${regions.length > 0 ? '; hatched: water in soil, sand-coloured: soil without water' : ''}, grey: walls.`);
   }
 
   /* ---- accuracy ---- */
@@ -293,15 +291,6 @@
     chart(parent, c.title, c.x, label(c.y), series, {logx: / x/.test(c.axes), dygraph: {logscale: /y$/.test(c.axes), includeZero: c.axes === 'zero'}});
   }
 
-  function folded(parent, list) {
-    if (list.length === 0) return;
-    const fold = add(parent, 'details', {}, add(null, 'summary', {}, `${list.length} more: ${list.map(c => c.title.toLowerCase()).join(', ')}`));
-    const box = add(fold, 'div', {class: 'charts'});
-    fold.addEventListener('toggle', () => { /* charts have no width before it opens */
-      if (box.childNodes.length === 0) list.forEach(c => described(box, c));
-    });
-  }
-
   function velocities(parent) {
     const runs = data.pdf.runs, scale = data.runs.length === 1 ? rescale : 1;
     const [factor, unit] = speedUnit(Math.max(...runs.map(r => r.pore_mean_m_per_s * r.normalised_velocity_max)));
@@ -322,7 +311,9 @@
         const box = add(section, 'div', {class: 'charts'});
         of('open').forEach(c => described(box, c));
         if (s.name === 'pdf') velocities(section);
-        folded(section, of('folded'));
+        const more = of('folded'), fold = more.length > 0 && add(section, 'details', {},
+          add(null, 'summary', {}, `${more.length} more: ${more.map(c => c.title.toLowerCase()).join(', ')}`), add(null, 'div', {class: 'charts'}));
+        if (fold) fold.addEventListener('toggle', () => more.splice(0).forEach(c => described(fold.lastChild, c))); /* without width before it opens */
       }
       if (s.svg) {
         const figure = add(section, 'figure');
@@ -366,7 +357,7 @@
       ['Void ratio, measured on the specimen', number(m.void_ratio_measured)],
       [!within ? 'Void ratio of the model' : data.model.rule === 'labels' ? 'Void ratio by voxels of the smoothed labels' :
         'Void ratio of the model, by voxels', number(m.void_ratio)],
-      within && ['Void ratio within its walls, which are used', number(walls)], ['Porosity', number(m.porosity)],
+      within && ['Void ratio within the smooth walls, which the flow meets', number(walls)], ['Porosity', number(m.porosity)],
       ['Connected porosity', number(m.connected_porosity)],
       ['Grey threshold', known(m.threshold) && number(m.threshold)], ['Otsu\u2019s threshold, for comparison', number(c.threshold_otsu)],
       ['Change of the threshold with the void ratio',
@@ -447,8 +438,8 @@
 
   header();
   if (solutes.length > 0) answerOfSolute();
+  if (data.headline) answerOfHeadline();
   if (result) answerOfK();
-  else answerOfHeadline();
   asked(by('asked'));
   others(by('others'));
   [scan, frames, flow, levels, sampleSize, sections, soil, specimen, methods, provenance, contents].forEach(f => f());

@@ -15,17 +15,6 @@ struct window {
   float deepest;
 };
 
-struct centre {
-  float depth;
-  uint32_t at;
-};
-
-static int deeper(const void *a, const void *b) {
-  const struct centre *x = a, *y = b;
-  if (x->depth != y->depth) return x->depth < y->depth ? 1 : -1;
-  return x->at < y->at ? -1 : 1;
-}
-
 static enum status take_window(const struct voxel_model *model, struct window *window) {
   enum status status = STATUS_OK;
   size_t from[3], n = 1;
@@ -62,39 +51,24 @@ static bool is_within(const struct window *window, size_t x, size_t y, size_t z,
   return false;
 }
 
-static void paint(const struct window *window, struct centre centre) {
-  const size_t nx = window->size[0], ny = window->size[1];
-  const long at[3] = {(long)(centre.at % nx), (long)(centre.at / nx % ny),
-                      (long)(centre.at / (nx * ny))};
-  const long reach = (long)centre.depth;
-  for (long c = -reach; c <= reach; c++)
-    for (long b = -reach; b <= reach; b++)
-      for (long a = -reach; a <= reach; a++) {
-        const long x = at[0] + a, y = at[1] + b, z = at[2] + c;
-        if ((float)(a * a + b * b + c * c) > centre.depth * centre.depth || x < 0 || y < 0 ||
-            z < 0 || x >= (long)nx || y >= (long)ny || z >= (long)window->size[2])
-          continue;
-        float *width = &window->width[((size_t)z * ny + (size_t)y) * nx + (size_t)x];
-        if (!(*width > 0.0f)) *width = centre.depth; /* the largest comes first */
+/* Widens all voxels in the ball of so many voxels about a place to its radius. */
+static void paint(const struct window *window, size_t x, size_t y, size_t z, float radius) {
+  const long at[3] = {(long)x, (long)y, (long)z};
+  long low[3], high[3];
+  for (int d = 0; d < 3; d++) {
+    low[d] = at[d] > (long)radius ? at[d] - (long)radius : 0;
+    high[d] = at[d] + (long)radius;
+    if (high[d] >= (long)window->size[d]) high[d] = (long)window->size[d] - 1;
+  }
+  for (long c = low[2]; c <= high[2]; c++)
+    for (long b = low[1]; b <= high[1]; b++)
+      for (long a = low[0]; a <= high[0]; a++) {
+        const long off[3] = {a - at[0], b - at[1], c - at[2]};
+        float *width =
+            &window->width[((size_t)c * window->size[1] + (size_t)b) * window->size[0] + (size_t)a];
+        if ((float)(off[0] * off[0] + off[1] * off[1] + off[2] * off[2]) <= radius * radius)
+          *width = fmaxf(*width, radius);
       }
-}
-
-static enum status find_widths(struct window *window) {
-  enum status status = STATUS_OK;
-  const size_t n = window->size[0] * window->size[1] * window->size[2];
-  struct centre *centres = NULL;
-  size_t count = 0, i = 0;
-  TRY(memory_allocate(&centres, n, sizeof *centres, "grain sizes"));
-  for (size_t z = 0; z < window->size[2]; z++)
-    for (size_t y = 0; y < window->size[1]; y++)
-      for (size_t x = 0; x < window->size[0]; x++, i++)
-        if (window->depth[i] > 0.0f && !is_within(window, x, y, z, window->depth[i]))
-          centres[count++] = (struct centre){window->depth[i], (uint32_t)i};
-  qsort(centres, count, sizeof *centres, deeper);
-  for (size_t c = 0; c < count; c++) paint(window, centres[c]);
-cleanup:
-  memory_free(&centres);
-  return status;
 }
 
 enum status grain_sizes(const struct voxel_model *model, json_t *data) {
@@ -104,7 +78,11 @@ enum status grain_sizes(const struct voxel_model *model, json_t *data) {
   if (model->wall_distance == NULL) return STATUS_OK;
   TRY(take_window(model, &window));
   if (window.deepest < 2.0f) goto cleanup; /* grains of a voxel or two have no size here */
-  TRY(find_widths(&window));
+  for (size_t z = 0, i = 0; z < window.size[2]; z++)
+    for (size_t y = 0; y < window.size[1]; y++)
+      for (size_t x = 0; x < window.size[0]; x++, i++)
+        if (window.depth[i] > 0.0f && !is_within(&window, x, y, z, window.depth[i]))
+          paint(&window, x, y, z, window.depth[i]);
   const double least = log(1.0), most = log(1.02 * (double)window.deepest);
   for (int p = 0; p < POINTS; p++) {
     diameters[p] = 2.0 * model->spacing[0] * exp(least + (most - least) * p / (POINTS - 1.0));

@@ -71,44 +71,31 @@ const solid = (function () {
     }
   }
 
-  /* Five-sided tubes along the streamlines; `stops` colour by speed. */
+  /* Five-sided tubes along the streamlines, coloured by speed. */
   function tubes(flow, radius) {
-    const words = new Uint16Array(bytes(flow.points).buffer);
+    const words = new Uint16Array(bytes(flow.points).buffer), group = new THREE.Group(), tint = new THREE.Color();
     const stops = ['#fdb42f', '#ed7953', '#cc4778', '#9c179e', '#0d0887'].map(c => new THREE.Color(c));
-    const sides = 5, positions = [], colours = [], indices = [], tint = new THREE.Color();
-    const up = new THREE.Vector3(), side = new THREE.Vector3(), along = new THREE.Vector3();
+    const material = new THREE.MeshBasicMaterial({vertexColors: THREE.VertexColors}), sides = 5;
     let start = 0;
     for (const count of flow.lines) {
-      const point = i => {
-        const k = 4 * (start + Math.min(Math.max(i, 0), count - 1));
-        return new THREE.Vector3(words[k] / 500, words[k + 1] / 500, words[k + 2] / 500);
-      };
-      up.set(0.3, 0.5, 0.8);
-      for (let i = 0; i < count; i++) {
-        along.copy(point(i + 1)).sub(point(i - 1)).normalize();
-        side.crossVectors(along, up).normalize();
-        up.crossVectors(side, along).normalize();
-        const s = 4 * Math.min(words[4 * (start + i) + 3] / 65535, 1), j = Math.min(Math.floor(s), 3);
+      const points = [], colours = [];
+      for (let k = 4 * start; k < 4 * (start + count); k += 4) {
+        points.push(new THREE.Vector3(words[k] / 500, words[k + 1] / 500, words[k + 2] / 500));
+        const s = 4 * words[k + 3] / 65535, j = Math.min(Math.floor(s), 3);
         tint.copy(stops[j]).lerp(stops[j + 1], s - j);
-        const p = point(i), first = positions.length / 3;
-        for (let k = 0; k < sides; k++) {
-          const angle = 2 * Math.PI * k / sides, c = radius * Math.cos(angle), d = radius * Math.sin(angle);
-          positions.push(p.x + c * side.x + d * up.x, p.y + c * side.y + d * up.y, p.z + c * side.z + d * up.z);
-          colours.push(tint.r, tint.g, tint.b);
-          const next = (k + 1) % sides;
-          if (i + 1 < count)
-            indices.push(first + k, first + next, first + sides + k, first + next, first + sides + next, first + sides + k);
-        }
+        for (let n = 0; n <= sides; n++) colours.push(tint.r, tint.g, tint.b);
       }
+      const tube = new THREE.TubeBufferGeometry(new THREE.CatmullRomCurve3(points), count - 1, radius, sides);
+      tube.setAttribute('color', new THREE.Float32BufferAttribute(colours, 3));
+      group.add(new THREE.Mesh(tube, material));
       start += count;
     }
-    return {positions: positions, colours: colours, indices: indices};
+    return group;
   }
 
   function mesh(shape, material) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.Float32BufferAttribute(shape.positions, 3));
-    if (shape.colours) geometry.setAttribute('color', new THREE.Float32BufferAttribute(shape.colours, 3));
     geometry.setIndex(shape.indices);
     geometry.computeVertexNormals();
     return new THREE.Mesh(geometry, material);
@@ -127,7 +114,7 @@ const solid = (function () {
     const shape = surface(grains, size);
     const solid = mesh(shape, new THREE.MeshStandardMaterial(
       {color: 0xd6cec0, roughness: 0.9, metalness: 0, side: THREE.DoubleSide, clippingPlanes: [plane]}));
-    const lines = mesh(tubes(flow, 0.004 * big), new THREE.MeshBasicMaterial({vertexColors: THREE.VertexColors}));
+    const lines = tubes(flow, 0.004 * big);
     group.add(solid, lines);
     let paths = null;
     if (flow.paths) {

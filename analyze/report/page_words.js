@@ -10,33 +10,24 @@ const words = (function () {
 
   /* ---- references, listed where a sentence cites them ---- */
   const REFERENCES = {
-    morris: 'Morris JP, Fox PJ, Zhu Y (1997). Modeling low Reynolds number incompressible flows using SPH. J. Comput. Phys. 136, 214-226.',
-    adami: 'Adami S, Hu XY, Adams NA (2012). A generalized wall boundary condition for smoothed particle hydrodynamics. J. Comput. Phys. ' +
-      '231, 7057-7075.',
-    basa: 'Basa M, Quinlan NJ, Lastiwka M (2009). Robustness and accuracy of SPH formulations for viscous flow. Int. J. Numer. Meth. Fluids ' +
-      '60, 1127-1148.',
-    saomoto: 'Saomoto H, Matsushima T, Yamada Y, Hatano Y (2006). Development of digital Toyoura porous model and porous media flow ' +
-      'simulation using SPH (in Japanese).',
-    akbari: 'Akbari H (2014). Modified moving particle method for modeling wave interaction with multi layered porous structures. Coastal ' +
-      'Eng. 89, 1-19.',
-    morimoto: "Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015). Unified numerical analysis between the extended Darcy's law and " +
-      'Navier-Stokes equation by using stabilized ISPH method (in Japanese). J. JSCE Ser. A2 70, I_213-I_221.',
-    aavatsmark: 'Aavatsmark I, Barkve T, Boe O, Mannseth T (1996). Discretization on non-orthogonal, quadrilateral grids for inhomogeneous, ' +
-      'anisotropic media. J. Comput. Phys. 127, 2-14.',
-    richards: 'Richards LA (1931). Capillary conduction of liquids through porous mediums. Physics 1, 318-333.',
-    celia: 'Celia MA, Bouloutas ET, Zarba RL (1990). A general mass-conservative numerical solution for the unsaturated flow equation. Water ' +
-      'Resour. Res. 26, 1483-1496.',
-    genuchten: 'van Genuchten MT (1980). A closed-form equation for predicting the hydraulic conductivity of unsaturated soils. Soil Sci. ' +
-      'Soc. Am. J. 44, 892-898.',
-    mualem: 'Mualem Y (1976). A new model for predicting the hydraulic conductivity of unsaturated porous media. Water Resour. Res. 12, 513-522.',
-    white: 'White KP (1997). An effective truncation heuristic for bias reduction in simulation output. Simulation 69, 323-334.',
-    flegal: 'Flegal JM, Jones GL (2010). Batch means and spectral variance estimators in Markov chain Monte Carlo. Ann. Stat. 38, 1034-1070.',
-    otsu: 'Otsu N (1979). A threshold selection method from gray-level histograms. IEEE Trans. Syst. Man Cybern. 9, 62-66.',
-    celik: 'Celik IB, Ghia U, Roache PJ, Freitas CJ (2008). Procedure for estimation and reporting of uncertainty due to discretization in CFD ' +
-      'applications. J. Fluids Eng. 130, 078001.',
-    hoeting: 'Hoeting JA, Madigan D, Raftery AE, Volinsky CT (1999). Bayesian model averaging: a tutorial. Stat. Sci. 14, 382-417.',
-    brenner: 'Brenner H (1980). Dispersion resulting from flow through spatially periodic porous media. Phil. Trans. R. Soc. Lond. A 297, 81-133.',
-    bijeljic: 'Bijeljic B, Muggeridge AH, Blunt MJ (2004). Pore-scale modeling of longitudinal dispersion. Water Resour. Res. 40, W11501.'
+    morris: 'Morris JP, Fox PJ, Zhu Y (1997) J. Comput. Phys. 136, 214-226.',
+    adami: 'Adami S, Hu XY, Adams NA (2012) J. Comput. Phys. 231, 7057-7075.',
+    basa: 'Basa M, Quinlan NJ, Lastiwka M (2009) Int. J. Numer. Meth. Fluids 60, 1127-1148.',
+    saomoto: 'Saomoto H, Matsushima T, Yamada Y, Hatano Y (2006) Development of digital Toyoura porous model and porous media flow simulation using SPH (in Japanese).',
+    akbari: 'Akbari H (2014) Coastal Eng. 89, 1-19.',
+    morimoto: 'Morimoto T, Asai M, Kasama K, Fujisawa K, Imoto Y (2015) J. JSCE Ser. A2 70, I_213-I_221 (in Japanese).',
+    aavatsmark: 'Aavatsmark I, Barkve T, Boe O, Mannseth T (1996) J. Comput. Phys. 127, 2-14.',
+    richards: 'Richards LA (1931) Physics 1, 318-333.',
+    celia: 'Celia MA, Bouloutas ET, Zarba RL (1990) Water Resour. Res. 26, 1483-1496.',
+    genuchten: 'van Genuchten MT (1980) Soil Sci. Soc. Am. J. 44, 892-898.',
+    mualem: 'Mualem Y (1976) Water Resour. Res. 12, 513-522.',
+    white: 'White KP (1997) Simulation 69, 323-334.',
+    flegal: 'Flegal JM, Jones GL (2010) Ann. Stat. 38, 1034-1070.',
+    otsu: 'Otsu N (1979) IEEE Trans. Syst. Man Cybern. 9, 62-66.',
+    celik: 'Celik IB, Ghia U, Roache PJ, Freitas CJ (2008) J. Fluids Eng. 130, 078001.',
+    hoeting: 'Hoeting JA, Madigan D, Raftery AE, Volinsky CT (1999) Stat. Sci. 14, 382-417.',
+    brenner: 'Brenner H (1980) Phil. Trans. R. Soc. Lond. A 297, 81-133.',
+    bijeljic: 'Bijeljic B, Muggeridge AH, Blunt MJ (2004) Water Resour. Res. 40, W11501.'
   };
 
   /* ---- methods: a paragraph for a paper ---- */
@@ -183,17 +174,15 @@ const words = (function () {
         `of ${digits(1e6 * b.blur_assumed_m)} µm.`,
       known(b.void_ratio) && known(r.dlnk_dvoid_ratio) && !known(b.threshold) &&
         `The void ratio was given without its ±, which is not counted: each 0.01 of it is ${percent(slope / 100)} of k.`,
-      known(closed) && 'Sides: the sample wraps round; mirrored at its sides, k changes by the part above. In a tube filled by the sample k would change by ' +
+      known(closed) && 'Sides: the sample is taken as periodic; mirrored at its sides instead, k changes by the part above. In a tube filled by the sample k would change by ' +
         (Math.abs(closed) > 1e-4 ? (more > 0 ? '+' : '\u2212') + digits(Math.abs(more), 2) : 'less than 0.01') + ' %.'].filter(t => t);
   }
 
-  /* Results of one name, as of runs that differ only in their fluid, are distinguished by their fluids and files. */
+  /* Results of one name, as of runs that differ only in their fluid, are distinguished by fluid and file. */
   function nameApart(results, runs) {
     const fluid = path => runs.filter(r => r.path === path).map(r => `${digits(r.run.attributes.viscosity, 4)} Pa s, ${digits(r.run.attributes.density, 4)} kg/m^3`);
-    const alike = new Set(runs.flatMap(r => fluid(r.path))).size < 2, names = results.map(r => r.name);
-    results.forEach(r => {
-      if (names.filter(n => n === r.name).length > 1) r.apart = [r.name, ...(alike ? [] : fluid(r.path)), r.path.replace(/.*\//, '')].join(', ');
-    });
+    const names = results.map(r => r.name);
+    results.filter(r => names.filter(n => n === r.name).length > 1).forEach(r => { r.apart = [r.name, ...fluid(r.path), r.path.replace(/.*\//, '')].join(', '); });
     results.forEach(r => { r.name = r.apart || r.name; });
   }
 
@@ -210,15 +199,13 @@ const words = (function () {
 
   /* The safety of the soil's surface against uplift: the smallest factor of the exit gradient and of the prisms beside walls. */
   function uplift(s) {
-    const exit = s.exit || {}, resolves = exit.spacing_that_resolves_m;
-    const worst = [exit, ...(s.heave || [])].filter(e => known(e.factor_of_safety)).reduce((a, b) => (a && a.factor_of_safety <= b.factor_of_safety ? a : b), null);
-    let text = '';
-    if (worst) {
-      const {factor_of_safety: factor, factor_of_safety_least: least, resolved} = worst;
-      text = `. Factor of safety against uplift ${digits(factor)}` + (resolved && known(least) ? `, ${digits(least)} at least` : '') +
-        (resolved ? ': ' + judge(known(least) ? least : factor) : known(resolves) ? '' : ', which is not resolved: take a finer spacing');
-    }
-    return text + (known(resolves) ? `; but gradients beside a wall as shallow as here are not resolved: take a spacing of ${digits(resolves, 2)} m` : '');
+    const exit = s.exit || {}, finer = exit.spacing_that_resolves_m;
+    const [worst] = [exit, ...(s.heave || [])].filter(e => known(e.factor_of_safety)).sort((a, b) => a.factor_of_safety - b.factor_of_safety);
+    const coarse = known(finer) && `The exit gradient beside a wall as shallow as here is not resolved: take a spacing of ${digits(finer, 2)} m`;
+    if (!worst) return [coarse];
+    const {factor_of_safety: factor, factor_of_safety_least: least, resolved} = worst;
+    return [`Factor of safety against uplift ${digits(factor)}` + (!resolved ? coarse ? '' : ', which is not resolved: take a finer spacing' :
+      (known(least) ? `, ${digits(least)} at least: ` : ': ') + judge(known(least) ? least : factor)), coarse];
   }
 
   /* The flow through the soil for each metre along y, from the most accurate source: outflow by wells and drains, else the flux of a
@@ -233,12 +220,12 @@ const words = (function () {
     const none = Math.abs(uptake) > 0.5 * flow || drift > 0.5 * flow;
     /* A smaller uptake is only in the error. */
     const filling = Math.abs(uptake) > 0.1 * flow && known(error) && Math.abs(uptake) > 0.5 * error;
-    const sentence = `${none ? 'The' : 'For each metre along y. The'} head falls by ${digits(s.head_drop_m)} m in the soil` +
-      (filling ? `. The soil still ${uptake > 0 ? 'fills with' : 'drains of'} ${digits(Math.abs(uptake))} m²/s: run longer` : '') +
-      (s.heads_drift_m > 0 ? '. Heads in it still go one way: run longer' : '') + (drift > 0.1 * flow ? '. The velocities in it still go one way: run longer' : '') +
-      uplift(s) + '.';
-    return none ? {value: null, error: null, unit: '', text: 'No steady flow through the soil', sentence: sentence} :
-      {value: flow, error: error, unit: 'm²/s', text: where, sentence: sentence};
+    const sentences = [!none && 'For each metre along y', `The head falls by ${digits(s.head_drop_m)} m in the soil`,
+                       filling && `The soil still ${uptake > 0 ? 'fills with' : 'drains of'} ${digits(Math.abs(uptake))} m²/s: run longer`,
+                       s.heads_drift_m > 0 && 'Heads in it still go one way: run longer',
+                       drift > 0.1 * flow && 'The velocities in it still go one way: run longer', ...uplift(s)];
+    return {value: none ? null : flow, error: none ? null : error, unit: none ? '' : 'm²/s', text: none ? 'No steady flow through the soil' : where,
+            sentence: sentences.filter(t => t).join('. ') + '.'};
   }
 
   const after = t => (t < 120 ? digits(t) + ' s' : t < 7200 ? (t / 60).toFixed(0) + ' min' : (t / 3600).toFixed(1) + ' h');
@@ -271,7 +258,7 @@ const words = (function () {
     nameApart(data.verdict, data.runs);
     if (result) Object.assign(result, {class_din: classOf(DIN, result), class_casagrande: classOf(CASAGRANDE, result), formulas: formulas(data), notes: notes(result)});
     if (result) data.tensor = tensorOf(data, result);
-    if (!result) data.headline = data.seepage ? ofSeepage(data.seepage) : data.moisture ? ofMoisture(data.moisture) : ofFreeWater(data);
+    if (data.seepage || !result) data.headline = data.seepage ? ofSeepage(data.seepage) : data.moisture ? ofMoisture(data.moisture) : ofFreeWater(data);
     return data;
   }
   return {fill, mirrored};
