@@ -24,10 +24,11 @@ static int weights_of(double sigma, float weight[GAUSSIAN_MOST + 1]) {
 }
 
 /* out = weight[0] rows[0] + sum over k of weight[k] (rows[-k] + rows[k]), for n voxels per row. The
- * sums of RUN voxels at a time stay in registers; the last run starts early enough to end with the
- * row, and so overlaps the one before. */
-typedef float lanes __attribute__((vector_size(64), aligned(4), may_alias));
-enum { WIDE = 16, RUN = 4 * WIDE };
+ * sums of RUN voxels at a time stay in registers, as wide as those of AVX2: wider ones the compiler
+ * takes apart in memory there. The last run starts early enough to end with the row, and so
+ * overlaps the one before. */
+typedef float lanes __attribute__((vector_size(32), aligned(4), may_alias));
+enum { WIDE = 8, RUN = 4 * WIDE };
 #define AT(row, x) (*(const lanes *)((row) + (x)))
 TARGETS static void weigh_rows(const float *const *rows, const float *restrict weight, int reach,
                                size_t n, float *restrict out) {
@@ -57,7 +58,7 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
 
 /* Filters a row along x in pieces. Each piece is copied together with the voxels on either side,
  * which are reflected at the ends of the row. */
-enum { PIECE = 8 * RUN };
+enum { PIECE = 16 * RUN };
 static void filter_row(const float *in, const float *weight, int reach, size_t n, float *out) {
   const float *shifted[2 * GAUSSIAN_MOST + 1];
   float line[PIECE + 2 * GAUSSIAN_MOST];

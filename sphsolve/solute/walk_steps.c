@@ -36,37 +36,35 @@ WALK_HOT struct walker lanes_take(const struct walk_lanes *g, int l) {
 }
 
 /* Transposes four words of the records of sixteen cells: word first + w of each cell into word[w].
- * Cells l, l + 4, l + 8, l + 12 make a row, and each quarter of the four rows is transposed
- * separately. */
+ * Cells l and l + 4 make a row of eight, as wide as a register of AVX2 (wider ones the compiler
+ * takes apart in memory there), and each half of four rows is transposed separately. */
 WALK_HOT void lanes_columns(const struct walk_cells *c, const int32_t number[LANES], int first,
                             int32_t word[4][LANES]) {
-  typedef int32_t quarter __attribute__((vector_size(16)));
-  typedef int32_t half __attribute__((vector_size(32)));
-  typedef int32_t row __attribute__((vector_size(64)));
-  quarter r[LANES];
-  row t[4];
-#pragma GCC unroll 16
-  for (int l = 0; l < LANES; l++)
-    memcpy(&r[l], (const char *)&c->cell[number[l]] + sizeof(int32_t) * (size_t)first, sizeof r[l]);
-#pragma GCC unroll 4
-  for (int l = 0; l < 4; l++) {
-    const half low = __builtin_shufflevector(r[l], r[l + 4], 0, 1, 2, 3, 4, 5, 6, 7),
-               high = __builtin_shufflevector(r[l + 8], r[l + 12], 0, 1, 2, 3, 4, 5, 6, 7);
-    t[l] = __builtin_shufflevector(low, high, 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15);
-  }
-  /* Two perfect shuffles within each quarter. */
+  typedef int32_t half __attribute__((vector_size(16)));
+  typedef int32_t row __attribute__((vector_size(32)));
 #pragma GCC unroll 2
-  for (int stage = 0; stage < 2; stage++) {
-    const row a = t[0], b = t[1], d = t[2], e = t[3];
-    t[0] = __builtin_shufflevector(a, d, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
-    t[1] =
-        __builtin_shufflevector(a, d, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
-    t[2] = __builtin_shufflevector(b, e, 0, 16, 1, 17, 4, 20, 5, 21, 8, 24, 9, 25, 12, 28, 13, 29);
-    t[3] =
-        __builtin_shufflevector(b, e, 2, 18, 3, 19, 6, 22, 7, 23, 10, 26, 11, 27, 14, 30, 15, 31);
-  }
+  for (int from = 0; from < LANES; from += 8) {
+    half r[8];
+    row t[4];
+#pragma GCC unroll 8
+    for (int l = 0; l < 8; l++)
+      memcpy(&r[l], (const char *)&c->cell[number[from + l]] + sizeof(int32_t) * (size_t)first,
+             sizeof r[l]);
 #pragma GCC unroll 4
-  for (int w = 0; w < 4; w++) memcpy(word[w], &t[w], sizeof t[w]);
+    for (int l = 0; l < 4; l++)
+      t[l] = __builtin_shufflevector(r[l], r[l + 4], 0, 1, 2, 3, 4, 5, 6, 7);
+      /* Two perfect shuffles within each half. */
+#pragma GCC unroll 2
+    for (int stage = 0; stage < 2; stage++) {
+      const row a = t[0], b = t[1], d = t[2], e = t[3];
+      t[0] = __builtin_shufflevector(a, d, 0, 8, 1, 9, 4, 12, 5, 13);
+      t[1] = __builtin_shufflevector(a, d, 2, 10, 3, 11, 6, 14, 7, 15);
+      t[2] = __builtin_shufflevector(b, e, 0, 8, 1, 9, 4, 12, 5, 13);
+      t[3] = __builtin_shufflevector(b, e, 2, 10, 3, 11, 6, 14, 7, 15);
+    }
+#pragma GCC unroll 4
+    for (int w = 0; w < 4; w++) memcpy(&word[w][from], &t[w], sizeof t[w]);
+  }
 }
 
 /* walk_velocity at x in the cells, for all lanes. */

@@ -131,10 +131,16 @@ different_models() {
   near "$(field out/pdf.json pore_mean_m_per_s)" 3e-3 1e-6
   [ "$(field out/pdf.json transverse_ratio)" = 0.0 ]
   /usr/bin/python3 - <<'PY'
-import json, math
+import csv, json, math
 whole = json.load(open("out/pdf.json"))
 p = whole["pdf"]
 e, d = p["bin_edges"], p["density"]
+# The table has the densities at the middles of the bins.
+rows, middle = list(csv.DictReader(open("out/pdf.csv"))), lambda e: [(a + b) / 2 for a, b in zip(e, e[1:])]
+for of, name, density in (p, "normalised_velocity", "density"), (whole["pdf_m_per_s"], "velocity_m_per_s", "density_s_per_m"):
+    for column, values in (name, middle(of["bin_edges"])), (density, of["density"]):
+        table = [float(row[column]) for row in rows if row[column]]
+        assert len(table) == len(values) and all(abs(a - b) <= 1e-7 * abs(b) for a, b in zip(table, values)), column
 # The curves to compare with: exact densities, from one place for plot, file and page.
 exact = {"slit": lambda s: 1 / (3 * math.sqrt(1 - s / 1.5)), "tube": lambda s: 0.5, "exponential": lambda s: math.exp(-s)}
 curves = {c["name"]: c for c in whole["references"]}

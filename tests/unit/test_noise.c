@@ -75,6 +75,18 @@ static void test_levels(void **state) {
   memory_free(&grey);
 }
 
+/* Of a few voxels: the variance of a sample, about its own mean; in a slice of 32, half of them 1
+ * above it and half 1 below, 32 / 31. */
+static void test_few_voxels(void **state) {
+  (void)state;
+  static const size_t size[3] = {8, 4, 1};
+  float grey[32], deep[32];
+  struct noise_sums sums = {0};
+  for (size_t i = 0; i < 32; i++) grey[i] = i < 16 ? 4.0F : 6.0F, deep[i] = 10.0F;
+  noise_add(grey, deep, size, 1.5, 1.0, 0.0, INFINITY, &sums);
+  assert_true(fabs(noise_deviation(&sums) - sqrt(32.0 / 31.0)) < 1e-12);
+}
+
 /* The deviation of noise alike over a length scatters from draw to draw as is said of one. */
 static void test_chance(void **state) {
   (void)state;
@@ -109,6 +121,7 @@ static void test_chance(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_cut_off), cmocka_unit_test(test_levels),
+                                     cmocka_unit_test(test_few_voxels),
                                      cmocka_unit_test(test_chance)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -191,6 +191,59 @@ static void cylinders_conduct(void **state) {
   }
 }
 
+static double open_distance(const void *context, const double x[3]) {
+  (void)context, (void)x;
+  return 1;
+}
+
+static void oblique(const void *context, const double x[3], double u[3]) {
+  (void)context, (void)x;
+  u[0] = 0.6, u[1] = 0, u[2] = 0.8;
+}
+
+/* D_L / D = 3 + h and D_T / D = 2 + h^2 on cells of 1, 2 and 4: the limits are 3 and 2. Errors are
+ * a fourth of a difference where that is more than the next: 1 of 3, 3 of 2. A walk on two lattices
+ * goes to its limit with h^2. */
+static void lattices_go_to_their_limit(void **state) {
+  (void)state;
+  const int n[3] = {16, 1, 16};
+  const double h[3] = {1, 1, 1};
+  struct solute_flow f;
+  static struct solute_state found;
+  static struct solute_result r;
+  assert_int_equal(solute_flow_build(n, h, open_distance, oblique, NULL, &f), STATUS_OK);
+  const double along[3] = {0.6, 0, 0.8};
+  memset(&r, 0, sizeof r);
+  memset(&found, 0, sizeof found);
+  r.length = r.count = 1, r.peclet[0] = 1;
+  for (int l = 0; l < SOLUTE_LATTICES; l++)
+    for (found.solved_count[l] = 0; found.solved_count[l] <= r.count; found.solved_count[l]++) {
+      struct solute_dispersion *d = &found.solved[l][found.solved_count[l]].value;
+      const double spacing = 1 << l;
+      d->longitudinal = 3 + spacing, d->transverse = 2 + spacing * spacing;
+      for (int p = 0; p < 3; p++)
+        for (int q = 0; q < 3; q++)
+          d->tensor[p][q] = (p == q ? d->transverse : 0) +
+                            (d->longitudinal - d->transverse) * along[p] * along[q];
+    }
+  assert_int_equal(solute_curve_by_closure(&f, &found, &r), STATUS_OK);
+  const struct solute_closed *c = &r.closure[0];
+  assert_near(c->value.longitudinal, 3, 1e-6);
+  assert_near(c->value.transverse, 2, 1e-6);
+  assert_near(c->tensor[0][2], 0.48, 1e-6);
+  assert_near(c->resolution[0], 1.0 / 3, 1e-6);
+  assert_near(c->resolution[1], 1.5, 1e-6);
+  solute_flow_free(&f);
+
+  struct solute_estimate fine = {4, 0.5, 0, 0}, coarse = {7, 0.2, 0, 0};
+  double moved[2];
+  solute_walk_limit(&fine, &coarse, 2, moved);
+  assert_near(fine.longitudinal, 3, 1e-12);
+  assert_near(fine.transverse, 0.6, 1e-12);
+  assert_near(moved[0], 0.25, 1e-12);
+  assert_near(fine.transverse_error, 0.2, 1e-12);
+}
+
 /* Two layers of one width w that slip past each other at +-v: D_L / D = 1 + (v w / D)^2 / 12, from
  * b'' = v / D in one, -v / D in the other. The same along x, y and z, up and down. */
 static int along;
@@ -199,11 +252,6 @@ static void layers(const void *context, const double x[3], double u[3]) {
   for (int a = 0; a < 3; a++) u[a] = 0;
   u[along] = *sign * (x[(along + 1) % 3] < 0.5 ? 3 : 1);
 }
-static double open_distance(const void *context, const double x[3]) {
-  (void)context, (void)x;
-  return 1;
-}
-
 static void layers_disperse(void **state) {
   (void)state;
   for (along = 0; along < 3; along++)
@@ -325,6 +373,7 @@ int main(void) {
                                      cmocka_unit_test(slit_disperses),
                                      cmocka_unit_test(slits_of_few_cells_hold_their_error),
                                      cmocka_unit_test(cylinders_conduct),
+                                     cmocka_unit_test(lattices_go_to_their_limit),
                                      cmocka_unit_test(layers_disperse),
                                      cmocka_unit_test(halved_it_is_the_same_flow),
                                      cmocka_unit_test(walkers_have_the_same_pores),

@@ -143,6 +143,26 @@ static void test_critical_width_is_that_of_the_hole(void **state) {
   lattice_free(&fine);
 }
 
+/* Where all sites are d from the walls it is 2 d, less a twentieth at most of itself or a spacing.
+ */
+static void test_critical_width_of_one_distance(void **state) {
+  (void)state;
+  uint8_t kind[64];
+  float distance[64];
+  const struct lattice l = {.dimensions = 3,
+                            .size = {4, 4, 4},
+                            .count = 64,
+                            .spacing = {1.0, 1.0, 1.0},
+                            .kind = kind,
+                            .wall_distance = distance};
+  for (double d = 0.3; d < 20.0; d *= 1.13) {
+    double width;
+    for (size_t s = 0; s < 64; s++) kind[s] = SITE_FLUID, distance[s] = (float)d;
+    assert_int_equal(throat_width_find(&l, along_z, &width), STATUS_OK);
+    assert_true(width < 2.0 * d + 1e-6 && 2.0 * d - width < 0.05 * fmax(width, 1.0) + 1e-6);
+  }
+}
+
 /* A round hole in a thin wall passes Q = c^3 dp / (3 mu) (Sampson 1891). With k = 1 / (N dp) for
  * force 1 along z the drop over the plate is N less what the channel beside it takes, some 7 %
  * here; without the wall k would be 40 times as large. */
@@ -208,6 +228,7 @@ int main(void) {
       cmocka_unit_test(test_both_ends_of_a_link_agree),
       cmocka_unit_test(test_large_grains_cut_nothing),
       cmocka_unit_test(test_critical_width_is_that_of_the_hole),
+      cmocka_unit_test(test_critical_width_of_one_distance),
       cmocka_unit_test(test_curvature_is_that_of_the_nearest_wall),
       cmocka_unit_test(test_hole_in_a_membrane_lets_through_what_sampson_says),
   };
