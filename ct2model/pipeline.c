@@ -397,7 +397,7 @@ enum status pipeline_run(const struct request *request, const char *const *paths
       .restored = {.scan = {.step = 1}, .scan_void_ratio = NAN, .scan_void_ratio_error = NAN}};
   TRY(stack_open(paths, count, &request->raw, &pipeline->stack));
   if (!request->raw.given)
-    TRY(byte_order_check_sign(&pipeline->stack.files[pipeline->stack.file_count / 2]));
+    TRY(byte_order_check(&pipeline->stack.files[pipeline->stack.file_count / 2]));
   TRY(check_output(pipeline));
   TRY(choose_region(pipeline));
   /* A sweep alone need not hold a huge scan in memory. */

@@ -14,21 +14,22 @@
 #define ROUGHNESS_RATIO 2.0
 /* Largest roughness of neighbours in a noisy scan; the two bytes of a pixel differ more. */
 #define ROUGHNESS_SCAN 0.8
-/* Fraction of pixels with two equal bytes above which pixels of 8 bits were converted to 16. */
-#define EQUAL_BYTES 0.9
 
-/* Mean difference of neighbours in a row over the mean deviation from the mean; infinite if a pixel
- * is not a number. */
+/* Mean difference of neighbours in a row over the mean deviation from the mean, of the pixels that
+ * are numbers. */
 static double roughness(const float *pixels, size_t width, size_t height) {
   const size_t n = width * height;
-  double mean = 0.0, distance = 0.0, step = 0.0;
-  for (size_t i = 0; i < n; i++) mean += (double)pixels[i] / (double)n;
-  if (!isfinite(mean)) return INFINITY;
+  double mean = 0.0, distance = 0.0, step = 0.0, count = 0.0, steps = 0.0;
+  for (size_t i = 0; i < n; i++)
+    if (isfinite(pixels[i])) mean += ((double)pixels[i] - mean) / ++count;
   for (size_t i = 0; i < n; i++) {
-    distance += fabs((double)pixels[i] - mean);
-    if (i % width > 0) step += fabs((double)pixels[i] - (double)pixels[i - 1]);
+    if (!isfinite(pixels[i])) continue;
+    distance += fabs((double)pixels[i] - mean) / count;
+    if (i % width == 0 || !isfinite(pixels[i - 1])) continue;
+    step += fabs((double)pixels[i] - (double)pixels[i - 1]);
+    steps++;
   }
-  return distance > 0.0 ? step / distance : 0.0;
+  return distance > 0.0 && steps > 0.0 ? step / steps / distance : 0.0;
 }
 
 /* The type of which two make one of `type`; false if there is none. */
@@ -46,63 +47,25 @@ static bool half_of(enum pixel_type type, enum pixel_type *half) {
   return false;
 }
 
-/* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
- * neighbours, and as alike as others. `pixels` is overwritten. */
-static bool are_pairs(const uint8_t *bytes, size_t width, size_t height, enum pixel_type half,
-                      float *pixels) {
-  const size_t one = pixel_size(half);
-  size_t equal = 0;
-  for (size_t i = 0; i < width * height; i++)
-    equal += memcmp(bytes + 2 * i * one, bytes + (2 * i + 1) * one, one) == 0;
-  if (one == 1 && (double)equal > EQUAL_BYTES * (double)(width * height)) return false;
-  for (size_t side = 0; side < 2; side++) {
-    for (size_t y = 0; y < height; y++)
-      pixels_to_float(pixels + y * (width / 2 * 2),
-                      bytes + (2 * width * y + side * (width / 2 * 2)) * one, width / 2 * 2, half);
-    if (roughness(pixels, width / 2 * 2, height) > ROUGHNESS_SCAN) return false;
-  }
-  return true;
-}
-
-/* Fraction of neighbours in a row that differ by more than 3/4 of the range of the type. */
-static double jump_fraction(const float *pixels, size_t width, size_t n, enum pixel_type type) {
+/* Whether greys go round: neighbours leap from one end of the range to the other and seldom by
+ * less, and both ends are in use without a heap, as greys cut off there and labels have it. */
+static bool are_wrapped(const float *pixels, size_t width, size_t n, enum pixel_type type) {
+  enum { BINS = 128, NEXT = 2 };
+  size_t count[BINS] = {0}, leaps = 0, halves = 0;
   double low, high;
-  size_t count = 0;
-  if (!pixel_levels(type, &low, &high)) return 0.0;
-  for (size_t i = 1; i < n; i++)
-    count += i % width > 0 && fabs((double)pixels[i] - (double)pixels[i - 1]) > 0.75 * (high - low);
-  return (double)count / (double)n;
-}
-
-/* Whether signed pixels are in fact unsigned: those above half of the range are wrapped to below
- * zero, so that neighbours jump from one end of the range to the other. Labels of both ends may be
- * intended, so an image with few values is not judged. `pixels` is overwritten. */
-static bool are_unsigned(const void *stored, size_t width, size_t n, enum pixel_type type,
-                         float *pixels) {
-  const enum pixel_type turned = type == PIXEL_I8 ? PIXEL_U8 : PIXEL_U16;
-  float seen[16];
-  size_t values = 0;
-  if (type != PIXEL_I8 && type != PIXEL_I16) return false;
-  pixels_to_float(pixels, stored, n, type);
-  for (size_t i = 0; i < n && values < 16; i++) {
-    size_t v = 0;
-    while (v < values && seen[v] != pixels[i]) v++;
-    if (v == values) seen[values++] = pixels[i];
+  if (!pixel_levels(type, &low, &high)) return false;
+  for (size_t i = 0; i < n; i++) {
+    count[(size_t)(((double)pixels[i] - low) * BINS / (high - low + 1.0))]++;
+    const double step = i % width > 0 ? fabs((double)pixels[i] - (double)pixels[i - 1]) : 0.0;
+    leaps += step > 0.75 * (high - low);
+    halves += step > 0.5 * (high - low);
   }
-  const double given = jump_fraction(pixels, width, n, type);
-  pixels_to_float(pixels, stored, n, turned);
-  return values == 16 && given > 0.001 && jump_fraction(pixels, width, n, turned) < 0.1 * given;
-}
-
-/* Mean difference of pixels `lag` apart, for some thousand spread over the first n - most. */
-static double lag_difference(const float *pixels, size_t n, size_t most, size_t lag) {
-  enum { SAMPLES = 4096 };
-  double sum = 0.0;
-  for (size_t k = 0; k < SAMPLES; k++) {
-    const size_t i = (size_t)(k * UINT64_C(2654435761) % (n - most));
-    sum += fabs((double)pixels[i + lag] - (double)pixels[i]);
+  for (size_t end = 0; end < BINS; end += BINS - 1) {
+    double next = 0.0;
+    for (size_t k = 1; k <= NEXT; k++) next += (double)count[end == 0 ? k : end - k] / NEXT;
+    if (!((double)count[end] > 0.5 * next && (double)count[end] < 2.0 * next)) return false;
   }
-  return sum / SAMPLES;
+  return (double)leaps > LEAPS_SHARE * (double)n && halves < 2 * leaps;
 }
 
 /* The width at which a pixel is as similar to the one below as to the one beside it, if that
@@ -113,15 +76,15 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
   enum { LEAST = 8, ASIDE = 4 };
   const size_t most = 4 * width + ASIDE < n / 2 ? 4 * width + ASIDE : n / 2;
   if (most <= width) return 0;
-  const double beside = lag_difference(pixels, n, most, 1);
-  const double given = lag_difference(pixels, n, most, width);
+  const double beside = row_ends_lag(pixels, n, 1);
+  const double given = row_ends_lag(pixels, n, width);
   if (!(beside > 0.0 && given > 1.5 * beside)) return 0;
   size_t best = 0;
   double least = fmin(1.25 * beside, 0.75 * given);
   for (size_t lag = LEAST; lag + ASIDE < most; lag++) {
-    const double here = lag_difference(pixels, n, most, lag);
-    if (!(here < least) || here > 0.75 * lag_difference(pixels, n, most, lag - ASIDE) ||
-        here > 0.75 * lag_difference(pixels, n, most, lag + ASIDE))
+    const double here = row_ends_lag(pixels, n, lag);
+    if (!(here < least) || here > 0.75 * row_ends_lag(pixels, n, lag - ASIDE) ||
+        here > 0.75 * row_ends_lag(pixels, n, lag + ASIDE))
       continue;
     least = here;
     best = lag;
@@ -129,12 +92,13 @@ static size_t better_width(const float *pixels, size_t width, size_t n) {
   return best;
 }
 
-/* Whether a slice has the few greys of labels, whose neighbours tell nothing of its layout. */
-static bool has_few_greys(const float *pixels, size_t n) {
+/* Whether every step-th pixel has one of few greys, as in labels, whose neighbours tell nothing of
+ * their layout. */
+static bool has_few_greys(const float *pixels, size_t n, size_t step) {
   enum { FEW = 4 };
   float grey[FEW];
   size_t count = 0;
-  for (size_t i = 0; i < n; i++) {
+  for (size_t i = 0; i < n; i += step) {
     size_t k = 0;
     while (k < count && grey[k] != pixels[i]) k++;
     if (k == FEW) return false;
@@ -146,13 +110,13 @@ static bool has_few_greys(const float *pixels, size_t n) {
 /* Of pixels that are not whole ones, but bytes or channels of such in turns, the number that makes
  * one; 0 if neighbours are as alike as any. Bytes of one kind come round at that distance, and are
  * more alike than neighbours are; or some neighbours, of one pixel, are alike and others not. */
-static size_t find_turns(const float *pixels, size_t n) {
+static size_t find_turns(const float *pixels, size_t width, size_t n) {
   enum { TURNS_MOST = 4 };
   double step[TURNS_MOST + 1] = {0.0};
   for (size_t k = 1; k <= TURNS_MOST; k++)
     for (size_t i = 0; i + TURNS_MOST < n; i++)
       step[k] += fabs((double)pixels[i + k] - (double)pixels[i]);
-  for (size_t k = 2; k <= TURNS_MOST; k++) {
+  for (size_t k = 2; k <= TURNS_MOST && 4 * k < width; k++) {
     double of_turn[TURNS_MOST] = {0.0}, most = 0.0, rest = 0.0;
     if (step[k] < TURN_RATIO * step[1]) return k;
     for (size_t i = 0; i + TURNS_MOST < n; i++)
@@ -162,20 +126,34 @@ static size_t find_turns(const float *pixels, size_t n) {
       rest += of_turn[j];
     }
     rest = (rest - most) / ((double)k - 1.0);
-    if (rest < TURN_RATIO * TURN_RATIO * most) return k;
+    if (rest < TURN_REST * most) return k;
   }
   return 0;
 }
 
-/* Whether neighbours are much more alike with their bytes in the other order. Both arrays are
- * overwritten. */
-static bool are_swapped(const struct image *image, void *stored, float *pixels) {
-  const size_t n = image->size[0] * image->size[1];
-  pixels_to_float(pixels, stored, n, image->type);
-  const double given = roughness(pixels, image->size[0], image->size[1]);
-  pixels_swap(stored, n, image->type);
-  pixels_to_float(pixels, stored, n, image->type);
-  const double other = roughness(pixels, image->size[0], image->size[1]);
+/* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
+ * neighbours, and as alike as others. `pixels` is overwritten. */
+static bool are_pairs(const uint8_t *bytes, size_t width, size_t n, enum pixel_type half,
+                      float *pixels) {
+  for (size_t side = 0; side < 2; side++) {
+    pixels_to_float(pixels, bytes + side * n * pixel_size(half), n, half);
+    if (has_few_greys(pixels + 1, n - 1, 2) ||
+        row_ends_lag(pixels, n, 2) < row_ends_lag(pixels, n, 1) ||
+        find_turns(pixels, 2 * width, n) > 0 ||
+        roughness(pixels, 2 * width, n / (2 * width)) > ROUGHNESS_SCAN)
+      return false;
+  }
+  return true;
+}
+
+/* Whether neighbours are much more alike with their bytes in the other order. `stored` and the
+ * pixels are overwritten. */
+static bool are_swapped(const struct rows *rows, enum pixel_type type, void *stored) {
+  const size_t n = rows->width * rows->count;
+  const double given = roughness(rows->pixels, rows->width, rows->count);
+  pixels_swap(stored, n, type);
+  pixels_to_float(rows->pixels, stored, n, type);
+  const double other = roughness(rows->pixels, rows->width, rows->count);
   return given > ROUGHNESS_RATIO * other && other > 0.0;
 }
 
@@ -184,88 +162,131 @@ static char letter_of(enum pixel_type type) {
   return type == PIXEL_U8 || type == PIXEL_U16 || type == PIXEL_U32 ? 'u' : 'i';
 }
 
-enum status byte_order_check(const struct image *image) {
+/* The order of the bytes in the name of a type, "" of one byte. */
+static const char *order_of(size_t bytes, bool big) {
+  return bytes == 1 ? "" : big ? "be" : "le";
+}
+
+/* Whether whole numbers of 32 bits are floats of common sizes, all of them. */
+static bool are_floats(const void *stored, size_t n, float *pixels) {
+  double least = FLOAT_MOST;
+  pixels_to_float(pixels, stored, n, PIXEL_F32);
+  for (size_t i = 0; i < n; i++) {
+    const double size = fabs((double)pixels[i]);
+    if (!(size < FLOAT_MOST) || (size > 0.0 && size < 1.0 / FLOAT_MOST)) return false;
+    if (size > 0.0) least = size;
+  }
+  return least < FLOAT_MOST;
+}
+
+/* Whether neighbours are no more alike than pixels far apart. */
+static bool is_noise(const float *pixels, size_t width, size_t n) {
+  const double far = NOISE_RATIO * fmax(row_ends_lag(pixels, n, n / 2 + width / 3),
+                                        row_ends_lag(pixels, n, n / 3 + width / 2));
+  return row_ends_lag(pixels, n, 1) > far && row_ends_lag(pixels, n, width) > far;
+}
+
+/* Reads slices from the middle of the file on. */
+static enum status read_rows(const struct image *image, struct rows *rows, void **stored) {
+  enum { ROWS = 4000, PIXELS = 1 << 24 };
   enum status status = STATUS_OK;
-  const size_t n = image->size[0] * image->size[1], bytes = pixel_size(image->type);
-  void *stored = NULL;
-  float *pixels = NULL;
-  TRY(memory_allocate(&stored, n, bytes, "a slice"));
-  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
-  TRY(image->reader->read(image, image->pages / 2, stored));
-  enum pixel_type half;
-  if (half_of(image->type, &half) &&
-      are_pairs(stored, image->size[0], image->size[1], half, pixels)) {
-    log_warning("%s: the two halves of a pixel are as alike as neighbours are: is %c%zu%s meant in "
-                "--raw, with twice the width or twice the slices?",
-                image->path, letter_of(half), 4 * bytes,
-                bytes == 2    ? ""
-                : image->swap ? "be"
-                              : "le");
-    goto cleanup;
-  }
-  if (are_unsigned(stored, image->size[0], n, image->type, pixels)) {
-    log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
-                "without a sign: is u%zu%s meant in --raw?",
-                image->path, 8 * bytes,
-                bytes == 1    ? ""
-                : image->swap ? "be"
-                              : "le");
-    goto cleanup;
-  }
-  pixels_to_float(pixels, stored, n, image->type);
-  const size_t turns = has_few_greys(pixels, n) ? 0 : find_turns(pixels, n);
-  if (turns > 0) {
-    log_warning("%s: pixels alternate in turns of %zu: are they the bytes of wider pixels, or "
-                "channels or colours, that --raw takes for pixels?",
-                image->path, turns);
-    goto cleanup;
-  }
-  size_t better = better_width(pixels, image->size[0], n);
-  TRY(row_ends_judge(image, &better));
-  if (better > 0) {
-    log_warning("%s: rows of %zu pixels, one below the other, are not alike, rows of %zu are: is "
-                "that the width in --raw?",
-                image->path, image->size[0], better);
-    goto cleanup;
-  }
-  TRY(row_ends_height(image, &better));
-  if (better > 0) {
-    log_warning("%s: slices of %zu rows end within the body, those of %zu rows do not: is that the "
-                "height in --raw?",
-                image->path, image->size[1], better);
-    goto cleanup;
-  }
-  if (bytes == 1) goto cleanup;
-  if (are_swapped(image, stored, pixels))
-    log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
-                "is %c%zu%s meant in --raw?",
-                image->path, letter_of(image->type), 8 * bytes, image->swap ? "le" : "be");
+  const size_t nx = image->size[0], ny = image->size[1], one = pixel_size(image->type);
+  const size_t wanted = (nx > PIXELS / ROWS ? PIXELS / nx : ROWS) / ny + 1;
+  const size_t pages = image->pages < wanted ? image->pages : wanted;
+  const size_t first = (image->pages - pages + 1) / 2;
+  *rows = (struct rows){NULL, NULL, nx, ny, first * ny, pages * ny, image->pages * ny};
+  TRY(memory_allocate(stored, nx * ny * pages, one, "slices"));
+  TRY(memory_allocate(&rows->pixels, nx * ny * pages, sizeof *rows->pixels, "slices"));
+  for (size_t z = 0; z < pages; z++)
+    TRY(image->reader->read(image, first + z, (char *)*stored + z * nx * ny * one));
+  pixels_to_float(rows->pixels, *stored, nx * ny * pages, image->type);
+  TRY(memory_allocate(&rows->step, rows->count, sizeof *rows->step, "rows"));
+  for (size_t i = 0; i + nx < nx * rows->count; i++)
+    rows->step[i / nx] += fabs((double)rows->pixels[i + nx] - (double)rows->pixels[i]) / (double)nx;
 cleanup:
-  memory_free(&stored);
-  memory_free(&pixels);
   return status;
 }
 
-enum status byte_order_check_sign(const struct image *image) {
+/* What is wrong with the type of the pixels, or with their layout in rows and slices. */
+static bool warn_of_type(const struct image *image, const char *where, const struct rows *rows,
+                         const void *stored) {
+  const size_t n = rows->width * rows->count, bytes = pixel_size(image->type);
+  enum pixel_type half, turned = image->type;
+  if (are_wrapped(rows->pixels, rows->width, n, image->type)) {
+    (void)pixel_type_of((int)(8 * bytes), letter_of(image->type) == 'i' ? 'u' : 'i', &turned);
+    pixels_to_float(rows->pixels, stored, n, turned);
+    if (are_wrapped(rows->pixels, rows->width, n, turned))
+      log_warning("%s: neighbouring pixels leap from the lowest value to the highest: greys that "
+                  "went round when they were written with fewer bits? save them anew",
+                  image->path);
+    else
+      log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are "
+                  "alike %s a sign: is %c%zu%s meant in %s?",
+                  image->path, letter_of(turned) == 'u' ? "without" : "with", letter_of(turned),
+                  8 * bytes, order_of(bytes, image->swap), where);
+    return true;
+  }
+  if (bytes == sizeof(float) && image->type != PIXEL_F32 && are_floats(stored, n, rows->pixels)) {
+    log_warning("%s: its whole numbers of 32 bits make sense as floats: is f32%s meant in %s?",
+                image->path, order_of(bytes, image->swap), where);
+    return true;
+  }
+  if (!half_of(image->type, &half) || !are_pairs(stored, rows->width, n, half, rows->pixels)) {
+    pixels_to_float(rows->pixels, stored, n, image->type);
+    return false;
+  }
+  log_warning("%s: the two halves of a pixel are as alike as neighbours are: is %c%zu%s meant in "
+              "%s, with twice the width or twice the slices?",
+              image->path, letter_of(half), 4 * bytes, order_of(bytes / 2, image->swap), where);
+  return true;
+}
+
+static bool warn_of_layout(const struct image *image, const char *where, const struct rows *rows,
+                           bool labels) {
+  const size_t n = rows->width * rows->count;
+  const size_t turns = labels ? 0 : find_turns(rows->pixels, rows->width, n);
+  const size_t width = row_ends_width(rows, better_width(rows->pixels, rows->width, n));
+  const size_t height = row_ends_height(rows);
+  if (turns > 0)
+    log_warning("%s: pixels alternate in turns of %zu: are they the bytes of wider pixels, or "
+                "channels or colours, that %s takes for pixels?",
+                image->path, turns, where);
+  else if (width > 0)
+    log_warning("%s: rows of %zu pixels, one below the other, are not alike, rows of %zu are: is "
+                "that the width in %s?",
+                image->path, rows->width, width, where);
+  else if (height > 0)
+    log_warning("%s: slices of %zu rows end within the body, those of %zu rows do not: is that the "
+                "height in %s?",
+                image->path, rows->height, height, where);
+  return turns + width + height > 0;
+}
+
+enum status byte_order_check(const struct image *image) {
+  enum { LEAST = 4096, SIDE_LEAST = 8 }; /* fewer pixels are alike, or not, by chance */
   enum status status = STATUS_OK;
-  const size_t n = image->size[0] * image->size[1];
+  const size_t bytes = pixel_size(image->type);
+  const char *where = image->reader->claims == NULL ? "--raw" : "its header";
+  struct rows rows = {0};
   void *stored = NULL;
-  float *pixels = NULL;
-  if (!image->plain) return STATUS_OK;
-  TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
-  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
-  TRY(image->reader->read(image, image->pages / 2, stored));
-  if (are_unsigned(stored, image->size[0], n, image->type, pixels))
-    log_warning("%s: neighbouring pixels leap from the lowest value to the highest, and are alike "
-                "without a sign: unsigned greys that were stored as signed ones (BigDataViewer "
-                "does)? save them as unsigned",
-                image->path);
-  else if (pixel_size(image->type) == 2 && are_swapped(image, stored, pixels))
+  if (!image->plain || image->columns || image->palette != NULL) return STATUS_OK;
+  TRY(read_rows(image, &rows, &stored));
+  const size_t n = rows.width * rows.count;
+  const bool labels = has_few_greys(rows.pixels, n, 1);
+  if (n < LEAST || rows.width < SIDE_LEAST || rows.height < SIDE_LEAST ||
+      warn_of_type(image, where, &rows, stored) || warn_of_layout(image, where, &rows, labels))
+    goto cleanup;
+  const bool noise = !labels && is_noise(rows.pixels, rows.width, n);
+  if (bytes > 1 && are_swapped(&rows, image->type, stored))
     log_warning("%s: with its bytes in the other order neighbouring pixels are much more alike: "
-                "was it written on another kind of machine? save it again",
+                "is %c%zu%s meant in %s?",
+                image->path, letter_of(image->type), 8 * bytes, order_of(bytes, !image->swap),
+                where);
+  else if (noise)
+    log_warning("%s: neighbouring pixels are no more alike than those far apart, as in compressed "
+                "data or where greys went round: is it a scan?",
                 image->path);
 cleanup:
-  memory_free(&stored);
-  memory_free(&pixels);
+  MEMORY_FREE(&stored, &rows.pixels, &rows.step);
   return status;
 }

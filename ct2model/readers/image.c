@@ -42,6 +42,12 @@ static void list_readers(char *text, size_t size) {
                              READERS[i]->name);
 }
 
+uint64_t image_number(const unsigned char *at, size_t bytes, bool big) {
+  uint64_t number = 0;
+  for (size_t i = 0; i < bytes; i++) number = number << 8 | at[big ? i : bytes - 1 - i];
+  return number;
+}
+
 enum status image_file_size(const char *path, uint64_t *size) {
   struct stat info;
   if (stat(path, &info) != 0) return FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
@@ -346,6 +352,17 @@ static float half_value(uint16_t half) {
                      : exponent == 31 ? (fraction ? NAN : INFINITY)
                                       : ldexpf((float)(1024 + fraction), exponent - 25);
   return half >> 15 ? -size : size;
+}
+
+bool image_take_type(struct image *image, int bits, char format) {
+  if (bits == 16 && format == 'f') {
+    image->widened = WIDENED_HALF;
+    bits = 32;
+  } else if (bits == 64 && format != 'f') {
+    image->widened = format == 'i' ? WIDENED_I64 : WIDENED_U64;
+    format = 'f';
+  }
+  return pixel_type_of(bits, format, &image->type);
 }
 
 size_t image_stored_size(const struct image *image) {

@@ -59,7 +59,8 @@ struct image {
   } no_data[NO_DATA_MOST]; /* stored values that are no measurement, and the field that says so */
   size_t no_data_count;
   double axes[6];    /* unit vectors along a row and a column; NAN if the file does not tell */
-  double at[3];      /* first pixel along the row, the column and their normal, m; likewise */
+  double at[3];      /* first pixel along the row, the column and their normal, m; likewise; of
+                        pictures in a larger one, along the row and the column, in its unit */
   double number;     /* of the slice in its series; NAN if the file does not tell */
   char series[160];  /* to which the slice belongs, as of DICOM; "" if the file does not tell */
   double rescale[2]; /* slope and intercept that make other numbers of the greys */
@@ -106,6 +107,9 @@ enum status image_read_stored(const struct image *image, size_t page, void *out)
 /* Whether one of the readers takes files with this extension. */
 bool image_name_known(const char *name);
 
+/* For readers: contiguous pixels have so many bits, in `format` 'u', 'i' or 'f'; false if these are
+ * not read. */
+bool image_take_type(struct image *image, int bits, char format);
 /* For readers: bytes of a contiguous pixel in the file, which may be widened when it is read. */
 size_t image_stored_size(const struct image *image);
 /* For readers: screen resolutions (pixels per metre), which programs write by default, and coarser
@@ -151,6 +155,8 @@ __attribute__((format(printf, 2, 3))) void image_note(struct image *image, const
   "correction of 3D Slicer or dcm2niix"
 /* For readers: advice about data that cannot be decoded. */
 #define EXPORT_AGAIN "; the file is cut short or damaged: export it again"
+/* For readers: a whole number of up to 8 bytes, the highest first if `big`. */
+uint64_t image_number(const unsigned char *at, size_t bytes, bool big);
 /* For readers: size of a file in bytes. */
 enum status image_file_size(const char *path, uint64_t *size);
 

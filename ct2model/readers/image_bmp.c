@@ -28,10 +28,8 @@ static bool bmp_claims(const char *path, const unsigned char *head, size_t n) {
          head[7] == 0 && head[8] == 0 && head[9] == 0;
 }
 
-static uint32_t number(const unsigned char *at, int bytes) {
-  uint32_t value = 0;
-  for (int i = 0; i < bytes; i++) value |= (uint32_t)at[i] << (8 * i);
-  return value;
+static uint32_t number(const unsigned char *at, size_t bytes) {
+  return (uint32_t)image_number(at, bytes, false);
 }
 
 static enum status read_size(const char *path, const unsigned char *info, bool core,

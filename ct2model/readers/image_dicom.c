@@ -70,10 +70,10 @@ static enum status damaged(const struct dicom *dicom) {
   return FAIL(STATUS_INPUT, "%s: its header cannot be read" EXPORT_AGAIN, dicom->path);
 }
 
-static bool read_number(FILE *file, int bytes, uint32_t *value) {
-  unsigned char at[4] = {0};
-  if (fread(at, 1, (size_t)bytes, file) != (size_t)bytes) return false;
-  *value = (uint32_t)at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+static bool read_number(FILE *file, size_t bytes, uint32_t *value) {
+  unsigned char at[4];
+  if (fread(at, 1, bytes, file) != bytes) return false;
+  *value = (uint32_t)image_number(at, bytes, false);
   return true;
 }
 

@@ -1,11 +1,11 @@
 #include "ct2model/readers/image.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "common/input_file.h"
 #include "ct2model/readers/image_data.h"
 #include "ct2model/readers/image_shape.h"
 
@@ -22,21 +22,15 @@ static bool meta_claims(const char *path, const unsigned char *head, size_t n) {
 static bool element_type(const char *name, struct image *image) {
   static const struct {
     const char *name;
-    enum pixel_type type;
-    int widened;
-  } TYPES[] = {
-      {"MET_UCHAR", PIXEL_U8, WIDENED_NOT},      {"MET_CHAR", PIXEL_I8, WIDENED_NOT},
-      {"MET_USHORT", PIXEL_U16, WIDENED_NOT},    {"MET_SHORT", PIXEL_I16, WIDENED_NOT},
-      {"MET_UINT", PIXEL_U32, WIDENED_NOT},      {"MET_INT", PIXEL_I32, WIDENED_NOT},
-      {"MET_FLOAT", PIXEL_F32, WIDENED_NOT},     {"MET_DOUBLE", PIXEL_F64, WIDENED_NOT},
-      {"MET_LONG_LONG", PIXEL_F64, WIDENED_I64}, {"MET_ULONG_LONG", PIXEL_F64, WIDENED_U64}};
-  for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
-    if (strcmp(name, TYPES[i].name) == 0) {
-      image->type = TYPES[i].type;
-      image->widened = TYPES[i].widened;
-      return true;
-    }
-  }
+    int bits;
+    char format;
+  } TYPES[] = {{"MET_UCHAR", 8, 'u'},      {"MET_CHAR", 8, 'i'},    {"MET_USHORT", 16, 'u'},
+               {"MET_SHORT", 16, 'i'},     {"MET_UINT", 32, 'u'},   {"MET_INT", 32, 'i'},
+               {"MET_FLOAT", 32, 'f'},     {"MET_DOUBLE", 64, 'f'}, {"MET_LONG_LONG", 64, 'i'},
+               {"MET_ULONG_LONG", 64, 'u'}};
+  for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++)
+    if (strcmp(name, TYPES[i].name) == 0)
+      return image_take_type(image, TYPES[i].bits, TYPES[i].format);
   return false;
 }
 
@@ -164,8 +158,8 @@ static enum status meta_open(const char *path, struct image *image) {
   char line[1 << 15], key[64], value[1024];
   struct meta_header header = {.dimensions = 3};
   bool more = true;
-  FILE *file = fopen(path, "rb");
-  if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  FILE *file = NULL;
+  TRY(input_open(path, &file));
   for (int number = 0; !header.placed;) {
     TRY(image_header_line(path, file, line, sizeof line, &number, &more));
     if (!more) break;

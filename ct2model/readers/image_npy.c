@@ -35,17 +35,7 @@ static bool read_type(const char *value, struct image *image) {
   if (strchr("<>|=", order) == NULL || bytes < 1 || bytes > 8) return false;
   image->swap = order == '>';
   if (format == 'b' && bytes == 1) format = 'u'; /* booleans */
-  if (format == 'f' && bytes == 2) {
-    image->widened = WIDENED_HALF;
-    image->type = PIXEL_F32;
-    return true;
-  }
-  if ((format == 'i' || format == 'u') && bytes == 8) {
-    image->widened = format == 'i' ? WIDENED_I64 : WIDENED_U64;
-    image->type = PIXEL_F64;
-    return true;
-  }
-  return pixel_type_of(8 * bytes, format, &image->type);
+  return strchr("uif", format) != NULL && image_take_type(image, 8 * bytes, format);
 }
 
 static bool read_shape(const char *value, struct image *image) {

@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "common/input_file.h"
 #include "common/memory.h"
 #include "ct2model/readers/image_data.h"
 #include "ct2model/readers/image_shape.h"
@@ -104,54 +105,31 @@ struct nrrd_header {
 
 static bool read_type(const char *name, struct image *image) {
   static const struct {
-    const char *name;
-    enum pixel_type type;
+    const char *names[7];
+    int bits;
+    char format;
   } TYPES[] = {
-      {"signed char", PIXEL_I8},
-      {"int8", PIXEL_I8},
-      {"int8_t", PIXEL_I8},
-      {"uchar", PIXEL_U8},
-      {"unsigned char", PIXEL_U8},
-      {"uint8", PIXEL_U8},
-      {"uint8_t", PIXEL_U8},
-      {"short", PIXEL_I16},
-      {"short int", PIXEL_I16},
-      {"signed short", PIXEL_I16},
-      {"signed short int", PIXEL_I16},
-      {"int16", PIXEL_I16},
-      {"int16_t", PIXEL_I16},
-      {"ushort", PIXEL_U16},
-      {"unsigned short", PIXEL_U16},
-      {"unsigned short int", PIXEL_U16},
-      {"uint16", PIXEL_U16},
-      {"uint16_t", PIXEL_U16},
-      {"int", PIXEL_I32},
-      {"signed int", PIXEL_I32},
-      {"int32", PIXEL_I32},
-      {"int32_t", PIXEL_I32},
-      {"uint", PIXEL_U32},
-      {"unsigned int", PIXEL_U32},
-      {"uint32", PIXEL_U32},
-      {"uint32_t", PIXEL_U32},
-      {"float", PIXEL_F32},
-      {"double", PIXEL_F64},
+      {{"signed char", "int8", "int8_t"}, 8, 'i'},
+      {{"uchar", "unsigned char", "uint8", "uint8_t"}, 8, 'u'},
+      {{"short", "short int", "signed short", "signed short int", "int16", "int16_t"}, 16, 'i'},
+      {{"ushort", "unsigned short", "unsigned short int", "uint16", "uint16_t"}, 16, 'u'},
+      {{"int", "signed int", "int32", "int32_t"}, 32, 'i'},
+      {{"uint", "unsigned int", "uint32", "uint32_t"}, 32, 'u'},
+      {{"float"}, 32, 'f'},
+      {{"double"}, 64, 'f'},
+      {{"longlong", "long long", "long long int", "signed long long", "signed long long int",
+        "int64", "int64_t"},
+       64,
+       'i'},
+      {{"ulonglong", "unsigned long long", "unsigned long long int", "uint64", "uint64_t"},
+       64,
+       'u'},
   };
-  static const char *const LONG[] = {
-      "longlong", "long long", "long long int", "signed long long", "signed long long int",
-      "int64",    "int64_t"};
-  static const char *const UNSIGNED_LONG[] = {"ulonglong", "unsigned long long",
-                                              "unsigned long long int", "uint64", "uint64_t"};
-  for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
-    if (strcasecmp(name, TYPES[i].name) != 0) continue;
-    image->type = TYPES[i].type;
-    return true;
-  }
-  for (size_t i = 0; i < sizeof LONG / sizeof *LONG; i++)
-    if (strcasecmp(name, LONG[i]) == 0) image->widened = WIDENED_I64;
-  for (size_t i = 0; i < sizeof UNSIGNED_LONG / sizeof *UNSIGNED_LONG; i++)
-    if (strcasecmp(name, UNSIGNED_LONG[i]) == 0) image->widened = WIDENED_U64;
-  image->type = PIXEL_F64;
-  return image->widened != WIDENED_NOT;
+  for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++)
+    for (size_t k = 0; k < 7 && TYPES[i].names[k] != NULL; k++)
+      if (strcasecmp(name, TYPES[i].names[k]) == 0)
+        return image_take_type(image, TYPES[i].bits, TYPES[i].format);
+  return false;
 }
 
 /* A line of the header: a comment, a key of the user ("key:=value") or a field. */
@@ -412,8 +390,8 @@ static enum status nrrd_open(const char *path, struct image *image) {
   static const char *const NEEDED[] = {"type", "dimension", "sizes", "encoding"};
   struct nrrd_header header = {{NULL}, {0}, 0, {0}, {0}};
   bool compressed;
-  FILE *file = fopen(path, "rb");
-  if (file == NULL) TRY_FAIL(STATUS_INPUT, "%s: %s", path, strerror(errno));
+  FILE *file = NULL;
+  TRY(input_open(path, &file));
   TRY(read_header(path, file, image, &header));
   for (int f = 0; f < 4; f++)
     if (header.value[f] == NULL)

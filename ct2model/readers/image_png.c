@@ -49,8 +49,8 @@ static enum status session_start(struct png_session *session, const char *path) 
   /* Texts and profiles, for which libpng allocates as much memory as the file claims, up to 2 GB,
    * are skipped. */
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
-  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "pHYs",
-                              1);
+  png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_AS_DEFAULT,
+                              (png_const_bytep) "pHYs\0oFFs", 2);
   png_set_keep_unknown_chunks(session->png, PNG_HANDLE_CHUNK_ALWAYS,
                               (png_const_bytep) "acTL\0pCAL\0sCAL\0eXIf", 4);
   return STATUS_OK;
@@ -158,13 +158,12 @@ static void take_orientation(struct png_session *session, struct image *image) {
   unsigned char chunk[300];
   const size_t n = find_chunk(session, "eXIf", (char *)chunk, sizeof chunk);
   const bool motorola = chunk[0] == 'M';
-#define PAIR(at) (chunk[(at) + !motorola] << 8 | chunk[(at) + motorola])
-  size_t at = n > ENTRY ? (size_t)PAIR(motorola ? 6 : 4) : n;
-  const size_t entries = at + 2 < n ? (size_t)PAIR(at) : 0;
+  size_t at = n > ENTRY ? image_number(chunk + (motorola ? 6 : 4), 2, motorola) : n;
+  const size_t entries = at + 2 < n ? image_number(chunk + at, 2, motorola) : 0;
   at += 2;
   for (size_t i = 0; i < entries && at + ENTRY <= n; i++, at += ENTRY)
-    if (PAIR(at) == ORIENTATION) image->orientation = (unsigned)PAIR(at + 8);
-#undef PAIR
+    if (image_number(chunk + at, 2, motorola) == ORIENTATION)
+      image->orientation = (unsigned)image_number(chunk + at + 8, 2, motorola);
   image_tell_orientation(image);
 }
 
@@ -214,8 +213,11 @@ static enum status png_open(const char *path, struct image *image) {
   take_calibration(&session, image);
   take_orientation(&session, image);
   take_scale(&session, image);
+  png_int_32 offset[2];
   png_uint_32 x, y;
   int unit;
+  if (png_get_oFFs(session.png, session.info, &offset[0], &offset[1], &unit))
+    for (int axis = 0; axis < 2; axis++) image->at[axis] = offset[axis];
   if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
       x > 0 && y > 0 && !image_is_screen_resolution(x)) {
     image->voxel[0] = 1.0 / x;

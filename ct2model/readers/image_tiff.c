@@ -309,13 +309,13 @@ static bool has_ignored_tag(TIFF *tiff, unsigned tag) {
   const bool big = TIFFIsBigTIFF(tiff), motorola = TIFFIsBigEndian(tiff);
   const size_t head = big ? 8 : 2, entry = big ? 20 : 12;
   unsigned char at[8];
-  uint64_t where = TIFFCurrentDirOffset(tiff), entries = 0;
+  uint64_t where = TIFFCurrentDirOffset(tiff);
   if (pread(source->file, at, head, (off_t)where) != (ssize_t)head) return false;
-  for (size_t i = 0; i < head; i++) entries = entries << 8 | at[motorola ? i : head - 1 - i];
+  uint64_t entries = image_number(at, head, motorola);
   for (where += head; entries > 0; entries--, where += entry)
     if (pread(source->file, at, 2, (off_t)where) != 2)
       return false;
-    else if ((at[motorola ? 0 : 1] << 8 | at[motorola ? 1 : 0]) == (int)tag)
+    else if (image_number(at, 2, motorola) == tag)
       return true;
   return false;
 }
@@ -420,7 +420,7 @@ static enum status check_channels(TIFF *tiff, const char *path) {
   for (int i = 0; i < 2; i++) {
     const unsigned char *at = lsm ? table + LSM_CHANNELS + 4 * i : NULL;
     const char *number = told ? tiff_json_value(text, KEYS[i]) : NULL;
-    unsigned long long several = at != NULL ? at[0] + 256ull * at[1] : 1;
+    unsigned long long several = at != NULL ? image_number(at, 2, false) : 1;
     if (number != NULL) several = 1 + strtoull(number, NULL, 10);
     if (several > 1) return tiff_refuse_hyperstack(path, several, KINDS[i]);
   }
@@ -585,6 +585,7 @@ static enum status tiff_open(const char *path, struct image *image) {
   if (layout.bits < 8) image->top = (unsigned char)((1 << layout.bits) - 1);
   image->size[0] = layout.width;
   image->size[1] = layout.height;
+  for (int axis = 0; axis < 2; axis++) image->at[axis] = (double)layout.place[axis];
   image->invert = layout.photometric == PHOTOMETRIC_MINISWHITE;
   image->plain = true;
   image->orientation = layout.orientation;

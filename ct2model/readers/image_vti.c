@@ -60,23 +60,17 @@ static bool attribute(const char *at, const char *name, char *value, size_t size
   return false;
 }
 
+/* "UInt8", "Float32" */
 static bool read_type(const char *name, struct image *image) {
-  static const struct {
-    const char *name;
-    enum pixel_type type;
-    int widened;
-  } TYPES[] = {{"UInt8", PIXEL_U8, WIDENED_NOT},    {"Int8", PIXEL_I8, WIDENED_NOT},
-               {"UInt16", PIXEL_U16, WIDENED_NOT},  {"Int16", PIXEL_I16, WIDENED_NOT},
-               {"UInt32", PIXEL_U32, WIDENED_NOT},  {"Int32", PIXEL_I32, WIDENED_NOT},
-               {"Float32", PIXEL_F32, WIDENED_NOT}, {"Float64", PIXEL_F64, WIDENED_NOT},
-               {"Int64", PIXEL_F64, WIDENED_I64},   {"UInt64", PIXEL_F64, WIDENED_U64}};
-  for (size_t i = 0; i < sizeof TYPES / sizeof *TYPES; i++) {
-    if (strcmp(name, TYPES[i].name) != 0) continue;
-    image->type = TYPES[i].type;
-    image->widened = TYPES[i].widened;
-    return true;
-  }
-  return false;
+  const char *digits = name + strcspn(name, "0123456789");
+  const size_t letters = (size_t)(digits - name);
+  char *end;
+  const long bits = strtol(digits, &end, 10);
+  const char format = letters == 4 && strncmp(name, "UInt", 4) == 0    ? 'u'
+                      : letters == 3 && strncmp(name, "Int", 3) == 0   ? 'i'
+                      : letters == 5 && strncmp(name, "Float", 5) == 0 ? 'f'
+                                                                       : ' ';
+  return format != ' ' && *end == '\0' && bits <= 64 && image_take_type(image, (int)bits, format);
 }
 
 /* Reads the text before the pixels, comments blanked out: to the head of the appended data, or as
@@ -210,7 +204,7 @@ static enum status claim_bytes(const char *path, const struct vti_data *data, st
   if (fseeko(data->file, (off_t)data->start, SEEK_SET) != 0 ||
       fread(head, 1, width, data->file) != width)
     return FAIL(STATUS_INPUT, "%s: ends before its array" EXPORT_AGAIN, path);
-  const uint64_t told = vti_head_number(data, head);
+  const uint64_t told = image_number(head, width, data->big);
   const double wanted = (double)image->size[0] * (double)image->size[1] * (double)image->pages *
                         (double)image_stored_size(image);
   if ((double)told != wanted)

@@ -1,154 +1,104 @@
 #include "ct2model/readers/row_ends.h"
 
 #include <math.h>
-#include <string.h>
+#include <stdbool.h>
+#include <stdint.h>
 
-#include "common/memory.h"
 #include "ct2model/readers/constants.h"
 
-/* Widths that are compared: that of the image, up to ASIDE less or more, and one further width. */
-enum { ASIDE = 4, GIVEN = ASIDE, MORE = 2 * ASIDE + 1, WIDTHS, ROWS = 4000, ENDS_LEAST = 3 };
+/* Widths that are compared: that given, up to ASIDE less or more, and one further width. */
+enum { ASIDE = 4, GIVEN = ASIDE, MORE = 2 * ASIDE + 1, WIDTHS, ENDS_LEAST = 3 };
+
+double row_ends_lag(const float *pixels, size_t n, size_t lag) {
+  enum { SAMPLES = 4096 };
+  double sum = 0.0;
+  for (size_t k = 0; k < SAMPLES; k++) {
+    const size_t i = (size_t)(k * UINT64_C(2654435761) % (n - lag));
+    sum += fabs((double)pixels[i + lag] - (double)pixels[i]);
+  }
+  return sum / SAMPLES;
+}
 
 /* If the width is wrong by a few pixels, each row is shifted against the previous one and the image
  * is sheared, which real layers may be, too. But the last pixel of a row and the first one of the
  * next row lie on opposite sides of the body. With the correct width these pairs differ more than
- * neighbours do; with a wrong one they are neighbours. */
-struct pairs {
-  size_t width[WIDTHS];
-  double neighbours, usual; /* number of neighbours within rows, and the sum of their differences */
-  double ends[WIDTHS], sum[WIDTHS], square[WIDTHS];
-  double below[WIDTHS]; /* sum of differences of pixels one width apart */
-};
-
-/* Adds n pixels, the first of which has the index `first` in the file. */
-static void add(const float *pixels, size_t n, size_t first, struct pairs *pairs) {
+ * neighbours do; with a wrong one they are neighbours. A width is significant if its row ends
+ * differ by five standard errors; for the given width by three. */
+size_t row_ends_width(const struct rows *rows, size_t more) {
+  const size_t n = rows->width * rows->count;
+  double mean[WIDTHS] = {0.0}, deviation[WIDTHS] = {0.0}, below[WIDTHS] = {0.0}, usual = 0.0;
+  size_t width[WIDTHS], best = 0;
+  if (rows->width <= 2 * ASIDE || rows->count <= 2 * ASIDE) return 0;
   for (size_t i = 0; i + 1 < n; i++)
-    pairs->usual += fabs((double)pixels[i + 1] - (double)pixels[i]);
-  pairs->neighbours += (double)(n - 1);
+    usual += fabs((double)rows->pixels[i + 1] - (double)rows->pixels[i]) / (double)(n - 1);
   for (size_t k = 0; k < WIDTHS; k++) {
-    const size_t w = pairs->width[k];
-    for (size_t i = w - 1 - first % w; i + 1 < n; i += w) {
-      const double step = fabs((double)pixels[i + 1] - (double)pixels[i]);
-      pairs->ends[k]++;
-      pairs->sum[k] += step;
-      pairs->square[k] += step * step;
+    double ends = 0.0, square = 0.0;
+    const size_t w = width[k] = k < MORE ? rows->width - ASIDE + k : more > 0 ? more : rows->width;
+    for (size_t i = w - 1 - rows->first * rows->width % w; i + 1 < n; i += w, ends++) {
+      const double step = fabs((double)rows->pixels[i + 1] - (double)rows->pixels[i]);
+      mean[k] += step;
+      square += step * step;
     }
-    for (size_t i = 0; k < MORE && i + pairs->width[MORE - 1] < n; i++)
-      pairs->below[k] += fabs((double)pixels[i + w] - (double)pixels[i]);
-  }
-}
-
-/* A width is significant if its row ends differ by five standard errors; for the given width by
- * three. */
-static size_t choose(const struct pairs *pairs, bool more) {
-  const double usual = pairs->usual / pairs->neighbours;
-  double mean[WIDTHS] = {0.0}, deviation[WIDTHS] = {0.0}, most = 1.2 * usual;
-  size_t best = 0;
-  for (size_t k = 0; k < WIDTHS; k++) {
-    mean[k] = pairs->sum[k] / pairs->ends[k];
-    deviation[k] =
-        sqrt(fmax(0.0, pairs->square[k] / pairs->ends[k] - mean[k] * mean[k]) / pairs->ends[k]);
+    mean[k] /= ends;
+    deviation[k] = sqrt(fmax(0.0, square / ends - mean[k] * mean[k]) / ends);
+    for (size_t i = 0; k < MORE && i + rows->width + ASIDE < n; i++)
+      below[k] += fabs((double)rows->pixels[i + w] - (double)rows->pixels[i]);
   }
   const double given = mean[GIVEN] - 3.0 * deviation[GIVEN];
-  if (more) return given > fmax(usual, mean[MORE]) ? 0 : pairs->width[MORE];
+  double most = 1.2 * usual;
+  if (more > 0) return given > fmax(usual, mean[MORE]) ? 0 : more;
   if (!(given < usual)) return 0;
   for (size_t k = 0; k < MORE; k++) {
     if (k == GIVEN || !(mean[k] > most) || !(mean[k] - 5.0 * deviation[k] > usual) ||
-        !(pairs->below[k] < pairs->below[GIVEN]))
+        !(below[k] < below[GIVEN]))
       continue;
     most = mean[k];
-    best = pairs->width[k];
+    best = width[k];
   }
   return best;
 }
 
-/* Means of the differences between rows that follow one another in the file. Of those at the ends
- * of slices one row lies at one side of the body and the next at the other. */
-struct row_steps {
-  size_t rows; /* of the file, in all */
-  size_t first, count;
-  double *step; /* [count]: between rows first + i and first + i + 1 */
-};
-
-/* The number of rows in a slice that tells best where large steps are; 0: none does. */
-static size_t best_height(const struct row_steps *steps, size_t given) {
-  double sum = 0.0, square = 0.0, most = 0.0;
-  size_t best = 0;
-  for (size_t i = 0; i < steps->count; i++) {
-    sum += steps->step[i];
-    square += steps->step[i] * steps->step[i];
+/* What ends of slices of `height` rows explain of the variance of the steps from row to row, and
+ * whether they are clearly larger than others; steps at every skip-th row are left out, 0: none. */
+static double explain_steps(const struct rows *rows, size_t height, size_t skip, bool *clearly) {
+  double count = 0.0, sum = 0.0, square = 0.0, ends = 0.0, at_ends = 0.0;
+  for (size_t y = 0; y + 1 < rows->count; y++) {
+    const size_t next = rows->first + y + 1;
+    if (skip > 0 && next % skip == 0) continue;
+    count++;
+    sum += rows->step[y];
+    square += rows->step[y] * rows->step[y];
+    if (next % height != 0) continue;
+    ends++;
+    at_ends += rows->step[y];
   }
-  const double n = (double)steps->count, mean = sum / n;
-  for (size_t h = 2; h <= steps->rows; h++) {
-    double ends = 0.0, at_ends = 0.0;
-    if (steps->rows % h != 0) continue;
-    for (size_t i = h - 1 - steps->first % h; i < steps->count; i += h) {
-      ends++;
-      at_ends += steps->step[i];
-    }
-    if (ends < ENDS_LEAST || !(at_ends > ends * mean)) continue;
-    /* The variance that the ends explain; the rest is that of rows. */
-    const double explained = pow(at_ends - ends * mean, 2.0) * n / (ends * (n - ends));
-    const double error = sqrt((square - n * mean * mean - explained) / n / ends);
-    const double other = (sum - at_ends) / (n - ends);
+  const double mean = sum / count, other = (sum - at_ends) / (count - ends);
+  *clearly = false;
+  if (ends < 1.0 || !(at_ends > ends * mean)) return 0.0;
+  const double explained = pow(at_ends - ends * mean, 2.0) * count / (ends * (count - ends));
+  const double error = sqrt((square - count * mean * mean - explained) / count / ends);
+  *clearly = ends >= ENDS_LEAST && at_ends > ends * ROW_STEP_LEAST * other &&
+             at_ends / ends - other > ROW_STEP_ERRORS * error;
+  return explained;
+}
+
+/* Of rows that follow one another those at the ends of slices are far apart. Where the height given
+ * is right others explain less, and are not clear without its own ends. */
+size_t row_ends_height(const struct rows *rows) {
+  const size_t width = rows->width, given = rows->height, n = width * rows->count;
+  bool clearly;
+  size_t best = 0;
+  if (rows->count < 2 * given) return 0;
+  double most = explain_steps(rows, given, 0, &clearly);
+  for (size_t h = 2; 2 * h <= rows->count; h++) {
+    if (rows->of_file % h != 0 || h == given) continue;
+    const double explained = explain_steps(rows, h, 0, &clearly);
     if (!(explained > most)) continue;
     most = explained;
-    best =
-        at_ends / ends > ROW_STEP_LEAST * other && at_ends / ends - other > ROW_STEP_ERRORS * error
-            ? h
-            : 0;
+    if (h % given != 0) (void)explain_steps(rows, h, given, &clearly);
+    clearly &= row_ends_lag(rows->pixels, n, width * h) <
+               SLICES_RATIO * row_ends_lag(rows->pixels, n, width * given);
+    best = clearly ? h : 0;
   }
-  return best == given ? 0 : best;
-}
-
-enum status row_ends_height(const struct image *image, size_t *height) {
-  enum status status = STATUS_OK;
-  const size_t nx = image->size[0], ny = image->size[1], n = nx * ny;
-  const size_t wanted = ROWS / ny + 2, pages = image->pages < wanted ? image->pages : wanted;
-  struct row_steps steps = {.rows = image->pages * ny};
-  void *stored = NULL;
-  float *pixels = NULL;
-  *height = 0;
-  if (image->pages < 2) return STATUS_OK;
-  steps.first = (image->pages - pages) / 2 * ny;
-  TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
-  TRY(memory_allocate(&pixels, n + nx, sizeof *pixels, "a slice"));
-  TRY(memory_allocate(&steps.step, pages * ny, sizeof *steps.step, "rows"));
-  for (size_t z = 0; z < pages; z++) {
-    memcpy(pixels, pixels + n, nx * sizeof *pixels); /* the last row of the page before */
-    TRY(image->reader->read(image, steps.first / ny + z, stored));
-    pixels_to_float(pixels + nx, stored, n, image->type);
-    for (size_t y = z == 0 ? 1 : 0; y < ny; y++, steps.count++)
-      for (size_t x = 0; x < nx; x++)
-        steps.step[steps.count] +=
-            fabs((double)pixels[(y + 1) * nx + x] - (double)pixels[y * nx + x]) / (double)nx;
-  }
-  *height = best_height(&steps, ny);
-cleanup:
-  MEMORY_FREE(&stored, &pixels, &steps.step);
-  return status;
-}
-
-enum status row_ends_judge(const struct image *image, size_t *width) {
-  enum status status = STATUS_OK;
-  const size_t rows = image->size[1], n = image->size[0] * rows;
-  const size_t step = image->pages / (ROWS / rows + 1) + 1;
-  struct pairs pairs = {0};
-  void *stored = NULL;
-  float *pixels = NULL;
-  if (image->size[0] <= 2 * ASIDE || rows <= 2 * ASIDE) return STATUS_OK;
-  for (size_t k = 0; k < MORE; k++) pairs.width[k] = image->size[0] - ASIDE + k;
-  pairs.width[MORE] = *width > 0 ? *width : image->size[0];
-  TRY(memory_allocate(&stored, n, pixel_size(image->type), "a slice"));
-  TRY(memory_allocate(&pixels, n, sizeof *pixels, "a slice"));
-  for (size_t z = 0; z < image->pages; z += step) {
-    TRY(image->reader->read(image, z, stored));
-    pixels_to_float(pixels, stored, n, image->type);
-    add(pixels, n, z * n, &pairs);
-  }
-  *width = choose(&pairs, *width > 0);
-cleanup:
-  memory_free(&stored);
-  memory_free(&pixels);
-  return status;
+  return best;
 }

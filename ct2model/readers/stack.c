@@ -136,6 +136,20 @@ static void warn_of_other_voxels(const struct stack *stack) {
   }
 }
 
+/* Warns of slices that lie beside each other, as their files place them in a larger picture. */
+static void warn_of_places(const struct stack *stack) {
+  const struct image *first = &stack->files[0];
+  for (size_t i = 1; i < stack->file_count && !stack->ordered; i++) {
+    const struct image *image = &stack->files[i];
+    if (!(fabs(image->at[0] - first->at[0]) + fabs(image->at[1] - first->at[1]) > 0.0)) continue;
+    log_warning(
+        "%s: its file puts it %g, %g aside of %s (oFFs, XPosition): read one above the other",
+        image->path, image->at[0] - first->at[0], image->at[1] - first->at[1],
+        base_name(first->path));
+    return;
+  }
+}
+
 /* Skips a number, with its sign and point if it has them. */
 static const char *after_number(const char *at) {
   if ((*at == '-' || *at == '+') && isdigit((unsigned char)at[1])) at++;
@@ -422,6 +436,7 @@ enum status stack_open(const char *const *paths, size_t count, const struct raw_
   if (!stack->ordered) warn_of_letters(&list);
   warn_of_channels(stack);
   warn_of_other_voxels(stack);
+  warn_of_places(stack);
 cleanup:
   names_free(&list);
   if (status != STATUS_OK) stack_close(stack);

@@ -59,19 +59,12 @@ static bool take(struct source *source, unsigned char *out, size_t n) {
   return true;
 }
 
-uint64_t vti_head_number(const struct vti_data *data, const unsigned char *bytes) {
-  const int width = data->wide ? 8 : 4;
-  uint64_t number = 0;
-  for (int i = 0; i < width; i++) number |= (uint64_t)bytes[data->big ? width - 1 - i : i] << 8 * i;
-  return number;
-}
-
 static enum status take_number(const struct vti_data *data, const char *path, struct source *source,
                                uint64_t *number) {
   unsigned char bytes[8];
   if (!take(source, bytes, data->wide ? 8 : 4))
     return FAIL(STATUS_INPUT, "%s: ends within its array, or this is no base64" EXPORT_AGAIN, path);
-  *number = vti_head_number(data, bytes);
+  *number = image_number(bytes, data->wide ? 8 : 4, data->big);
   return STATUS_OK;
 }
 

@@ -17,9 +17,6 @@ struct vti_data {
   bool wide, big; /* numbers of its head have 64 bits; they have the highest byte first */
 };
 
-/* A number of the head of an array, from its 4 or 8 bytes. */
-uint64_t vti_head_number(const struct vti_data *data, const unsigned char *bytes);
-
 /* Decodes the array into the store of `image`, whose size and type are known, as contiguous pixels;
  * the file then stands behind it. */
 enum status vti_data_unpack(const struct vti_data *data, struct image *image);

@@ -166,6 +166,59 @@ cleanup:
   return status;
 }
 
+/* How far slice z is from the mean of those beside it, in the mean. */
+static double bend_at(const struct slice_check *check, size_t z) {
+  const float *here = check->greys + z * OF_SLICE;
+  double sum = 0.0, n = 0.0;
+  for (size_t i = 0; i < OF_SLICE; i++) {
+    const double bend =
+        0.5 * ((double)here[i - OF_SLICE] + (double)here[i + OF_SLICE]) - (double)here[i];
+    if (!isfinite(bend)) continue;
+    sum += fabs(bend);
+    n++;
+  }
+  return n > 0.0 ? sum / n : 0.0;
+}
+
+/* Warns of slices that a program put between those of the scanner: no noise of their own bends the
+ * greys there. */
+static void warn_of_interpolation(const struct slice_check *check) {
+  size_t between = 0;
+  double bend[3] = {0.0}; /* of three slices that follow one another */
+  if (check->count < SLICES_JUDGED) return;
+  for (size_t z = 1; z < check->count; z++) {
+    bend[0] = bend[1];
+    bend[1] = bend[2];
+    bend[2] = z + 1 < check->count ? bend_at(check, z) : 0.0;
+    between += z > 1 && bend[1] < BETWEEN_MOST * fmax(bend[0], bend[2]);
+  }
+  if (4 * between > check->count)
+    log_warning(
+        "%zu of %zu slices are the means of those beside them, as where a program put slices "
+        "between those of the scanner: walls along z are no sharper than those are apart",
+        between, check->count);
+}
+
+/* Warns of slices that are more alike to a later one than to the next: of several channels, times
+ * or scans in turns. */
+static void warn_of_turns(const struct slice_check *check) {
+  enum { TURNS_MOST = 4 };
+  double step[TURNS_MOST + 1] = {0.0};
+  if (check->count < SLICES_JUDGED) return;
+  for (size_t k = 1; k <= TURNS_MOST; k++) {
+    for (size_t i = 0; i < (check->count - TURNS_MOST) * OF_SLICE; i++) {
+      const double change = (double)check->greys[i + k * OF_SLICE] - (double)check->greys[i];
+      if (isfinite(change)) step[k] += fabs(change);
+    }
+    if (!(step[k] < SLICE_TURN_RATIO * step[1])) continue;
+    log_warning(
+        "slices alternate in turns of %zu: are they of several channels, times or scans, one "
+        "in turn after the other? save one of them alone",
+        k);
+    return;
+  }
+}
+
 /* Warns of slices whose greys were stretched each in its own way, as where a program took the range
  * of each slice for that of the greys it wrote. */
 static void warn_of_jumps(const struct slice_check *check) {
@@ -251,6 +304,8 @@ enum status slice_check_warn(const struct slice_check *check, const struct regio
   }
   TRY(is_noisy(region, constants > 0 ? varied_neighbour(check, constant) : n / 2, slice, &noisy));
   if (noisy) warn_of_jumps(check);
+  if (noisy) warn_of_interpolation(check);
+  if (noisy) warn_of_turns(check);
   if (noisy) TRY(warn_of_breaks(check, region));
   if (noisy) TRY(warn_of_fill(check));
   if (noisy && constants > 0) {

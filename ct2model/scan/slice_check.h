@@ -1,6 +1,7 @@
 /* Checks for slices that no scanner produces: copies of an earlier slice, slices of a single grey,
- * slices whose greys were stretched each in its own way, and slices that do not go on where the one
- * before ends. */
+ * slices whose greys were stretched each in its own way, slices that do not go on where the one
+ * before ends, means of the slices beside, and
+ * slices of several scans in turns. */
 #ifndef TOSUI_CT2MODEL_SCAN_SLICE_CHECK_H
 #define TOSUI_CT2MODEL_SCAN_SLICE_CHECK_H
 

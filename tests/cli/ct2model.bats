@@ -139,7 +139,7 @@ P
     printf "%c", (i % 8 < 4 ? 60 : 118) + int(8 * (rand() + rand() + rand())) }' > noise.raw
   for i in 0 1 2 3 3 3 3 7 8 9 10 11; do tail -c +$((i * 576 + 1)) noise.raw | head -c 576; done > copies.raw
   { head -c 2880 noise.raw; head -c 576 /dev/zero; tail -c 3456 noise.raw; } > black.raw
-  said() { "$CT" sweep "$1" --raw 24x24x12:$2 --void-ratio 1 --threads 1 -o said.csv 2>&1 > /dev/null; }
+  said() { "$CT" sweep "$1" --raw ${3:-24x24x12}:$2 --void-ratio 1 --threads 1 -o said.csv 2>&1 > /dev/null; }
   [[ "$(said copies.raw u8)" == *"3 of 12 slices are copies"*"first: copies.raw[4] of copies.raw[3]"* ]]
   # One that stands far from what it copies.
   for i in 0 1 2 3 4 5 6 7 8 2 10 11; do tail -c +$((i * 576 + 1)) noise.raw | head -c 576; done > far.raw
@@ -150,7 +150,7 @@ P
   { printf 'NRRD0004\ntype: int8\ndimension: 3\nsizes: 24 24 12\nencoding: raw\n\n'; cat noise.raw; } > signed.nrrd
   sed s/int8/uint8/ signed.nrrd > unsigned.nrrd
   for file in signed unsigned; do "$CT" sweep $file.nrrd --voxel-size 1um --void-ratio 1 -o said.csv > /dev/null 2> $file.log; done
-  grep -q "signed.nrrd: neighbouring pixels leap .*: unsigned greys that were stored as signed ones" signed.log
+  grep -q "signed.nrrd: neighbouring pixels leap .* without a sign: is u8 meant in its header?" signed.log
   run ! grep leap unsigned.log
   # Bytes in the other order than the file says.
   python3 -c 'import random, struct, sys
@@ -180,6 +180,20 @@ write("fill.raw", [s[:-30] + [-32000] * 30 for s in scan])'
   [[ "$(told gap 16)" == *"1 of 16 slices do not go on where the one before ends (first: gap.raw[8] after gap.raw[7]"* ]] || false
   [[ "$(told negative 24)" == *"2 of 24 slices do not go on"*"first: negative.raw[9]"* ]] || false
   [[ "$(told fill 24)" == *"voxels have the grey -32000, far from all others"* ]] || false
+  # Slices put between others, and greys that went round when they were written with 8 bits.
+  python3 -c 'import array
+scan = array.array("h", open("whole.raw", "rb").read())
+slices = [scan[900 * z:900 * z + 900] for z in range(24)]
+between = [[(v + w) // 2 for v, w in zip(slices[i], slices[i + 1])] for i in range(23)]
+write = lambda name, slices: open(name, "wb").write(array.array("h", [v for s in slices for v in s]).tobytes())
+write("between.raw", [s for pair in zip(slices, between) for s in pair])
+write("turns.raw", [s for pair in zip(slices, slices[::-1]) for s in pair])
+open("round.raw", "wb").write(bytes(2 * v % 256 for v in scan))'
+  [[ "$(told whole 24)" != *"slices are the means"* ]] || false
+  [[ "$(told whole 24)" != *"alternate in turns"* ]] || false
+  [[ "$(told turns 48)" == *"slices alternate in turns of 2"* ]] || false
+  [[ "$(told between 46)" == *"22 of 46 slices are the means of those beside them"* ]] || false
+  [[ "$(said round.raw u8 30x30x24)" == *"greys that went round when they were written with fewer bits"* ]] || false
   # Slices stretched each to its own range, of which every third has a bright speck.
   python3 -c 'import random, sys
 random.seed(1)
@@ -241,6 +255,24 @@ END
   done
   run --separate-stderr "$CT" info floats.raw --raw 37x40x24:f64le
   [[ "$stderr" == *"is f32le meant in --raw"* ]] || false
+  run --separate-stderr "$CT" info floats.raw --raw 37x40x48:u32le
+  [[ "$stderr" == *"make sense as floats: is f32le meant in --raw"* ]] || false
+  # Pictures that lie aside of each other in a larger one.
+  /usr/bin/python3 -c 'import struct, zlib
+chunk = lambda name, data: struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+for i, x in enumerate((3, 3, 4)):
+    open(f"part{i}.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 4, 4, 8, 0, 0, 0, 0)) +
+        chunk(b"oFFs", struct.pack(">iiB", x, 0, 0)) + chunk(b"IDAT", zlib.compress(b"\0abcd" * 4)) + chunk(b"IEND", b""))'
+  [[ "$("$CT" info part0.png part1.png 2>&1 > /dev/null)" != *aside* ]] || false
+  [[ "$("$CT" info part?.png 2>&1 > /dev/null)" == *"part2.png: its file puts it 1, 0 aside of part0.png"* ]] || false
+  # The same of a header, whose sizes may be exchanged.
+  said() {
+    printf 'NDims = 3\nDimSize = %s\nElementType = MET_UCHAR\nElementDataFile = %s.raw\n' "$2" $1 > sizes.mhd
+    "$CT" sweep sizes.mhd --voxel-size 1um --void-ratio 1 --threads 1 -o said.csv 2>&1 > /dev/null
+  }
+  [[ "$(said cut37 "37 40 48")" != *"its header"* ]] || false
+  [[ "$(said cut37 "40 37 48")" == *"rows of 37 are: is that the width in its header?"* ]] || false
+  [[ "$(said cut37 "37 48 40")" == *"those of 40 rows do not: is that the height in its header?"* ]] || false
 }
 
 @test "voxels too far from cubes to be solved are refused, others told with all edges" {

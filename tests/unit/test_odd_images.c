@@ -711,6 +711,10 @@ static void test_png_chunks(void **state) {
   assert_true(fabs(stack.files[0].rescale[1] + 1000.0) < 1e-9);
   stack_close(&stack);
   holds(&first, 1, 8, NULL, 0, 0, "before its calibration (pCAL)");
+  write_with_chunk("oFFs", "\0\0\0\7\0\0\0\11", 9);
+  assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
+  assert_true(stack.files[0].at[0] == 7.0 && stack.files[0].at[1] == 9.0);
+  stack_close(&stack);
   static const char EXIF[][27] = {"II*\0\10\0\0\0\1\0\22\1\3\0\1\0\0\0\6\0\0\0\0\0\0\0",
                                   "MM\0*\0\0\0\10\0\1\1\22\0\3\0\0\0\1\0\6\0\0\0\0\0\0"};
   for (size_t k = 0; k < 2; k++) {
