@@ -38,7 +38,6 @@ static double voxels_in(const struct edge_response *response) {
 double few_surfaces_error(const struct windows *all, double reach) {
   struct edge_response octant[OCTANTS];
   double sum = 0.0, square = 0.0, n = 0.0;
-  if (all->count >= WINDOWS) return 0.0;
   add_octants(all, reach, octant);
   for (int left_out = 0; left_out < OCTANTS; left_out++) {
     struct edge_response rest = {0};

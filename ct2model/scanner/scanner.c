@@ -12,33 +12,17 @@
 #include "ct2model/scanner/noise.h"
 #include "ct2model/scanner/windows.h"
 
-/* Adds up the edge response of all windows and fits it. The scatter of the fits of single windows
- * gives the standard error of the blur. False where the response cannot be fitted. */
+/* Adds up the edge response of all windows and fits it. False where it cannot be fitted. */
 static bool fit_windows(const struct windows *all, double reach, struct scanner *scanner,
                         struct edge_fit *fit) {
-  double sum = 0.0, square = 0.0, n = 0.0;
   scanner->response = (struct edge_response){0};
   for (size_t i = 0; i < all->count; i++) {
     const struct window *w = &all->window[i];
-    struct edge_response window_response = {0};
-    struct edge_fit window_fit;
     edge_response_add(w->grey, w->smooth, w->distance, w->size, all->stretch, reach, NULL,
-                      &window_response);
-    for (size_t b = 0; b < EDGE_BINS; b++) {
-      scanner->response.sum[b] += window_response.sum[b];
-      scanner->response.count[b] += window_response.count[b];
-    }
-    if (!edge_fit_find(&window_response, reach, NAN, &window_fit)) continue;
-    sum += edge_fit_blur(&window_fit);
-    square += edge_fit_blur(&window_fit) * edge_fit_blur(&window_fit);
-    n += 1.0;
+                      &scanner->response);
   }
   if (!edge_fit_find(&scanner->response, reach, NAN, fit)) return false;
-  const double mean = sum / fmax(n, 1.0), blur = edge_fit_blur(fit);
-  const double scatter = n > 1.0 ? sqrt(fmax(square / n - mean * mean, 0.0) / (n - 1.0)) : 0.0;
-  scanner->blur = blur * all->unit;
-  scanner->blur_error =
-      fmax(scatter, (n < WINDOWS_FOR_SCATTER ? BLUR_SCATTER_FEW : BLUR_SCATTER) * blur) * all->unit;
+  scanner->blur = edge_fit_blur(fit) * all->unit;
   scanner->fringe = fmax(fit->fringe, 0.0);
   return true;
 }
@@ -360,7 +344,7 @@ enum status scanner_measure(const struct region *region, const struct survey *su
     if (!fit_windows(&all, reach, scanner, &fit) || !(fit.grain - fit.pore > CONTRAST_LEAST))
       goto cleanup;
   }
-  scanner->blur_error = fmax(scanner->blur_error, few_surfaces_error(&all, reach) * scanner->blur);
+  scanner->blur_error = fmax(BLUR_SCATTER, few_surfaces_error(&all, reach)) * scanner->blur;
   const double noise_kept = measure_noise(&all, phases->contrast_to_noise, &fit, scanner);
   if (!(scanner->noise > 0.0)) goto cleanup;
   const double seen_fringe = fit.fringe;

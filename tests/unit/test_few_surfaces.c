@@ -47,8 +47,7 @@ static void test_octants_differ(void **state) {
   const double blur[2] = {1.2, 2.0};
   const double error = error_of(blur, SIDE, 1);
   assert_true(error > 0.06 && error < 0.2);
-  assert_true(fabs(error_of(blur, SIDE, 2) / error - 1.0) < 1e-6); /* the same window twice */
-  assert_true(error_of(blur, SIDE, WINDOWS) == 0.0);
+  assert_true(fabs(error_of(blur, SIDE, WINDOWS) / error - 1.0) < 1e-6); /* the same window often */
 }
 
 /* Of a region twice as wide the window is one octant. */
