@@ -37,6 +37,7 @@
 
 #include "common/variants.h"
 #include "sphsolve/isph/effects/artificial_viscosity.h"
+#include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/effects/relaxation.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
@@ -45,6 +46,7 @@
 #include "sphsolve/isph/vector.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/interface.h"
+#include "sphsolve/isph/link.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/wall.h"
 
@@ -179,37 +181,50 @@ void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const d
   }
 }
 
-static void budget_drag(const struct isph *s, size_t i, double scale, const double before[3],
-                        const double u[3], struct budget_sums *sums) {
-  double linear[3], forchheimer[3];
-  isph_budget_drag(s, i, s->velocity[i], before, linear, forchheimer);
-  add_force(sums, BUDGET_DRAG_LINEAR, scale, linear, u);
-  add_force(sums, BUDGET_DRAG_FORCHHEIMER, scale, forchheimer, u);
+/* Whether particle i is at an edge of soil, where its paths differ in resistance. */
+static bool is_at_edge(const struct isph *s, size_t i) {
+  return s->on.links && dot(s->linked[i].normal, s->linked[i].normal) > 0;
 }
 
-/* Corrects the drag across an edge of soil, which is that of the links (isph/link.h) and not that
- * at the particle's own place. The difference between the two is counted as work of the projection.
- */
-static void budget_links(const struct isph *s, size_t i, double m, double dt,
-                         const double before[3], const double u[3], struct budget_sums *sums) {
+/* The inertia of particle i times x: across an edge that of the links. */
+static void times_inertia(const struct isph *s, size_t i, const double x[3], double y[3]) {
+  const double inertia = inertia_of(s, i);
+  for (int a = 0; a < 3; a++) y[a] = inertia * x[a];
+  if (!is_at_edge(s, i)) return;
   const struct isph_linked *linked = &s->linked[i];
-  const double *n = linked->normal, *v = s->velocity[i];
-  double moved[3] = {0}, own[3] = {0}, now = 0, old = 0, square = 0;
-  add_force(sums, BUDGET_PROJECTION, m * s->inertia[i] / s->drag_factor[i], linked->change, u);
-  if (n[0] == 0 && n[1] == 0 && n[2] == 0) return;
-  for (int a = 0; a < 3; a++) {
-    if (s->on.moving_soil) own[a] = s->porosity[i] * s->soil_velocity[i][a];
-    now += (v[a] - own[a]) * n[a], old += (before[a] - own[a]) * n[a];
-    square += (before[a] - own[a]) * (before[a] - own[a]);
+  isph_link_across(linked, (linked->inertia - inertia) * dot(linked->normal, x), y);
+}
+
+/* Drag of soil on particle i. At an edge it is what the pressure gradient and the other forces do
+ * beyond accelerating the water: the particle's own drag, at its velocity, would be that of clay on
+ * water that passes it in gravel. By how much momentum and energy take another inertia there than
+ * the links' is work of the projection. */
+static void budget_drag(const struct isph *s, size_t i, double m, double dt, const double before[3],
+                        const double u[3], struct budget_sums *sums) {
+  const struct isph_applied *applied = &s->applied[i];
+  double linear[3], forchheimer[3], gains[3], given[3], rest[3];
+  isph_budget_drag(s, i, s->velocity[i], before, linear, forchheimer);
+  if (is_at_edge(s, i)) {
+    const double slow = s->drag_a[i] + s->linked[i].drag_a;
+    const double fast = s->drag_b[i] * isph_speed_through_soil(s, i) + s->linked[i].drag_b;
+    const double share = fast > 0 ? slow / (slow + fast) : s->on.drag_linear;
+    for (int a = 0; a < 3; a++) gains[a] = s->velocity[i][a] - before[a];
+    times_inertia(s, i, gains, given);
+    for (int a = 0; a < 3; a++) rest[a] = s->inertia[i] * gains[a] - given[a];
+    add_force(sums, BUDGET_PROJECTION, m, rest, u);
+    for (int a = 0; a < 3; a++) gains[a] -= applied->straightened[a];
+    times_inertia(s, i, gains, given);
+    for (int a = 0; a < 3; a++) {
+      double drag = given[a] / dt + applied->pressure[a] / s->density;
+      drag -= applied->viscous[a] + applied->friction[a];
+      for (size_t k = 0; k < s->on.own_count; k++)
+        if (s->own_force[k] != NULL) drag -= s->own_force[k][i][a];
+      linear[a] = share * drag, forchheimer[a] = (1 - share) * drag;
+    }
   }
-  const double linear = -(linked->drag_a - s->drag_a[i]) * now;
-  const double forchheimer = -(linked->drag_b - s->drag_b[i] * sqrt(square)) * (2 * now - old);
-  for (int a = 0; a < 3; a++) moved[a] = linear * n[a];
-  add_force(sums, BUDGET_DRAG_LINEAR, m * dt, moved, u);
-  add_force(sums, BUDGET_PROJECTION, -m * dt, moved, u);
-  for (int a = 0; a < 3; a++) moved[a] = forchheimer * n[a];
-  add_force(sums, BUDGET_DRAG_FORCHHEIMER, m * dt, moved, u);
-  add_force(sums, BUDGET_PROJECTION, -m * dt, moved, u);
+  const bool quadratic = s->on.drag_forchheimer;
+  add_force(sums, BUDGET_DRAG_LINEAR, m * dt, linear, u);
+  add_force(sums, quadratic ? BUDGET_DRAG_FORCHHEIMER : BUDGET_PROJECTION, m * dt, forchheimer, u);
 }
 
 /* Splits the viscous force of the pairs between laminar viscosity and whichever is the larger of
@@ -265,14 +280,15 @@ TARGETS static void budget_chunk(const struct isph *s, struct isph_chunk *chunk,
     add_force(sums, BUDGET_PROJECTION, m * dt, pressed, u);
     sums->work[BUDGET_TIME_STEP] -= 0.5 * m * inertia / eps * square;
     if (s->on.viscous) budget_viscosity(s, i, m * dt, u, sums);
-    if (s->on.soil) budget_drag(s, i, m * dt, before, u, sums);
-    if (s->on.links) budget_links(s, i, m, dt, before, u, sums);
+    if (s->on.soil) budget_drag(s, i, m, dt, before, u, sums);
     if (s->on.soil && s->soil_fraction[i] > 0 && s->soil_fraction[i] < 1)
       budget_soil(s, chunk, i, m * dt / (eps * s->density), sums);
     budget_sides(s, chunk, i, m * dt / s->density, u, sums);
     if (s->on.open_sides) {
-      const double left = s->on.soil ? s->drag_factor[i] : 1;
-      add_force(sums, BUDGET_STRAIGHTENING, m * inertia / left, s->applied[i].straightened, u);
+      double given[3];
+      times_inertia(s, i, s->applied[i].straightened, given);
+      const double left = s->on.soil && !is_at_edge(s, i) ? s->drag_factor[i] : 1;
+      add_force(sums, BUDGET_STRAIGHTENING, m / left, given, u);
     }
     const double power = s->volume[i] * s->thickness * s->pressure[i] * dt;
     if (s->on.relaxation)

@@ -200,6 +200,7 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
       for (int b = a; b < 3; b++, k++) {
         const double moment = r[a] * r[b];
         links->carried[k] += carried * moment, links->all[k] += weight * moment;
+        links->inertia[k] += weight * way.inertia * moment;
         links->linear[k] += weight * way.a * moment;
         links->forchheimer[k] += weight * way.b * speed * moment;
       }
@@ -215,6 +216,16 @@ void isph_link(const struct isph *s, struct isph_chunk *chunk, size_t i, double 
     link_within(s, chunk, i, dt);
   else
     ISPH_ROW(s, i, link_pairs, s, chunk, i, dt, links);
+}
+
+double isph_link_to_wall(const struct isph *s, size_t i, const double x[3], double dt) {
+  const double *from = s->position[i], speed = isph_speed_through_soil(s, i);
+  const double step[3] = {x[0] - from[0], x[1] - from[1], x[2] - from[2]}, end = 1e-6;
+  struct isph_material way = {0}, last = {0};
+  add_path(s, s->scene->region_count, from, step, 0, 1, &way);
+  add_path(s, s->scene->region_count, from, step, 1 - end, 1, &last);
+  const double all = way.inertia / dt + way.a + 2 * way.b * speed;
+  return fmin(1, (last.inertia / dt + last.a + 2 * last.b * speed) / end / all);
 }
 
 void isph_links_close(struct isph *s) {
@@ -235,22 +246,23 @@ void isph_links_close(struct isph *s) {
 
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]) {
-  const double *n = links->normal, square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
-  const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);
   struct isph_linked *linked = &s->linked[i];
-  double across = 0;
+  double *n = linked->normal;
   memset(linked, 0, sizeof *linked);
-  if (s->ground[i] != GROUND_MIXED || !(square > 0) || !(all > 0)) return;
+  if (s->ground[i] != GROUND_MIXED) return;
+  memcpy(n, links->normal, sizeof links->normal);
+  if (s->on.interfaces && dot(s->interface[i].normal, s->interface[i].normal) > 0)
+    memcpy(n, s->interface[i].normal, sizeof links->normal);
+  const double size = sqrt(dot(n, n));
+  for (int a = 0; a < 3; a++) n[a] = size > 0 ? n[a] / size : 0;
+  const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);
+  if (!(all > 0)) memset(n, 0, sizeof links->normal);
+  if (!(all > 0)) return;
+  const double keeps = fmin(1, fmax(0, 1 - carried / all));
+  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
+  const double change = (keeps - left) * dot(u, n);
+  for (int a = 0; a < 3; a++) predicted[a] += change * n[a];
+  linked->inertia = symmetric_along(links->inertia, n) / all;
   linked->drag_a = symmetric_along(links->linear, n) / all;
   linked->drag_b = symmetric_along(links->forchheimer, n) / all;
-  for (int a = 0; a < 3; a++) {
-    across += u[a] * n[a] / square;
-    linked->normal[a] = n[a] / sqrt(square);
-  }
-  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
-  const double change = (fmin(1, fmax(0, 1 - carried / all)) - left) * across;
-  for (int a = 0; a < 3; a++) predicted[a] += linked->change[a] = change * n[a];
-  if (s->on.interfaces) /* as the budget takes it: relative to the drag across an interface */
-    isph_interface_turn(&s->interface[i], s->drag_factor[i] / s->interface[i].drag_factor,
-                        linked->change);
 }

@@ -27,7 +27,8 @@
  * v_j)/2,   s_i = min(1, k_ij / k_i),   k_i the mean of the links of i, and the divergence 2 V_j
  * slope (v_i - v_face).r, for a link that carries nothing that of a wall. Only the part of r across
  * the edge counts so; along it the link carries s (v_i - v_j), with the lesser s. With s = 1 that
- * is the plain V_j slope (v_i - v_j).r. */
+ * is the plain V_j slope (v_i - v_j).r. A wall's velocity counts by s too, with the mobility beside
+ * the wall for k: a plate that moves in water over clay does not push the water in the clay. */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINK_H
 #define TOSUI_SPHSOLVE_ISPH_LINK_H
 
@@ -43,7 +44,7 @@ struct isph_links {
   double normal[3];          /* along grad ln k, not normalised; 0 away from edges */
   double carried[6], all[6]; /* sums of V slope (1 - rho k (I/dt + b |v|)) r r, and of V slope r r;
                              xx xy xz yy yz zz */
-  double linear[6], forchheimer[6]; /* sums of V slope a r r, and of V slope b |v| r r */
+  double inertia[6], linear[6], forchheimer[6]; /* sums of V slope r r times I, a, and b |v| */
 };
 
 /* A soil, or water (index 0), on the paths of links: its properties and place. */
@@ -75,6 +76,15 @@ void isph_links_close(struct isph *s);
  * and T = t, to what the links carry across an edge. u is its velocity relative to its soil. */
 void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links, const double u[3],
                        double t, double predicted[3]);
+
+/* Adds the vector of length `more` normal to an edge to x. */
+static inline void isph_link_across(const struct isph_linked *linked, double more, double x[3]) {
+  for (int a = 0; a < 3; a++) x[a] += more * linked->normal[a];
+}
+
+/* Of the velocity of a wall whose face is at x, the share s that the link to it from particle i
+ * carries in a step of length dt (s). */
+double isph_link_to_wall(const struct isph *s, size_t i, const double x[3], double dt);
 
 /* What pair p of particle i at an edge adds to the divergence under a surface, over V slope. */
 static inline double isph_link_difference(const struct isph *s, const struct isph_chunk *chunk,

@@ -190,7 +190,9 @@ static void divide_into_rows(const struct isph *s, struct block *block) {
           (axis < 0 || block->high[a] - block->low[a] < block->high[axis] - block->low[axis]))
         axis = a;
     const double length = block->high[axis] - block->low[axis];
-    block->rows[axis] = (int)fmax(1, round(length / pow(volume, 1.0 / left)));
+    const double size = pow(volume, 1.0 / left), rows = fmax(1, floor(length / size));
+    /* of n and n + 1 rows the one whose pitch is nearer to the size in proportion */
+    block->rows[axis] = (int)(length > size * sqrt(rows * (rows + 1)) ? rows + 1 : rows);
     volume /= length / block->rows[axis];
     block->whole *= length / block->rows[axis];
     block->count *= (size_t)block->rows[axis];

@@ -90,6 +90,7 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way);
     double source = rho * FOUR_DOT(way, f);
     if (sources) ISPH_ROW(s, i, divergence = pairs_divergence, s, chunk, i, v, d);
+    const bool linked = s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED;
     double walled = 0, tied = 0;
     double beside = s->on.surface ? s->surface[i] : 0;
     for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
@@ -107,7 +108,8 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       const double *vw = isph_wall_velocity(s, j);
       walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
       double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], across[3], back[3];
-      isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+      double ratio, felt = 1;
+      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
       double image = 2 * isph_wall_volume(s, j) * slope;
       if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
       if (strains) symmetric_times(d, r, r);
@@ -115,8 +117,13 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
                 /* image of a wall particle behind a reflecting side: both reverse the velocity */
                 back);
       symmetric_times(mirror, back, across);
+      if (linked && s->boundary_kind[j] == BOUNDARY_WALL && dot(vw, vw) > 0) {
+        for (int a = 0; a < 3; a++) xj[a] = xi[a] - (xi[a] - xj[a]) / (1 + ratio); /* on its face */
+        felt = isph_link_to_wall(s, i, xj, s->dt);
+      }
       for (int a = 0; a < 3; a++)
-        divergence += image * (vi[a] - vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
+        divergence +=
+            image * (vi[a] - felt * vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
     }
     if (s->porosity_rate != NULL) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
     if (sources) source -= vol * divergence;

@@ -70,15 +70,14 @@ struct isph_edge_frame {
 
 /* What links did to a particle near an edge of soil in a step: isph/link.h. */
 struct isph_linked {
-  double change[3];      /* of v*, m/s */
-  double normal[3];      /* unit; 0 away from edges */
-  double drag_a, drag_b; /* drag along the links: a and b |v|, 1/s */
+  double normal[3];               /* unit; 0 away from edges */
+  double inertia, drag_a, drag_b; /* means of the links: I, a, and b |v| (1/s) */
   struct isph_edge_frame edge;
 };
 
 /* What a step did to a particle, kept for the budget, which needs the final velocity: the pressure
- * gradient (less rho f, Pa/m), viscous forces of pairs and of walls (m/s^2), and the change of v*
- * at open sides (m/s). */
+ * gradient (less rho f, Pa/m; across an edge the plain one), viscous forces of pairs and of walls
+ * (m/s^2), and the change of v* at open sides (m/s). */
 struct isph_applied {
   double pressure[3], viscous[3], friction[3], straightened[3];
 };

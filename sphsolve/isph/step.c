@@ -177,23 +177,25 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
     const bool edges = s->ground != NULL ? s->ground[i] == GROUND_MIXED
                                          : s->porosity != NULL && s->surface == NULL;
     double k = s->mobility[i], pressure = s->pressure[i], reduced[3] = {0}, own[3] = {0};
-    double flux[3] = {0};
+    double flux[3] = {0}, plain[3], turn[3] = {0}; /* turn: what an edge adds to the gradient */
+    struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
     /* share of the moment present along each axis, walls left out */
     double present[3] = {1, 1, 1};
     if (edges && again && s->ground != NULL) {
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, NULL);
-      isph_edge_turn(&s->linked[i].edge, flux, reduced);
     } else if (edges) {
       struct isph_edge edge = {.level = 0};
-      struct isph_edge_frame here, *frame = s->ground != NULL ? &s->linked[i].edge : &here;
+      const double *normal = s->ground != NULL      ? s->linked[i].normal
+                             : s->interface != NULL ? s->interface[i].normal
+                                                    : NULL;
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, &edge);
-      isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
-      isph_edge_turn(frame, flux, reduced);
+      isph_edge_find(&edge, normal, frame);
     } else if (s->surface != NULL && !again && surface_falls(s, i)) {
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, NULL, NULL);
     } else {
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, NULL, NULL, NULL);
     }
+    memcpy(plain, reduced, sizeof plain);
     for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
       uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
       double r[3];
@@ -215,18 +217,25 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       for (int a = 0; a < 3; a++)
         reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
     }
-    for (int a = 0; a < 3; a++) reduced[a] /= fmax(0.5, present[a]);
+    for (int a = 0; a < 3; a++) {
+      present[a] = fmax(0.5, present[a]);
+      reduced[a] /= present[a], flux[a] /= present[a], turn[a] = plain[a] /= present[a];
+    }
+    if (edges) isph_edge_turn(frame, flux, turn);
+    for (int a = 0; a < 3; a++) turn[a] -= plain[a];
     if (s->linear != NULL) isph_linear_correct(s, i, reduced), isph_linear_correct(s, i, own);
     double whole = s->surface != NULL ? surface_close(s, i, reduced, own) : 1;
-    double change[3];
-    for (int a = 0; a < 3; a++)
-      change[a] = k * (whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]));
+    double change[3], gradient[3];
+    for (int a = 0; a < 3; a++) {
+      gradient[a] = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
+      change[a] = k * (gradient[a] + whole * turn[a]);
+    }
+    if (s->ground != NULL) isph_link_across(&s->linked[i], -dot(s->linked[i].normal, turn), turn);
     if (s->interface != NULL)
       isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
     for (int a = 0; a < 3; a++) {
-      double gradient = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
       double old = s->velocity[i][a], step = change[a];
-      s->applied[i].pressure[a] += gradient;
+      s->applied[i].pressure[a] += gradient[a] + whole * turn[a];
       if (again) {
         s->velocity[i][a] -= step;
         s->predicted[i][a] -= 0.5 * step;

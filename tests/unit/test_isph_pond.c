@@ -11,8 +11,10 @@
 
 #include "tests/unit/isph_scene.h"
 
+#include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
+#include "sphsolve/solute/walk_random.h"
 
 /* What Green and Ampt (1911) have of a pond of depth H in dry soil after time t: with L the depth
  * of the front, h what still stands on the soil, eps dL/dt = k (L + h)/L,   h + eps L = H, so that
@@ -68,10 +70,10 @@ static void a_pond_seeps_away_as_it_should(void **state) {
   finish(&run);
 }
 
-/* Three ragged rows of water let go on fine soil. What shifting gave them from 5 s on, .3 of the
- * energy of their fall, kept them astir; it gives .015. */
-static void shifting_does_not_lift_thin_water(void **state) {
-  (void)state;
+/* What shifting gives three ragged rows of water let go on fine soil, from 5 s on, of the energy of
+ * their fall. The particles start off their places by 1e-6 of a spacing, differently for each draw.
+ */
+static double given_by_shifting(uint32_t draw) {
   struct run run;
   const char *limit;
   const double spacing = 0.0168874930755, fall = 1000 * 80 * pow(spacing, 3) * 9.81 * 4 * spacing;
@@ -85,14 +87,35 @@ static void shifting_does_not_lift_thin_water(void **state) {
         "{ type = \"water\"; box = [\"0\", \"0.101324958453 m\", \"0.135099944604 m\", "
         "\"0.270199889208 m\"]; } );\n"
         "force = { gravity = [\"0\", \"-9.80665 m/s^2\"]; };\n");
+  for (size_t i = 0; i < run.s.count; i++) {
+    uint32_t word[4] = {draw, (uint32_t)i};
+    philox4x32(word, 0, 0);
+    for (int a = 0; a < 3; a += 2)
+      run.s.position[i][a] += 1e-6 * spacing * ((double)random_share(word[a]) - 0.5);
+  }
+  assert_int_equal(isph_refresh(&run.s), STATUS_OK);
   while (run.s.time < 30) {
     assert_int_equal(isph_advance(&run.s, isph_stable_dt(&run.s, &limit)), STATUS_OK);
     if (isnan(landed) && run.s.time > 5) landed = run.s.budget.sums.work[BUDGET_SHIFTING];
   }
-  const double given = (run.s.budget.sums.work[BUDGET_SHIFTING] - landed) / fall;
-  print_message("shifting gives %.3g of the fall\n", given);
-  assert_true(given < .1); /* .30 where ragged rows are shifted up */
+  const double given = run.s.budget.sums.work[BUDGET_SHIFTING] - landed;
   finish(&run);
+  return given / fall;
+}
+
+/* It kept ragged rows astir where they were shifted up, by .30. Now and then a draw has rows that
+ * stir: of sixteen three had .35, .32 and .11, the others at most .03. So it is not one that
+ * decides. */
+static void shifting_does_not_lift_thin_water(void **state) {
+  (void)state;
+  enum { DRAWS = 8 };
+  int stirred = 0;
+  for (uint32_t draw = 0; draw < DRAWS; draw++) {
+    const double given = given_by_shifting(draw);
+    print_message("shifting gives %.3g of the fall\n", given);
+    stirred += given >= .1;
+  }
+  assert_true(2 * stirred < DRAWS);
 }
 
 int main(void) {

@@ -44,6 +44,9 @@ static const struct {
                  SOIL("0.6", "0", "1", "0.56", "0.45", "1e-2"),
      false},
     {"a bed under open water", SOIL("0", "0", "1", "0.2", "0.4", "1e-3"), false},
+    {"two rows of the upper of two soils",
+     SOIL("0", "0", "1", "0.46", "0.37", "1e-6") SOIL("0", "0.46", "1", "0.56", "0.54", "1e-4"),
+     false},
 };
 
 static void begin(struct run *run, size_t k) {
