@@ -313,10 +313,9 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
   if (d_here + d_there > w.length + slack && !pinched) return false;
   for (int a = 0; a < 3; a++) w.direction[a] /= w.length, w.along[a] /= w.length;
   struct thin_wall_side *first = back ? far : near, *last = back ? near : far;
-  /* A lattice may have distances of its own, from a surface smoothed more than the model's. */
-  const double d_start = l->surface ? distance_at(&w, 0.0) : back ? d_there : d_here;
-  const double d_end = l->surface ? distance_at(&w, w.length) : back ? d_here : d_there;
-  if (meets_wall(&w, 0.0, d_start, w.length, d_end, slack) && follow(&w, first, last)) return true;
+  if (meets_wall(&w, 0.0, back ? d_there : d_here, w.length, back ? d_here : d_there, slack) &&
+      follow(&w, first, last))
+    return true;
   if (!pinched) return false;
   for (int end = 0; end < 2; end++) {
     struct thin_wall_side *side = end ? last : first;
