@@ -223,13 +223,13 @@ END
     run --separate-stderr ct2model build ${words% *} $given --voxel-size 5um -o wrong.hdf
     [ "$status" -eq 3 ] && [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $status $stderr"; false; }
   done
-  # Headerless pixels read the wrong way round or in pairs are told; those read the right way, and noise, are not.
+  # Headerless pixels read the wrong way round or in pairs are told, and noise as noise; those read the right way are not.
   /usr/bin/python3 -c 'import numpy as np
 np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng(1).integers(0, 65536, 13440).astype("u2").tofile("noise.raw")
 v = np.fromfile("v.raw", "<u2").astype(float)
 v = np.round(40 + 170 * (v - v.min()) / np.ptp(v)).astype("u2")
 v.astype("u1").tofile("pairs.raw"), (257 * v).astype("<u2").tofile("made.raw")'
-  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be ^$" "made.raw:u16le ^$" "v.raw:u16le ^$"; do
+  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be no.more.alike.than.those.far" "made.raw:u16le ^$" "v.raw:u16le ^$"; do
     file=${words%%:*} type=${words%% *}
     run --separate-stderr ct2model info "$file" --raw "28x24x20:${type#*:}"
     [ "$status" -eq 0 ]
