@@ -183,7 +183,7 @@ void isph_budget_drag(const struct isph *s, size_t i, const double v[3], const d
 
 /* Whether particle i is at an edge of soil, where its paths differ in resistance. */
 static bool is_at_edge(const struct isph *s, size_t i) {
-  return s->on.links && dot(s->linked[i].normal, s->linked[i].normal) > 0;
+  return s->on.links && s->ground[i] == GROUND_MIXED;
 }
 
 /* The inertia of particle i times x: across an edge that of the links. */

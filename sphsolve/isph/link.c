@@ -8,7 +8,6 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/symmetric.h"
-#include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/soil.h"
 
 /* Speeds of all particles on this rank relative to their soil: isph_links_begin. */
@@ -251,8 +250,6 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
   memset(linked, 0, sizeof *linked);
   if (s->ground[i] != GROUND_MIXED) return;
   memcpy(n, links->normal, sizeof links->normal);
-  if (s->on.interfaces && dot(s->interface[i].normal, s->interface[i].normal) > 0)
-    memcpy(n, s->interface[i].normal, sizeof links->normal);
   const double size = sqrt(dot(n, n));
   for (int a = 0; a < 3; a++) n[a] = size > 0 ? n[a] / size : 0;
   const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);

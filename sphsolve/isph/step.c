@@ -185,11 +185,8 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, NULL);
     } else if (edges) {
       struct isph_edge edge = {.level = 0};
-      const double *normal = s->ground != NULL      ? s->linked[i].normal
-                             : s->interface != NULL ? s->interface[i].normal
-                                                    : NULL;
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, flux, &edge);
-      isph_edge_find(&edge, normal, frame);
+      isph_edge_find(&edge, s->interface != NULL ? s->interface[i].normal : NULL, frame);
     } else if (s->surface != NULL && !again && surface_falls(s, i)) {
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, own, NULL, NULL);
     } else {
@@ -230,7 +227,8 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       gradient[a] = whole * reduced[a] + (1 - whole) * (own[a] - rho * f[a]);
       change[a] = k * (gradient[a] + whole * turn[a]);
     }
-    if (s->ground != NULL) isph_link_across(&s->linked[i], -dot(s->linked[i].normal, turn), turn);
+    const double across = edges ? dot(frame->normal, turn) : 0;
+    for (int a = 0; a < 3 && edges && s->ground != NULL; a++) turn[a] -= across * frame->normal[a];
     if (s->interface != NULL)
       isph_interface_turn(&s->interface[i], s->interface[i].mobility / k, change);
     for (int a = 0; a < 3; a++) {

@@ -130,8 +130,8 @@ static void drag_carries_the_head(void **state) {
 
 /* A wall drives water up through gravel beside clay: the flux is all in the gravel, which takes the
  * work rho g L q^2/k a second and area, and the wall gives that and lifts the water. The gravel is
- * known to half a particle at each end and at the clay, of 15 and 8; the water's way to one of 37.
- * The clay has water of the gravel for neighbours, which is faster by 1e6. */
+ * known to half a particle at each end, of 15, and one at the clay, of 8; the water's way to one
+ * of 37. The clay has water of the gravel for neighbours, which is faster by 1e6. */
 static void gravel_beside_clay_takes_what_the_wall_gives(void **state) {
   (void)state;
   struct run run;
@@ -148,7 +148,7 @@ static void gravel_beside_clay_takes_what_the_wall_gives(void **state) {
   const double steps = advance(&run, 1);
   const double *work = run.s.budget.sums.work, rate = 1000 * 9.81 * 0.01 * 0.16 * run.s.thickness;
   const double lifts = rate * 0.37, takes = rate * 2 * 0.01 / 1e-2 * 0.15;
-  const double way = 1. / 37, gravel = 1. / 15 + 0.5 / 8;
+  const double way = 1. / 37, gravel = 1. / 15 + 1. / 8;
   assert_closes(&run, steps);
   assert_near(work[BUDGET_WALL_PRESSURE], lifts + takes, way * (lifts + takes));
   assert_near(-work[BUDGET_DRAG_LINEAR], takes, (gravel + way) * takes);
