@@ -77,7 +77,8 @@ enum status cascade_finish(struct cascade *c) {
   const struct uncertainty *u = &c->uncertainty;
   struct lattice last = {0};
   bool is_base = true;
-  if (c->fixed == 0 && u->level_count == 3 && isnan(u->levels[2].slope_blur)) {
+  /* A series may end before the lattice on which that part is due. */
+  if (c->fixed == 0 && u->level_count > 0 && isnan(u->scan)) {
     const struct error_level *level = &u->levels[u->level_count - 1];
     TRY(cascade_lattice(c, level->spacing, &last, &is_base));
     TRY(cascade_add_scan_part(c, &last, level->permeability, &c->coarse));

@@ -448,3 +448,15 @@ np.save("duct.npy", image)'
   [[ "$(${build/--quiet/} --flow y 2>&1)" == *"nothing can flow; one leads along y: --flow x makes that axis z"* ]]
   [[ "$(${build/--quiet/} --flow x 2>&1)" != *"nothing can flow"* ]]
 }
+
+@test "what the steps of labels leave in k counts however few lattices there are: a tube of six voxels" {
+  # Poiseuille 1840, for a circle of its 32 voxels.
+  python3 -c 'open("tube.raw", "wb").write(bytes((i - 6.5) ** 2 + (j - 6.5) ** 2 > 9 for _ in range(24) for j in range(14) for i in range(14)))'
+  ct2model build tube.raw --raw 14x14x24:u8 --segmented 0 --voxel-size 5um --mirror none -o tube.hdf --quiet --force
+  sphsolve run "$ROOT/data-samples/scenes/demo.cfg" --set model.file=tube.hdf -o tube-run --error 5% --json --quiet --force > tube.json
+  python3 -c 'import json, math
+run = json.load(open("tube.json"))
+exact = 32**2 / (8 * math.pi) / 14**2 * 5e-6**2
+assert run["error"]["scan"] > 0 and len(run["levels"]) < 3, run["error"]
+assert abs(run["intrinsic_permeability"] / exact - 1) < run["error"]["total"], (run["intrinsic_permeability"], exact, run["error"])'
+}
