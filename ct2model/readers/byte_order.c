@@ -131,10 +131,23 @@ static size_t find_turns(const float *pixels, size_t width, size_t n) {
   return 0;
 }
 
+/* Whether more than a quarter of the pixels have all bits 0 or all bits 1, as greys cut off at the
+ * ends of their range: their two halves are alike whatever they are. */
+static bool are_cut_off(const uint8_t *bytes, size_t n, size_t size) {
+  size_t cut_off = 0;
+  for (size_t i = 0; i < n; i++) {
+    size_t same = 1;
+    while (same < size && bytes[i * size + same] == bytes[i * size]) same++;
+    cut_off += same == size && (bytes[i * size] == 0 || bytes[i * size] == UINT8_MAX);
+  }
+  return cut_off > n / 4;
+}
+
 /* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
  * neighbours, and as alike as others. `pixels` is overwritten. */
 static bool are_pairs(const uint8_t *bytes, size_t width, size_t n, enum pixel_type half,
                       float *pixels) {
+  if (are_cut_off(bytes, n, 2 * pixel_size(half))) return false;
   for (size_t side = 0; side < 2; side++) {
     pixels_to_float(pixels, bytes + side * n * pixel_size(half), n, half);
     if (has_few_greys(pixels + 1, n - 1, 2) ||
@@ -146,10 +159,21 @@ static bool are_pairs(const uint8_t *bytes, size_t width, size_t n, enum pixel_t
   return true;
 }
 
+/* Whether floats are whole numbers, as labels are; in the other order they would not be. */
+static bool are_whole(const float *pixels, size_t n) {
+  double most = 0.0;
+  for (size_t i = 0; i < n; i++) {
+    if (!(rint((double)pixels[i]) == (double)pixels[i])) return false;
+    most = fmax(most, fabs((double)pixels[i]));
+  }
+  return most > 0.0 && most < FLOAT_MOST;
+}
+
 /* Whether neighbours are much more alike with their bytes in the other order. `stored` and the
  * pixels are overwritten. */
 static bool are_swapped(const struct rows *rows, enum pixel_type type, void *stored) {
   const size_t n = rows->width * rows->count;
+  if ((type == PIXEL_F32 || type == PIXEL_F64) && are_whole(rows->pixels, n)) return false;
   const double given = roughness(rows->pixels, rows->width, rows->count);
   pixels_swap(stored, n, type);
   pixels_to_float(rows->pixels, stored, n, type);

@@ -7,8 +7,9 @@
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/edges.h"
 
+/* Largest depth on a face, of which the rain may cover a part only. */
 static double depth_most(const struct richards_edge *edge) {
-  return edge->kind == EDGE_AIR && edge->region != NULL ? edge->region->ponding : 0;
+  return edge->kind == EDGE_AIR && edge->region != NULL ? edge->share * edge->region->ponding : 0;
 }
 
 enum status richards_pond_create(struct richards *s) {

@@ -228,8 +228,11 @@ END
 np.fromfile("v.raw", "<u2").astype(">f4").tofile("f.raw"), np.random.default_rng(1).integers(0, 65536, 13440).astype("u2").tofile("noise.raw")
 v = np.fromfile("v.raw", "<u2").astype(float)
 v = np.round(40 + 170 * (v - v.min()) / np.ptp(v)).astype("u2")
+g = np.random.default_rng(2).normal(0, 9000, v.shape) + 1.2 * np.fromfile("v.raw", "<u2")
+np.clip((g - np.percentile(g, 25)) * 65535 / np.ptp(np.percentile(g, [25, 65])), 0, 65535).astype("<u2").tofile("cut.raw")
+(500 * np.floor(v / 30) - 1000).astype("<f4").tofile("labels.raw")
 v.astype("u1").tofile("pairs.raw"), (257 * v).astype("<u2").tofile("made.raw")'
-  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be no.more.alike.than.those.far" "made.raw:u16le ^$" "v.raw:u16le ^$"; do
+  for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be no.more.alike.than.those.far" "made.raw:u16le ^$" "cut.raw:u16le ^$" "labels.raw:f32le ^$" "v.raw:u16le ^$"; do
     file=${words%%:*} type=${words%% *}
     run --separate-stderr ct2model info "$file" --raw "28x24x20:${type#*:}"
     [ "$status" -eq 0 ]
