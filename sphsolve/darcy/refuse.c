@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "common/ranks.h"
+#include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
 
@@ -104,6 +105,37 @@ static enum status check_well(const struct effect_context *context, const struct
               scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
 }
 
+/* A face takes the water of one rain, and of one flux: of two that share it one would be lost. */
+static enum status check_shared(const struct effect_context *context, const struct region *region) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  const struct region *end = scene->regions + scene->region_count;
+  bool low = false, other_low = false;
+  if (region->type != REGION_RAIN && region->boundary != BOUNDARY_FLUX) return STATUS_OK;
+  const int axis = region->type == REGION_RAIN ? 2 : scene_inflow_axis(scene, region, &low);
+  for (const struct region *other = region + 1; other < end; other++) {
+    if (other->type != region->type || other->boundary != region->boundary) continue;
+    if (other->type == REGION_INFLOW &&
+        (scene_inflow_axis(scene, other, &other_low) != axis || other_low != low))
+      continue;
+    for (size_t site = 0; site < l->count; site++) {
+      const size_t i = site % l->size[0], j = site / l->size[0] % l->size[1];
+      const double x[3] = {l->origin[0] + (double)i * l->spacing[0],
+                           l->origin[1] + (double)j * l->spacing[1],
+                           l->origin[2] + (double)(site / l->size[0] / l->size[1]) * l->spacing[2]};
+      if (!(domain_share(l, x, axis, region->box) > COVERED_LEAST &&
+            domain_share(l, x, axis, other->box) > COVERED_LEAST))
+        continue;
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: the face at (%g, %g, %g) m has a part of the %s of line %d as well, and "
+                  "takes one: let them not overlap, and meet where faces do, %g m apart",
+                  scene->path, region->line, x[0], x[1], x[2], region_type_names[region->type],
+                  other->line, l->spacing[0]);
+    }
+  }
+  return STATUS_OK;
+}
+
 /* Soil without a curve has to stay full of water. */
 static enum status check_full(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -118,6 +150,7 @@ static enum status check_full(const struct effect_context *context) {
   for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
     const struct region *region = &scene->regions[r];
     if (region->first == r && region_is_sink(region)) status = check_well(context, region);
+    if (status == STATUS_OK) status = check_shared(context, region);
   }
   return status;
 }
@@ -138,6 +171,7 @@ enum status richards_refuse(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     TRY(check_region(scene, region));
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
+    TRY(check_shared(context, region));
   }
 cleanup:
   return status;

@@ -76,7 +76,7 @@ static const struct region *rain_at(const struct richards *s, size_t at, const d
     const struct region *region = &s->scene->regions[r];
     if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
     const double covered = domain_share(s->lattice, x, 2, region->box);
-    if (covered > COVERED_LEAST && covered >= *share) found = region, *share = covered;
+    if (covered > COVERED_LEAST) found = region, *share = covered;
   }
   return found;
 }
