@@ -272,7 +272,9 @@ static enum status parse_correct(const struct options *options, struct request *
   const char *text = options_text(options, "correct"), *axis = options_text(options, "axis");
   char rest;
   request->axis[0] = request->axis[1] = NAN;
-  if (axis != NULL && sscanf(axis, "%lf,%lf%c", &request->axis[0], &request->axis[1], &rest) != 2)
+  if (axis != NULL &&
+      (sscanf(axis, "%lf,%lf%c", &request->axis[0], &request->axis[1], &rest) != 2 ||
+       !isfinite(request->axis[0]) || !isfinite(request->axis[1])))
     return FAIL(STATUS_USAGE, "--axis %s: X,Y is wanted, e.g. 512,498.5", axis);
   if (text == NULL) return STATUS_OK;
   request->correct_beam = strcmp(text, "rings") != 0;

@@ -109,8 +109,9 @@ static bool has_few_greys(const float *pixels, size_t n, size_t step) {
 
 /* Of pixels that are not whole ones, but bytes or channels of such in turns, the number that makes
  * one; 0 if neighbours are as alike as any. Bytes of one kind come round at that distance, and are
- * more alike than neighbours are; or some neighbours, of one pixel, are alike and others not. */
-static size_t find_turns(const float *pixels, size_t width, size_t n) {
+ * more alike than neighbours are; or of some neighbours the difference is less than `ratio` that of
+ * others. */
+static size_t find_turns(const float *pixels, size_t width, size_t n, double ratio) {
   enum { TURNS_MOST = 4 };
   double step[TURNS_MOST + 1] = {0.0};
   for (size_t k = 1; k <= TURNS_MOST; k++)
@@ -126,33 +127,27 @@ static size_t find_turns(const float *pixels, size_t width, size_t n) {
       rest += of_turn[j];
     }
     rest = (rest - most) / ((double)k - 1.0);
-    if (rest < TURN_REST * most) return k;
+    if (rest < ratio * most) return k;
   }
   return 0;
 }
 
-/* Whether more than a quarter of the pixels have all bits 0 or all bits 1, as greys cut off at the
- * ends of their range: their two halves are alike whatever they are. */
-static bool are_cut_off(const uint8_t *bytes, size_t n, size_t size) {
-  size_t cut_off = 0;
-  for (size_t i = 0; i < n; i++) {
-    size_t same = 1;
-    while (same < size && bytes[i * size + same] == bytes[i * size]) same++;
-    cut_off += same == size && (bytes[i * size] == 0 || bytes[i * size] == UINT8_MAX);
-  }
-  return cut_off > n / 4;
-}
-
 /* Whether pixels are pairs of pixels of the type `half`: then the two halves of a pixel are
- * neighbours, and as alike as others. `pixels` is overwritten. */
-static bool are_pairs(const uint8_t *bytes, size_t width, size_t n, enum pixel_type half,
+ * neighbours, and as alike as others. Those of greys that are cut off at the ends of their range
+ * are more alike than others. With `swap` the halves are exchanged in `bytes`. `pixels` is
+ * overwritten. */
+static bool are_pairs(const uint8_t *bytes, size_t width, size_t n, enum pixel_type half, bool swap,
                       float *pixels) {
-  if (are_cut_off(bytes, n, 2 * pixel_size(half))) return false;
   for (size_t side = 0; side < 2; side++) {
-    pixels_to_float(pixels, bytes + side * n * pixel_size(half), n, half);
+    pixels_to_float(pixels, bytes + side * (n - n % 2) * pixel_size(half), n, half);
+    for (size_t i = 0; swap && i + 1 < n; i += 2) {
+      const float first = pixels[i];
+      pixels[i] = pixels[i + 1];
+      pixels[i + 1] = first;
+    }
     if (has_few_greys(pixels + 1, n - 1, 2) ||
         row_ends_lag(pixels, n, 2) < row_ends_lag(pixels, n, 1) ||
-        find_turns(pixels, 2 * width, n) > 0 ||
+        find_turns(pixels, 2 * width, n, PAIR_REST) > 0 ||
         roughness(pixels, 2 * width, n / (2 * width)) > ROUGHNESS_SCAN)
       return false;
   }
@@ -255,7 +250,8 @@ static bool warn_of_type(const struct image *image, const char *where, const str
                 image->path, order_of(bytes, image->swap), where);
     return true;
   }
-  if (!half_of(image->type, &half) || !are_pairs(stored, rows->width, n, half, rows->pixels)) {
+  if (!half_of(image->type, &half) ||
+      !are_pairs(stored, rows->width, n, half, image->swap, rows->pixels)) {
     pixels_to_float(rows->pixels, stored, n, image->type);
     return false;
   }
@@ -268,7 +264,7 @@ static bool warn_of_type(const struct image *image, const char *where, const str
 static bool warn_of_layout(const struct image *image, const char *where, const struct rows *rows,
                            bool labels) {
   const size_t n = rows->width * rows->count;
-  const size_t turns = labels ? 0 : find_turns(rows->pixels, rows->width, n);
+  const size_t turns = labels ? 0 : find_turns(rows->pixels, rows->width, n, TURN_REST);
   const size_t width = row_ends_width(rows, better_width(rows->pixels, rows->width, n));
   const size_t height = row_ends_height(rows);
   if (turns > 0)

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include "common/memory.h"
+#include "ct2model/readers/constants.h"
 #include "ct2model/readers/dataset_name.h"
 #include "ct2model/readers/inflate.h"
 
@@ -265,6 +266,14 @@ void image_tell_orientation(struct image *image) {
         image,
         "its orientation %u says to %s it: read as stored, as ImageJ does; x and y are the file's",
         image->orientation, image->orientation <= LAST_MIRRORED ? "mirror" : "turn");
+}
+
+void image_tell_edges(struct image *image, double x, double y, double z, const char *field) {
+  char along_z[32] = "";
+  if (!(fabs(y / x - 1.0) > RESOLUTIONS_ALIKE) && !(fabs(z / x - 1.0) > RESOLUTIONS_ALIKE)) return;
+  if (z > 0.0) snprintf(along_z, sizeof along_z, " x %.4g", z / x);
+  image_note(image, "voxels of 1 x %.4g%s by its %s, without a unit; --voxel-size decides", y / x,
+             along_z, field);
 }
 
 void image_no_data(struct image *image, double from, double to, const char *name) {

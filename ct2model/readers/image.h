@@ -149,6 +149,9 @@ enum status image_read_contiguous(const struct image *image, size_t page, void *
 enum status image_claim_pixels(struct image *image, bool compressed);
 /* For readers: adds a message to the user. */
 __attribute__((format(printf, 2, 3))) void image_note(struct image *image, const char *format, ...);
+/* For readers: tells of edges of a voxel along x, y and z that differ, and whose unit `field` does
+ * not say. NAN: not told. */
+void image_tell_edges(struct image *image, double x, double y, double z, const char *field);
 /* Advice about slices that lie aside of each other. */
 #define SHEARED                                                                                    \
   " (a tilted gantry?): the body would be sheared; resample the slices upright, as by the tilt "   \

@@ -269,7 +269,9 @@ static void read_spacing(const struct nrrd_header *header, struct image *image) 
   double metres[AXES_MOST];
   int spatial = 0, count = 0;
   while (count < AXES_MOST && next_quoted(&units, unit)) metres[count++] = length_unit(unit);
-  if (at == NULL || count == 0) return;
+  if (at == NULL) return;
+  const bool bare = count == 0;
+  while (bare && count < AXES_MOST) metres[count++] = 1.0;
   for (int a = 0; a < header->dimension; a++) {
     char *end;
     double square = 0.0;
@@ -298,6 +300,11 @@ static void read_spacing(const struct nrrd_header *header, struct image *image) 
   for (int d = 0; d < 3; d++) {
     const double edge = header->axis[d] < 0 ? NAN : length[header->axis[d]];
     image->voxel[d] = edge > 0.0 && isfinite(edge) ? edge : NAN;
+  }
+  if (bare) {
+    image_tell_edges(image, image->voxel[0], image->voxel[1], image->voxel[2],
+                     directions ? "space directions" : "spacings");
+    for (int d = 0; d < 3; d++) image->voxel[d] = NAN;
   }
   if (isfinite(image->voxel[0])) image->voxel_source = "NRRD spacings";
 }

@@ -218,8 +218,10 @@ static enum status png_open(const char *path, struct image *image) {
   int unit;
   if (png_get_oFFs(session.png, session.info, &offset[0], &offset[1], &unit))
     for (int axis = 0; axis < 2; axis++) image->at[axis] = offset[axis];
-  if (png_get_pHYs(session.png, session.info, &x, &y, &unit) && unit == PNG_RESOLUTION_METER &&
-      x > 0 && y > 0 && !image_is_screen_resolution(x)) {
+  const bool told = png_get_pHYs(session.png, session.info, &x, &y, &unit) && x > 0 && y > 0;
+  if (told && (unit != PNG_RESOLUTION_METER || image_is_screen_resolution(x))) {
+    image_tell_edges(image, 1.0 / x, 1.0 / y, NAN, "pHYs");
+  } else if (told) {
     image->voxel[0] = 1.0 / x;
     image->voxel[1] = 1.0 / y;
     image->voxel_source = "PNG pHYs";

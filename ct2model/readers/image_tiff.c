@@ -215,6 +215,11 @@ static void read_resolution(const struct tiff_layout *layout, const char *descri
                         : layout->unit == RESUNIT_INCH     ? 0.0254
                                                            : NAN;
   tiff_voxel_size(description, layout->resolution, metres, image->voxel, &image->voxel_source);
+  double edge[2];
+  for (int a = 0; a < 2; a++)
+    edge[a] = layout->resolution[a] > 0.0f ? 1.0 / (double)layout->resolution[a] : 1.0;
+  if (image->voxel_source == NULL)
+    image_tell_edges(image, edge[0], edge[1], tiff_spacing(description), "resolution or spacing");
 }
 
 /* Whether both pages tell how large pixels are, and not the same. */

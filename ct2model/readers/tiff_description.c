@@ -61,6 +61,13 @@ static double ome_size(const char *xml, char axis) {
   return size > 0.0 ? size : NAN;
 }
 
+double tiff_spacing(const char *description) {
+  char text[40];
+  const bool told = description != NULL && is_imagej(description) &&
+                    tiff_description_value(description, "spacing", text, sizeof text);
+  return told ? fabs(whole_number(text)) : NAN;
+}
+
 void tiff_voxel_size(const char *description, const float resolution[2], double metres,
                      double voxel[3], const char **source) {
   char text[40], other[40];
@@ -91,9 +98,7 @@ void tiff_voxel_size(const char *description, const float resolution[2], double 
     bool page = unit[axis] >= 0.0254 * 0.39 && (double)resolution[axis] / unit[axis] < 24000.0;
     voxel[axis] = resolution[axis] > 0.0f && isfinite(edge) && !page ? edge : NAN;
   }
-  if (imagej && isfinite(voxel[0]) &&
-      tiff_description_value(description, "spacing", text, sizeof text))
-    voxel[2] = fabs(whole_number(text)) * unit[2];
+  voxel[2] = isfinite(voxel[0]) ? tiff_spacing(description) * unit[2] : NAN;
   if (!(voxel[2] > 0.0)) voxel[2] = NAN;
   if (!isfinite(voxel[0])) *source = NULL;
 }

@@ -13,6 +13,9 @@ bool tiff_description_value(const char *description, const char *key, char *valu
 /* The value after "key": in tifffile's description, behind its bracket or quote; NULL if there is
  * none. */
 const char *tiff_json_value(const char *description, const char *key);
+/* Distance of slices in ImageJ's description, in its unit; NAN if there is none. `description` may
+ * be NULL. */
+double tiff_spacing(const char *description);
 /* Voxel size (m) from OME metadata, ImageJ's description ("unit=micron", "spacing=5.83") or the
  * resolution tags, in voxels per `metres` (NaN: no unit). Screen resolutions in dots per inch,
  * which programs write by default, are ignored. `description` may be NULL. *source names where the

@@ -24,7 +24,9 @@ enum status roi_parse(const char *text, struct roi *roi) {
   else if (sscanf(text, "cylinder:%lf,%lf,%lf%n", &v[0], &v[1], &v[2], &used) == 3 && used > 0 &&
            text[used] == '\0' && v[2] > 0.0)
     roi->kind = ROI_CYLINDER;
-  if (roi->kind != ROI_NONE) return STATUS_OK;
+  bool finite = true;
+  for (int i = 0; i < 6; i++) finite = finite && isfinite(v[i]);
+  if (roi->kind != ROI_NONE && finite) return STATUS_OK;
   return FAIL(STATUS_USAGE,
               "--roi %s: write box:X0,Y0,Z0,NX,NY,NZ or cylinder:CX,CY,R (voxels, along z) or "
               "mask:PATH",

@@ -69,6 +69,21 @@ const struct region *domain_inflow_at(const struct scene *scene, const struct la
   return found;
 }
 
+const struct region *domain_rain_at(const struct scene *scene, const struct lattice *lattice,
+                                    size_t at, const double x[3], double *share) {
+  for (size_t above = domain_beyond(scene, lattice, at, 2, false); above != lattice->count;
+       above = domain_beyond(scene, lattice, above, 2, false))
+    if (above == at || lattice->kind[above] != SITE_EMPTY) return NULL;
+  const struct region *found = NULL;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *region = &scene->regions[r];
+    if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
+    const double covered = domain_share(lattice, x, 2, region->box);
+    if (covered > COVERED_LEAST) found = region, *share = covered;
+  }
+  return found;
+}
+
 static bool is_moving(const double v[3]) {
   return v[0] != 0 || v[1] != 0 || v[2] != 0;
 }

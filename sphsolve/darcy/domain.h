@@ -27,6 +27,10 @@ double domain_share(const struct lattice *lattice, const double x[3], int axis,
  * before. */
 const struct region *domain_inflow_at(const struct scene *scene, const struct lattice *lattice,
                                       const double x[3], int axis, bool low, double *share);
+/* The last rain that falls on the upper face of site `at`, at x, if nothing is above it, and the
+ * *share of the face that it covers; NULL, and *share unchanged, if none does. */
+const struct region *domain_rain_at(const struct scene *scene, const struct lattice *lattice,
+                                    size_t at, const double x[3], double *share);
 
 /* Whether a scene is of soil that is full of water and stays so, whose flow is steady at each time
  * (darcy/saturated.h); `why`, in any case. */

@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "common/ranks.h"
+#include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
 
@@ -104,6 +105,43 @@ static enum status check_well(const struct effect_context *context, const struct
               scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
 }
 
+/* Rain and inflows need a face of soil. A face takes the water of one rain, or of one inflow: of
+ * two that share it one would be lost. */
+static enum status check_faces(const struct effect_context *context, const struct region *region) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  const bool rain = region->type == REGION_RAIN;
+  bool low = false, reached = false;
+  if (!rain && region->type != REGION_INFLOW) return STATUS_OK;
+  const int axis = rain ? 2 : scene_inflow_axis(scene, region, &low);
+  for (size_t site = 0; site < l->count; site++) {
+    const size_t at[3] = {site % l->size[0], site / l->size[0] % l->size[1],
+                          site / l->size[0] / l->size[1]};
+    double x[3], share = 0;
+    if (l->kind[site] != SITE_FLUID ||
+        (!rain && domain_beyond(scene, l, site, axis, low) != l->count))
+      continue;
+    for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)at[a] * l->spacing[a];
+    const struct region *found = rain ? domain_rain_at(scene, l, site, x, &share)
+                                      : domain_inflow_at(scene, l, x, axis, low, &share);
+    reached = reached || found == region;
+    if (found == NULL || found == region || (!rain && region->boundary != BOUNDARY_FLUX) ||
+        (rain && x[2] > region->box[5]) || !(domain_share(l, x, axis, region->box) > COVERED_LEAST))
+      continue;
+    return FAIL(STATUS_INPUT,
+                "%s:%d: the face at (%g, %g, %g) m has a part of the %s of line %d as well, and "
+                "takes one: let them not overlap, and meet where faces do, %g m apart",
+                scene->path, region->line, x[0], x[1], x[2], region_type_names[found->type],
+                found->line, l->spacing[0]);
+  }
+  if (reached) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s:%d: this %s reaches no soil, so nothing comes in by it: let its box lie on a "
+              "face of soil%s",
+              scene->path, region->line, region_type_names[region->type],
+              rain ? ", or above one with nothing but air between" : ", half of it at least");
+}
+
 /* Soil without a curve has to stay full of water. */
 static enum status check_full(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -118,6 +156,7 @@ static enum status check_full(const struct effect_context *context) {
   for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
     const struct region *region = &scene->regions[r];
     if (region->first == r && region_is_sink(region)) status = check_well(context, region);
+    if (status == STATUS_OK) status = check_faces(context, region);
   }
   return status;
 }
@@ -138,6 +177,7 @@ enum status richards_refuse(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     TRY(check_region(scene, region));
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
+    TRY(check_faces(context, region));
   }
 cleanup:
   return status;

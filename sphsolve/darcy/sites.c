@@ -65,22 +65,6 @@ static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
   return domain_beyond(s->scene, s->lattice, at, axis, low);
 }
 
-/* The rain on an upper face, if nothing is above it. */
-static const struct region *rain_at(const struct richards *s, size_t at, const double x[3],
-                                    double *share) {
-  for (size_t above = beyond(s, at, 2, false); above != s->lattice->count;
-       above = beyond(s, above, 2, false))
-    if (above == at || s->lattice->kind[above] != SITE_EMPTY) return NULL;
-  const struct region *found = NULL;
-  for (size_t r = 0; r < s->scene->region_count; r++) {
-    const struct region *region = &s->scene->regions[r];
-    if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
-    const double covered = domain_share(s->lattice, x, 2, region->box);
-    if (covered > COVERED_LEAST && covered >= *share) found = region, *share = covered;
-  }
-  return found;
-}
-
 /* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
  * only counted. */
 static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
@@ -120,7 +104,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
     edge.kind = kinds[edge.region->boundary];
     edge.share = share;
   } else {
-    if (axis == 2 && !low) edge.region = rain_at(s, at, x, &share);
+    if (axis == 2 && !low) edge.region = domain_rain_at(s->scene, l, at, x, &share);
     if (edge.region != NULL) edge.share = share;
     if (edge.region == NULL && next == l->count) return; /* a closed side */
   }

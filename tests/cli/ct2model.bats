@@ -58,6 +58,10 @@ bats_require_minimum_version 1.5.0
   [ "$status" -eq 2 ] && [ "${#stderr_lines[@]}" -eq 1 ] && [ -z "$output" ]
   run_ct build missing.tif --void-ratio 1 --voxel-size 1um -o m.hdf
   [ "$status" -eq 3 ] && [[ "$stderr" == *missing.tif* ]] && [ "${#stderr_lines[@]}" -eq 1 ] && [ -z "$output" ]
+  for wrong in "--correct rings --axis nan,8" "--roi cylinder:nan,8,5" "--roi box:0,0,0,8,8,inf"; do
+    run_ct sweep spheres.raw $RAW --void-ratio 4 $wrong
+    [ "$status" -eq 2 ] && [ "${#stderr_lines[@]}" -eq 1 ] || { echo "$wrong: $status $stderr"; false; }
+  done
   [ ! -e m.hdf ]; [ ! -e m.hdf.part ]
 }
 

@@ -231,6 +231,7 @@ v = np.round(40 + 170 * (v - v.min()) / np.ptp(v)).astype("u2")
 g = np.random.default_rng(2).normal(0, 9000, v.shape) + 1.2 * np.fromfile("v.raw", "<u2")
 np.clip((g - np.percentile(g, 25)) * 65535 / np.ptp(np.percentile(g, [25, 65])), 0, 65535).astype("<u2").tofile("cut.raw")
 (500 * np.floor(v / 30) - 1000).astype("<f4").tofile("labels.raw")
+np.clip(6 * (v.astype(int) - 125) + 128, 0, 255).astype("u1").tofile("ends.raw")
 v.astype("u1").tofile("pairs.raw"), (257 * v).astype("<u2").tofile("made.raw")'
   for words in "v.raw:u16be is.u16le.meant" "f.raw:f32le is.f32be.meant" "v.raw:i16le ^$" "f.raw:f32be ^$" "noise.raw:u16be no.more.alike.than.those.far" "made.raw:u16le ^$" "cut.raw:u16le ^$" "labels.raw:f32le ^$" "v.raw:u16le ^$"; do
     file=${words%%:*} type=${words%% *}
@@ -238,8 +239,10 @@ v.astype("u1").tofile("pairs.raw"), (257 * v).astype("<u2").tofile("made.raw")'
     [ "$status" -eq 0 ]
     [[ "$stderr" =~ ${words#* } ]] || { echo "$words: $stderr"; false; }
   done
-  run --separate-stderr ct2model info pairs.raw --raw 28x24x10:u16le
-  [[ "$stderr" == *"is u8 meant in --raw"* ]] || { echo "$stderr"; false; }
+  for pairs in pairs.raw:u16le ends.raw:u16be; do
+    run --separate-stderr ct2model info "${pairs%:*}" --raw "28x24x10:${pairs#*:}"
+    [[ "$stderr" == *"is u8 meant in --raw"* ]] || { echo "$pairs: $stderr"; false; }
+  done
   cp v.h5 before.h5
   run ct2model build v.h5:/packed --void-ratio 0.8 --voxel-size 5um -o v.h5 --force
   [ "$status" -eq 2 ]

@@ -229,6 +229,7 @@ static void test_nrrd(void **state) {
        false,
        "are not 3 whole numbers",
        NULL},
+      {RAW "spacings: 1 1 2\n\n", {NULL, NULL, 1, false}, false, NULL, "voxels of 1 x 1 x 2 by"},
       {RAW "kinds: domain domain list\n\n", {NULL, NULL, 1, false}, false, NULL, NULL},
       {RAW "kinds: list domain domain\n\n",
        {NULL, NULL, 1, false},

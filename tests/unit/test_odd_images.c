@@ -353,6 +353,9 @@ static void test_lost_slices(void **state) {
   pages[0].description = "ImageJ=1.53t\nimages=3\ncf=0\nc0=-32768.0\nc1=1.0\n";
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, "ImageJ's calibration (-32768.0 + 1.0 times the grey)");
+  pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\nunit=pixel\nspacing=2.0\n";
+  write_pages("w", pages, 3);
+  holds(slices, 3, 8, NULL, 0, 0, "voxels of 1 x 1 x 2 by its resolution or spacing, without");
   pages[0].description = "ImageJ=1.53t\nimages=3\nslices=3\n";
   write_pages("w", pages, 3);
   holds(slices, 3, 8, NULL, 0, 0, NULL);
@@ -711,6 +714,8 @@ static void test_png_chunks(void **state) {
   assert_true(fabs(stack.files[0].rescale[1] + 1000.0) < 1e-9);
   stack_close(&stack);
   holds(&first, 1, 8, NULL, 0, 0, "before its calibration (pCAL)");
+  write_with_chunk("pHYs", "\0\0\0\3\0\0\0\6", 9);
+  holds(&first, 1, 8, NULL, 0, 0, "voxels of 1 x 0.5 by its pHYs, without a unit");
   write_with_chunk("oFFs", "\0\0\0\7\0\0\0\11", 9);
   assert_int_equal(stack_open(&path, 1, NULL, &stack), STATUS_OK);
   assert_true(stack.files[0].at[0] == 7.0 && stack.files[0].at[1] == 9.0);
