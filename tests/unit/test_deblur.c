@@ -31,16 +31,23 @@ static double long_grain(const double at[3]) {
   return ball(at, MIDDLE, 2.0);
 }
 
+/* Of each voxel the part of FINER^3 points at which the distance, which changes by at most 1 a
+ * voxel, is below 0; all or none of them where half a diagonal of the voxel does not reach the wall.
+ */
 static void draw(double (*distance)(const double at[3]), float *share) {
+  const double reach = 0.5 * sqrt(3.0);
   for (size_t i = 0; i < N; i++) {
+    const double corner[3] = {(double)(i % NX), (double)(i / NX % NY), (double)(i / NX / NY)};
+    const double there =
+        distance((const double[3]){corner[0] + 0.5, corner[1] + 0.5, corner[2] + 0.5});
     int inside = 0;
-    for (int k = 0; k < FINER * FINER * FINER; k++) {
-      const double at[3] = {(double)(i % NX) + ((double)(k % FINER) + 0.5) / FINER,
-                            (double)(i / NX % NY) + ((double)(k / FINER % FINER) + 0.5) / FINER,
-                            (double)(i / NX / NY) + ((double)(k / FINER / FINER) + 0.5) / FINER};
+    for (int k = 0; k < FINER * FINER * FINER && fabs(there) < reach; k++) {
+      const double at[3] = {corner[0] + ((double)(k % FINER) + 0.5) / FINER,
+                            corner[1] + ((double)(k / FINER % FINER) + 0.5) / FINER,
+                            corner[2] + ((double)(k / FINER / FINER) + 0.5) / FINER};
       inside += distance(at) < 0.0;
     }
-    share[i] = (float)inside / (FINER * FINER * FINER);
+    share[i] = there <= -reach ? 1.0F : (float)inside / (FINER * FINER * FINER);
   }
 }
 
