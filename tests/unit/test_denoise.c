@@ -9,7 +9,7 @@
 
 #include "ct2model/scan/denoise.h"
 
-enum { SIDE = 16, PIXELS = SIDE * SIDE, SLICES = 250, THREADS = 8 };
+enum { SIDE = 16, PIXELS = SIDE * SIDE, SLICES = 1000, THREADS = 8 };
 
 static const struct grey_phases PHASES = {.pore_peak = 60.0, .grain_peak = 180.0, .noise = 30.0};
 
