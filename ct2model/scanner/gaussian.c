@@ -48,7 +48,13 @@ TARGETS static void weigh_rows(const float *const *rows, const float *restrict w
     lanes *to = (lanes *)(out + x);
     to[0] = s, to[1] = t, to[2] = u, to[3] = v;
   }
-  for (size_t x = 0; n < RUN && x < n; x++) { /* short rows */
+  for (size_t begin = 0; n < RUN && n >= WIDE && begin < n; begin += WIDE) { /* short rows */
+    const size_t x = begin + WIDE <= n ? begin : n - WIDE;
+    lanes s = weight[0] * AT(rows[0] + x, 0);
+    for (int k = 1; k <= reach; k++) s += weight[k] * (AT(rows[-k] + x, 0) + AT(rows[k] + x, 0));
+    *(lanes *)(out + x) = s;
+  }
+  for (size_t x = 0; n < WIDE && x < n; x++) {
     // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): the same
     float sum = weight[0] * rows[0][x];
     for (int k = 1; k <= reach; k++) sum += weight[k] * (rows[-k][x] + rows[k][x]);

@@ -3,7 +3,9 @@ page.py PAGE.html EXPRESSION...: fails where one is not so; `page` is the JSON, 
 
 The JSON is as the page's own script page_words.js completes it with its sentences, which needs nodejs."""
 import base64
+import hashlib
 import json
+import os
 import re
 import subprocess
 import sys
@@ -19,9 +21,18 @@ def read(path, change=None):
         return data
     if change:
         change(data)
+    # What node takes longest for is to start: once for each page, whichever of a run's tests ask.
+    folder = os.environ.get("BATS_RUN_TMPDIR")
+    kept = folder and not change and os.path.join(folder, hashlib.sha256(html.encode()).hexdigest() + ".page")
+    if kept and os.path.exists(kept):
+        with open(kept, encoding="utf-8") as file:
+            return json.load(file)
     call = "const data = JSON.parse(require('fs').readFileSync(0, 'utf8')); process.stdout.write(JSON.stringify(words.fill(data)));"
     told = subprocess.run(["node", "-e", script + call], input=json.dumps(data), capture_output=True, text=True)
     assert told.returncode == 0, told.stderr
+    if kept:
+        with open(kept, "w", encoding="utf-8") as file:
+            file.write(told.stdout)
     return json.loads(told.stdout)
 
 

@@ -50,8 +50,9 @@ END
 sentences() { /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" "$@"; }
 
 @test "sentences about specimen and method are what the provenance says: of greys, and of labels" {
-  made labels
-  for model in matched labels; do sentences $model.html run-$model.hdf; done
+  made labels given
+  for model in matched labels given; do sentences $model.html run-$model.hdf; done
+  said given.html -q "was taken out of the surface"
   said matched.html -q "was set so that the model has the void ratio measured"
   said labels.html -q "that was segmented before"
   /usr/bin/python3 "$ROOT/tests/cli/make_run.py" made.hdf method=wcsph wall=adami model=
@@ -81,7 +82,7 @@ sentences() { /usr/bin/python3 "$ROOT/tests/cli/report_sentences.py" "$@"; }
 
 @test "a synthetic scan is called synthetic" {
   cp -r part described && cp "$ROOT/data-samples/small/sand.json" described
-  ct2model build described --voxel-size 8.745um --crop 0,0,0,64,64,12 -q --size 16x16x3 --threshold 62 -o described.hdf > /dev/null
+  ct2model build described --voxel-size 8.745um --crop 0,0,0,64,64,12 -q --size 16x16x3 --threshold 62 --blur keep -o described.hdf > /dev/null
   sphsolve run scene.cfg --set model.file=described.hdf -o run-described -q > /dev/null
   analyze report run-described.hdf -o described.html -q > /dev/null
   page described.html 'page["model"]["origin"].startswith("synthetic")'

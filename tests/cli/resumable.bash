@@ -50,9 +50,9 @@ resumable_start() {
   local method=$1 name=$2
   shift 2
   case $method in
-    wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.09 s' \
-      --set output.interval='0.03 s' "$@" ;;
-    stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --set lattice.spacing='20 um' "$@" ;;
+    wcsph) set -- s06.cfg --set model.file=16.hdf --set scene.steady_tolerance=0.0 --set scene.end_time='0.06 s' \
+      --set output.interval='0.02 s' "$@" ;;
+    stokes) set -- s06.cfg --set model.file=32.hdf --set scene.method=stokes --set stokes.tolerance=1e-7 --set lattice.spacing='25 um' "$@" ;;
     isph) set -- all.cfg "$@" ;;
     richards) set -- wet.cfg "$@" ;;
   esac

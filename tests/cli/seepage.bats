@@ -137,7 +137,7 @@ END
 
 @test "a gauge reads head, velocity and level" {
   sphsolve run "$TANK" --set 'scene.end_time="0.2 s"' -o still --quiet > still.txt
-  analyze history still.hdf -o still
+  history_of still
   last() { awk -F, -v name="$1" 'NR == 1 { for (i = 1; i <= NF; i++) if ($i == name) k = i } END { print $k }' still/history.csv; }
   within() { awk -v a="$1" -v b="$2" -v most="$3" 'BEGIN { exit !(a != "" && (a - b) ^ 2 < most ^ 2) }'; }
   for gauge in bottom mid; do # 20 cm of water, rows of 1 cm
@@ -147,7 +147,7 @@ END
   done
   # Between two heads those are read on both sides of the soil; there is no surface, and no level.
   sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set 'scene.end_time="1 s"' -o still --quiet > still.txt
-  analyze history still.hdf -o still
+  history_of still
   within "$(last head_a)" 0.3 2e-3
   within "$(last head_b)" 0.2 2e-3
   run ! grep -q level_a still/history.csv
@@ -155,7 +155,7 @@ END
   sphsolve run "$TANK" --set 'scene.end_time="0.1 s"' --set 'isph.dt="auto"' -o still --quiet --set 'regions=({ type = "water"; box = ["0", "0", "0.2 m", "0.2 m"]; },
     { type = "wall"; box = ["0.08 m", "0.1 m", "0.12 m", "0.3 m"]; })' \
     --set 'gauges=({ name = "under"; at = ["0.1 m", "0.05 m"]; }, { name = "beside"; at = ["0.05 m", "0.05 m"]; })' > still.txt
-  analyze history still.hdf -o still
+  history_of still
   within "$(last level_beside)" 0.2 1e-2
   [[ "$(last level_under)" = nan || -z "$(last level_under)" ]]
   # The plot has no line for a level that is none, and none for y in two dimensions.

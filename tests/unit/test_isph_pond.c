@@ -105,15 +105,15 @@ static double given_by_shifting(uint32_t draw) {
 
 /* It kept ragged rows astir where they were shifted up, by .30. Now and then a draw has rows that
  * stir: of sixteen three had .35, .32 and .11, the others at most .03. So it is not one that
- * decides. */
+ * decides but more than half of eight, and no more are drawn than decide. */
 static void shifting_does_not_lift_thin_water(void **state) {
   (void)state;
   enum { DRAWS = 8 };
-  int stirred = 0;
-  for (uint32_t draw = 0; draw < DRAWS; draw++) {
+  int stirred = 0, still = 0;
+  for (uint32_t draw = 0; 2 * stirred < DRAWS && 2 * still <= DRAWS; draw++) {
     const double given = given_by_shifting(draw);
     print_message("shifting gives %.3g of the fall\n", given);
-    stirred += given >= .1;
+    given < .1 ? still++ : stirred++;
   }
   assert_true(2 * stirred < DRAWS);
 }
