@@ -69,9 +69,13 @@ static double updated_head(const struct retention *soil, const struct retention_
   const double range = soil->theta_s - soil->theta_r, fluxes = diagonal - state->capacity;
   const bool dry = saturation < SATURATION_SWITCH;
   if (state->h < 0 && (dry || state->capacity > fluxes)) {
-    const double more = state->capacity * change / range;
-    if (fabs(more) < SATURATION_ROUNDING)
-      return state->h; /* in the driest soil rounding would change h */
+    double more = state->capacity * change / range;
+    if (fabs(more) < SATURATION_ROUNDING) {
+      /* In the driest soil rounding would change h. But where the fluxes depend on h more than the
+       * storage, as beside a head, such soil has to store what they bring. */
+      more = diagonal * change / range;
+      if (!(more >= SATURATION_ROUNDING)) return state->h;
+    }
     const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
     if (dry || wanted < 1)
       return retention_head(soil, dry ? fmin(wanted, SATURATION_WETTED_MAX) : wanted);
@@ -191,12 +195,17 @@ static enum status no_step_found(const struct richards *s, double dt) {
   for (size_t i = 0; i < s->count; i++)
     if (fabs(s->residual[i]) > fabs(s->residual[worst])) worst = i;
   richards_place(s, worst, x);
+  struct retention_state at;
+  retention_at(&s->soils[s->soil[worst]], s->before[worst], &at);
+  const bool dry = retention_saturation(&s->soils[s->soil[worst]], at.theta) < SATURATION_SWITCH;
   return FAIL(STATUS_NUMERIC,
               "at t = %.6g s no step as long as %.2g s can be solved; it fails first at (%.4g, "
-              "%.4g, %.4g) m, pressure head %.4g m: soil that is full all round takes no more "
-              "water, so let some out or bring less, by a head or rain in place of a flux; else "
-              "another domain.spacing may help",
-              s->time, dt, x[0], x[1], x[2], s->before[worst]);
+              "%.4g, %.4g) m, pressure head %.4g m: %s; else another domain.spacing may help",
+              s->time, dt, x[0], x[1], x[2], s->before[worst],
+              dry ? "soil so dry is wetted in too steep a front, so let it begin wetter, by a "
+                    "pressure_head closer to 0"
+                  : "soil that is full all round takes no more water, so let some out or bring "
+                    "less, by a head or rain in place of a flux");
 }
 
 /* Soil that is full has no storage: the flow at the end of a step does not depend on its length. */

@@ -5,6 +5,7 @@
 
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/window.h"
 #include "sphsolve/isph/constants.h"
 
 /* Solves the n x n system m x = b in place by Gauss elimination with pivoting; false if singular.
@@ -34,22 +35,37 @@ static bool solve_small(int n, double m[4][4], double b[4]) {
   return true;
 }
 
-/* Codes of the images of a particle that a gauge uses: the particle itself and, where a reflecting
- * side is nearer than a support, its reflections. With them the gradient normal to the side is that
- * of water at rest, as it is along a wall (Dv/Dt = 0 normal to it); a fit to the real particles
- * alone would extrapolate beyond the last ones in whatever arrangement they have. */
-static int images_at(const struct isph *s, const double point[3], size_t code[8]) {
-  static const size_t along[3] = {1, 3, 9};
+/* Images of a particle that a gauge uses: the particle itself and, where a closed side is nearer
+ * than a support, its reflections, also where the side has wall particles (isph/wall.c). With them
+ * the gradient normal to the side is that of water at rest, as it is along a wall (Dv/Dt = 0 normal
+ * to it); a fit to the real particles alone would extrapolate beyond the last ones in whatever
+ * arrangement they have. */
+static int images_at(const struct isph *s, const double point[3], struct isph_image image[8]) {
   int n = 1;
-  code[0] = IMAGE_NONE;
+  image[0] = (struct isph_image){.turn = {1, 1, 1}};
   for (int a = 0; a < 3; a++) {
     const double below = point[a] - s->low[a], above = s->high[a] - point[a];
-    const bool low = below < above;
-    if (!s->reflects[a] || !(fmin(below, above) < s->support_now)) continue;
-    for (int k = 0; k < n; k++) code[n + k] = low ? code[k] - along[a] : code[k] + along[a];
+    if (s->periodic[a] || !isph_uses_axis(s, a) || !(fmin(below, above) < s->support_now)) continue;
+    for (int k = 0; k < n; k++) {
+      image[n + k] = image[k];
+      image[n + k].turn[a] = -1;
+      image[n + k].shift[a] = 2 * (below < above ? s->low[a] : s->high[a]);
+    }
     n *= 2;
   }
   return n;
+}
+
+/* Whether a window is in the way of an image of particle i: only a wall reflects. */
+static bool is_open(const struct isph *s, size_t i, const struct isph_image *image) {
+  for (int a = 0; a < 3 && s->on.open_sides; a++) {
+    double behind[3];
+    if (!(image->turn[a] < 0)) continue;
+    memcpy(behind, s->position[i], sizeof behind);
+    behind[a] = image->shift[a] - behind[a];
+    if (isph_window_behind(s, behind) >= 0) return true;
+  }
+  return false;
 }
 
 /* Separation of the point from an image of particle i, the nearest one along periodic axes, in
@@ -84,24 +100,24 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   _Static_assert(COUNT <= SUMS, "a gauge's sums");
   double total[COUNT];
   const int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
-  size_t code[8];
-  const int images = images_at(s, point, code);
+  struct isph_image image[8];
+  const int images = images_at(s, point, image);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
     const size_t first = s->chunks[c].begin, whole = s->chunks[c].end - first;
     for (size_t k = 0; k < whole * (size_t)images; k++) {
       const size_t i = first + k / (size_t)images;
-      const struct isph_image *image = &s->image[code[k % (size_t)images]];
-      double r[3], w, slope, length = scaled_separation(s, i, image, point, r);
-      if (length >= 1) continue;
+      const struct isph_image *of = &image[k % (size_t)images];
+      double r[3], w, slope, length = scaled_separation(s, i, of, point, r);
+      if (length >= 1 || is_open(s, i, of)) continue;
       isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
       const double *v = s->velocity[i], *x = s->position[i];
       double basis[4] = {1}, values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
       for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]];
       for (int a = 0; a < 3; a++) { /* values of the reflected particle: isph/reflection.h */
-        if (!(image->turn[a] < 0)) continue;
-        values[0] += s->density * s->force[a] * (image->shift[a] - 2 * x[a]);
+        if (!(of->turn[a] < 0)) continue;
+        values[0] += s->density * s->force[a] * (of->shift[a] - 2 * x[a]);
         values[a + 1] = -v[a];
       }
       for (int p = 0; p < n; p++) {

@@ -483,6 +483,30 @@ static void sorption(void **state) {
   finish(&run);
 }
 
+/* Water that a head brings into soil of Gardner's curve, dry to S = 1e-38, whose storage is nothing
+ * beside what the fluxes seem to change with its head: it fills, and comes to rest under that head.
+ */
+static void dry_gardner(void **state) {
+  (void)state;
+  struct run run;
+  start(
+      &run,
+      "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"0.05 m\", \"1 m\"]; spacing = "
+      "\"0.05 m\"; periodic = [true, false]; };\nforce = { gravity = [\"0\", \"-9.80665 m/s^2\"]; "
+      "};\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.05 m\", \"1 m\"]; porosity = "
+      "0.4; permeability = \"1e-4 m/s\"; gardner = { alpha = \"65 1/m\"; theta_r = 0.05; }; "
+      "pressure_head = \"-1.35 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"0.05 m\", "
+      "\"0.02 m\"]; head = \"0.38 m\"; } );\n");
+  advance(&run, 86400);
+  for (size_t i = 0; i < run.s.count; i++) {
+    double x[3];
+    richards_place(&run.s, i, x);
+    if (x[2] < .4) assert_true(fabs(run.s.h[i] - (.38 - x[2])) < 1e-6);
+  }
+  assert_true(water_open(&run.s) < 1e-10);
+  finish(&run);
+}
+
 /* Soil that is full all round takes no given flux: an error with the place, and no endless run. */
 static void too_much(void **state) {
   (void)state;
@@ -502,6 +526,6 @@ int main(void) {
       cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
       cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(wells),
       cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
-      cmocka_unit_test(falling_head), cmocka_unit_test(ponding)};
+      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
