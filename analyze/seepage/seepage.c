@@ -184,6 +184,16 @@ static double surface_at(const struct seepage *s, const char *name, double level
   return f->soil[row * f->nx + column] != REGION_NONE ? z : NAN;
 }
 
+/* Drift of the head of a gauge, m; the level of its outermost particles goes in steps. */
+static double head_drift(const struct run *run, const char *gauge) {
+  char name[80];
+  double mean, error, drift = 0;
+  snprintf(name, sizeof name, "head_%s", gauge);
+  const struct history_column *column = run_column(run, name, 1);
+  if (column != NULL) late_mean(run, column, &mean, &error, &drift);
+  return isfinite(drift) ? drift : 0;
+}
+
 /* Largest drift of heads, m, in runs with wells and drains; 0 if it is negligible. */
 static double heads_drift(const struct seepage *s, const json_t *heads) {
   double most = 0;
@@ -220,9 +230,15 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       half =
           hypot(2 * error, drain_deviation(s, column->name + strlen(prefix), mean, entry)) + drift;
     if (!strcmp(word, "level")) {
-      const double surface = surface_at(s, column->name + strlen(prefix), mean);
-      if (isfinite(surface)) mean = surface, json_put_number(entry, "mean", mean);
-      half = (isfinite(surface) ? s->surface_error : 2 * error) + drift;
+      const char *name = column->name + strlen(prefix);
+      const double surface = surface_at(s, name, mean);
+      half = 2 * error + drift;
+      if (isfinite(surface)) {
+        mean = surface, drift = head_drift(run, name);
+        json_put_number(entry, "mean", mean);
+        json_put_number(entry, "drift_error", drift);
+        half = s->surface_error + drift;
+      }
       json_put_number(entry, "error95", half);
     }
     if (!strcmp(word, "head")) {
