@@ -62,8 +62,7 @@ enum status open_water_find(const struct scene *scene, const struct lattice *l, 
       if (domain_beyond(scene, l, at, side / 2, side % 2 == 0) != l->count) continue;
       if (l->dimensions == 2 && side / 2 == 1) continue;
       for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)place[a] * l->spacing[a];
-      const struct region *window =
-          domain_inflow_at(scene, l, x, side / 2, side % 2 == 0, &share);
+      const struct region *window = domain_inflow_at(scene, l, x, side / 2, side % 2 == 0, &share);
       if (window == NULL || window->boundary != BOUNDARY_HEAD) continue;
       TRY(fill_from(scene, l, at, (uint16_t)(window->first + 1), stack, *region));
     }

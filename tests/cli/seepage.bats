@@ -818,6 +818,45 @@ assert {row["soil"] for row in csv.DictReader(open("weir-out/seepage.csv"))} <= 
 END
 }
 
+# bats test_tags=long
+@test "five dams with upright faces: levels and ends of seepage faces are within their error, which is sharp" {
+  /usr/bin/python3 - <<'END'
+import json, statistics, subprocess
+# Length over height, water behind it, end time (s); levels at quarters by Baiocchi's variational inequality (120 rows), the
+# end of the face by Polubarinova-Kochina's formula.
+dams = ((0.6, 0.3, 12, (0.9468, 0.8664, 0.7567), 0.5796), (1, 0.1, 20, (0.9178, 0.7978, 0.6368), 0.3746),
+        (2, 0.3, 60, (0.8935, 0.7603, 0.5926), 0.3232), (1.5, 0.5, 40, (0.9183, 0.8140, 0.6896), None),
+        (1, 0.4, 20, (0.9256, 0.8205, 0.6855), 0.4741))
+SCENE = """scene = { name = "dam"; method = "isph"; end_time = "%(end)g s"; };
+domain = { size = ["%(wide)g m", "1.1 m"]; spacing = "5 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.2 m", "1 m"]; }, { type = "water"; box = ["%(face)g m", "0", "%(wide)g m", "%(low)g m"]; },
+  { type = "water"; box = ["0.2 m", "0", "%(mid)g m", "0.8 m"]; }, { type = "water"; box = ["%(mid)g m", "0", "%(face)g m", "%(low)g m"]; },
+  { type = "porous"; box = ["0.2 m", "0", "%(face)g m", "1.1 m"]; porosity = 0.4; permeability = "5 cm/s"; saturated = false; },
+  { type = "inflow"; box = ["0", "0", "5 cm", "1.1 m"]; head = "1 m"; },
+  { type = "inflow"; box = ["%(out)g m", "0", "%(wide)g m", "1.1 m"]; head = "%(low)g m"; } );
+force = { gravity = ["0", "-9.80665 m/s^2"]; };
+gauges = ( { name = "q1"; at = ["%(q1)g m", "5 cm"]; }, { name = "q2"; at = ["%(mid)g m", "5 cm"]; }, { name = "q3"; at = ["%(q3)g m", "5 cm"]; } );
+output = { interval = "1 s"; };
+"""
+ratios = []
+for length, low, end, levels, face in dams:
+    at = {"end": end, "low": low, "face": 0.2 + length, "wide": 0.4 + length, "out": 0.35 + length, "q1": 0.2 + length / 4,
+          "mid": 0.2 + length / 2, "q3": 0.2 + 3 * length / 4}
+    open("dam.cfg", "w").write(SCENE % at)
+    subprocess.run(["sphsolve", "run", "dam.cfg", "-o", "dam", "--quiet", "--force"], check=True, stdout=subprocess.DEVNULL)
+    seepage = json.loads(subprocess.run(["analyze", "seepage", "dam.hdf", "--json"], check=True, capture_output=True).stdout)
+    told = [(seepage["levels_m"][f"q{n + 1}"]["mean"], seepage["levels_m"][f"q{n + 1}"]["error95"], z) for n, z in enumerate(levels)]
+    if face:
+        told += [(seepage["seepage_faces"][0]["z_m"], seepage["seepage_faces"][0]["error95"], face)]
+    for value, error, exact in told:
+        print(length, low, value, error, exact)
+        assert abs(value - exact) <= error, (length, low, value, error, exact)
+        ratios.append(error / max(abs(value - exact), 1e-6))
+assert statistics.median(ratios) < 4, ratios
+END
+}
+
 @test "soil that is not full: no end, no k, columns, picture, report; one process" {
   sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="20 cm"' --set 'scene={ name = "recharge"; }' --set 'output={}' -o vadose --json > vadose.json
   python3 -c 'import json; r = json.load(open("vadose.json")); assert r["status"] == "steady" and r["k"] is None, r'
