@@ -157,18 +157,20 @@ static void write_data(const struct moisture *m, FILE *stream) {
   }
 }
 
-/* Time of a snapshot, in hours for long runs. */
+/* Time of a snapshot, in hours or days for long runs. */
 static void write_time(const struct moisture *m, size_t shot, char *text, size_t size) {
-  const double time = m->run->snapshot_times[shot];
-  const bool hours = m->run->snapshot_times[m->shots - 1] >= 7200;
-  snprintf(text, size, hours ? "%.4g h" : "%.4g s", hours ? time / 3600 : time);
+  const double time = m->run->snapshot_times[shot], all = m->run->snapshot_times[m->shots - 1];
+  if (all >= 10 * 86400)
+    snprintf(text, size, "%.4g d", time / 86400);
+  else
+    snprintf(text, size, all >= 7200 ? "%.4g h" : "%.4g s", all >= 7200 ? time / 3600 : time);
 }
 
 static void plot_profiles(const struct moisture *m, FILE *stream) {
   const size_t step = (m->shots + PROFILES_MAX - 1) / PROFILES_MAX;
   fprintf(stream,
           "set title 'profiles at x = %.4g m'\nset size noratio\nset autoscale x\nset xtics "
-          "autofreq\nset "
+          "autofreq\nset ytics autofreq\nset "
           "xlabel 'water "
           "content'\nset key outside below horizontal samplen 2\nplot ",
           x_of(m, m->column));
@@ -198,6 +200,13 @@ static void plot_x_tics(const struct moisture *m, double width, double height, F
     fprintf(stream, "'%.3g' %.6g, '%.3g' %.6g)\n", left, left, left + width, left + width);
 }
 
+/* Tic labels beside a map: only at its ends if it is low. */
+static void plot_z_tics(const struct moisture *m, double width, double height, FILE *stream) {
+  const double low = z_of(m, 0) - 0.5 * m->run->spacing[2];
+  if (PANEL_WIDTH * fmin(height / width, 1) < 3 * TIC)
+    fprintf(stream, "set ytics ('%.3g' %.6g, '%.3g' %.6g)\n", low, low, low + height, low + height);
+}
+
 static void plot(const struct moisture *m, struct product *product) {
   FILE *stream = product->plot.stream;
   const double *d = m->run->spacing, width = (double)m->nx * d[0], height = (double)m->nz * d[2];
@@ -209,6 +218,7 @@ static void plot(const struct moisture *m, struct product *product) {
     char time[40];
     write_time(m, m->shots - 1, time, sizeof time);
     plot_x_tics(m, width, height, stream);
+    plot_z_tics(m, width, height, stream);
     fprintf(stream,
             "set multiplot layout 1,2 margins 0.1,0.97,0.3,0.9 spacing 0.17,0\n"
             "set title 'water content at %s'\nset size ratio -1\nset xrange [%.6g:%.6g]\nset "

@@ -109,6 +109,7 @@
     const resolved = one => (one.resolved ? '' : ', not resolved');
     return [
       ...Object.values(WHERE).flatMap(([key, what, unit]) => Object.entries(s[key] || {}).map(([name, f]) => [`${what} ${name}`, quantity(f.mean, f.error95, unit)])),
+      ...(s.seepage_faces || []).map(f => [`Water comes out of the soil at x = ${number(f.x_m)} m, up to`, quantity(f.z_m, f.error95, 'm')]),
       known(exit.gradient) && [`Exit gradient at x = ${number(exit.x_m)} m`, `${quantity(exit.gradient, exit.error95, '').trim()}; critical ${number(exit.critical)}` +
         (known(exit.factor_of_safety) ? `, factor of safety ${number(exit.factor_of_safety)}` : '') + resolved(exit)],
       ...(s.heave || []).map(p => [`Heave beside ${wall(p)} (${p.side}), ${number(p.depth_m)} m deep`, `factor of safety ${number(p.factor_of_safety)}${resolved(p)}`]),

@@ -170,17 +170,28 @@ static double drain_deviation(const struct seepage *s, const char *name, double 
   return hypot(mean - law.value, law.error);
 }
 
-/* Error of a free surface in soil: half a spacing. For dams with exact levels the error was at most
- * a quarter of a particle, with a median of a sixth. */
-static double level_error(const struct seepage *s, const char *name, double level) {
+/* Free surface in soil at a gauge, m, where the pressure is that of the air; the level of the
+ * outermost particles is known less well. NAN: the gauge's level is not in soil. */
+static double surface_at(const struct seepage *s, const char *name, double level) {
   const struct head_field *f = &s->field;
   double at[3];
-  if (!place_of_gauge(s->run, name, at)) return 0;
-  for (size_t c = 0; c < f->nx * f->nz; c++)
-    if (fabs(head_field_x(f, c % f->nx) - at[0]) <= 0.5 * f->dx &&
-        fabs(head_field_z(f, c / f->nx) - level) <= 0.5 * f->dz && f->soil[c] != REGION_NONE)
-      return 0.5 * f->dz;
-  return 0;
+  if (!place_of_gauge(s->run, name, at)) return NAN;
+  const double x = fmin(fmax(at[0] / f->dx - 0.5, 0), (double)f->nx - 1);
+  const size_t i = (size_t)x, next = i + 1 < f->nx ? i + 1 : i;
+  const double z = s->phreatic[i] + (x - (double)i) * (s->phreatic[next] - s->phreatic[i]);
+  const size_t column = (size_t)fmin(fmax(at[0] / f->dx, 0), (double)f->nx - 1),
+               row = (size_t)fmin(fmax(level / f->dz, 0), (double)f->nz - 1);
+  return f->soil[row * f->nx + column] != REGION_NONE ? z : NAN;
+}
+
+/* Drift of the head of a gauge, m; the level of its outermost particles goes in steps. */
+static double head_drift(const struct run *run, const char *gauge) {
+  char name[80];
+  double mean, error, drift = 0;
+  snprintf(name, sizeof name, "head_%s", gauge);
+  const struct history_column *column = run_column(run, name, 1);
+  if (column != NULL) late_mean(run, column, &mean, &error, &drift);
+  return isfinite(drift) ? drift : 0;
 }
 
 /* Largest drift of heads, m, in runs with wells and drains; 0 if it is negligible. */
@@ -219,7 +230,15 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       half =
           hypot(2 * error, drain_deviation(s, column->name + strlen(prefix), mean, entry)) + drift;
     if (!strcmp(word, "level")) {
-      half = hypot(2 * error, level_error(s, column->name + strlen(prefix), mean)) + drift;
+      const char *name = column->name + strlen(prefix);
+      const double surface = surface_at(s, name, mean);
+      half = 2 * error + drift;
+      if (isfinite(surface)) {
+        mean = surface, drift = head_drift(run, name);
+        json_put_number(entry, "mean", mean);
+        json_put_number(entry, "drift_error", drift);
+        half = s->surface_error + drift;
+      }
       json_put_number(entry, "error95", half);
     }
     if (!strcmp(word, "head")) {
@@ -375,6 +394,22 @@ static void show_loads(const struct seepage *s, json_t *json, FILE *summary) {
   json_object_set_new(json, "walls", list);
 }
 
+static void show_exits(const struct seepage *s, json_t *json, FILE *summary) {
+  json_t *list = json_array();
+  for (size_t n = 0; n < s->exit_count; n++) {
+    const struct surface_exit *e = &s->exits[n];
+    char text[80];
+    value_with_error(text, sizeof text, e->z, e->error, "+-");
+    fprintf(summary, "face       water comes out of soil up to %s m at x = %.4g m", text, e->x);
+    if (isfinite(e->outside)) fprintf(summary, ", above water at %.4g m", e->outside);
+    fputc('\n', summary);
+    json_array_append_new(list, json_pack("{s:o,s:o,s:o,s:o}", "x_m", json_number(e->x), "z_m",
+                                          json_number(e->z), "error95", json_number(e->error),
+                                          "water_m", json_number(e->outside)));
+  }
+  json_object_set_new(json, "seepage_faces", list);
+}
+
 static void write_cells(const struct seepage *s, FILE *csv) {
   const struct head_field *f = &s->field;
   fputs("x,z,head,pressure,velocity_x,velocity_z,stream,soil\n", csv);
@@ -401,7 +436,9 @@ static void put_phreatic(const struct seepage *s, json_t *json) {
     json_array_append_new(x, json_number(head_field_x(&s->field, i)));
     json_array_append_new(level, json_number(s->phreatic[i]));
   }
-  json_object_set_new(json, "phreatic_line", json_pack("{s:o,s:o}", "x_m", x, "level_m", level));
+  json_object_set_new(json, "phreatic_line",
+                      json_pack("{s:o,s:o,s:o}", "x_m", x, "level_m", level, "error95",
+                                json_number(s->surface_error)));
 }
 
 /* Writes JSON, CSV of the cells, summary and the plot of the flow net. */
@@ -440,6 +477,7 @@ static enum status analyze(const struct subject *subject, const struct options *
   const double drifting = heads_drift(s, heads);
   json_put_number(json, "heads_drift_m", drifting);
   if (drifting > 0) fputs("unsteady   heads still go one way: run longer\n", summary);
+  show_exits(s, json, summary);
   show_asked(s, json, summary);
   show_exit(s, json, summary);
   show_prisms(s, json, summary);

@@ -9,6 +9,12 @@
 #include "analyze/seepage/head_field.h"
 #include "analyze/seepage/lifting.h"
 
+/* Where the free surface in soil ends at an upright face, and water comes out below it. */
+struct surface_exit {
+  double x, z, error; /* m; of z, 95 % */
+  double outside;     /* m: level of the water outside; NAN: none */
+};
+
 struct seepage {
   const struct run *run;
   struct head_field field;
@@ -25,7 +31,11 @@ struct seepage {
   double drop;       /* m: difference of the heads in the soil */
   double low;        /* m: lowest head in the soil */
   struct lifting lifting;
-  double *phreatic; /* [nx] m; NAN without a free surface */
+  double *phreatic; /* [nx] m, where the pressure is that of the air; NAN without a free surface */
+  /* m, 95 %: of the free surface in soil; half a cell where Darcy's law is not known. */
+  double surface_error;
+  size_t exit_count;
+  struct surface_exit exits[2]; /* towards low x, towards high x */
 };
 
 /* grain_density in kg/m^3; 2650 if NAN. Free with seepage_free, also after a failure. */

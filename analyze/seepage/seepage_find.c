@@ -25,6 +25,72 @@ static void find_phreatic(struct seepage *s) {
   }
 }
 
+/* Top cell with water of a column, if it is of soil and below a free surface; else f->nz. */
+static size_t surface_cell(const struct seepage *s, size_t i) {
+  const struct head_field *f = &s->field;
+  if (isnan(s->phreatic[i])) return f->nz;
+  for (size_t k = f->nz; k-- > 0;)
+    if (!isnan(f->head[k * f->nx + i])) return f->soil[k * f->nx + i] != REGION_NONE ? k : f->nz;
+  return f->nz;
+}
+
+/* The free surface by Darcy's law is at the head of the top cells: a surface that is wrong by a
+ * little hardly changes the heads below it. The error of the run's is twice the root mean square of
+ * the differences, with the uncertainty of that head. */
+static double surface_error(const struct seepage *s) {
+  const struct head_field *f = &s->field;
+  double squares = 0, count = 0;
+  for (size_t i = 0; i < f->nx && s->darcy.known; i++) {
+    const size_t k = surface_cell(s, i), c = k * f->nx + i;
+    if (k == f->nz || isnan(s->darcy.level[0].head[c])) continue;
+    const struct darcy_value law =
+        darcy_value_of(s->darcy.level[0].head[c], s->darcy.level[1].head[c]);
+    squares += pow(s->phreatic[i] - law.value, 2) + pow(law.error, 2), count++;
+  }
+  return count > 0 ? 2 * sqrt(squares / count) : 0.5 * f->dz;
+}
+
+/* Columns of which the free surface is read beside a face: not the nearest, in the smeared edge of
+ * soil. */
+#define EXIT_COLUMNS 3
+
+/* Where the free surface meets the upright face on the given side of column i. At a distance d from
+ * the face it is A d - d ln(d)/pi above that: with the surface at d = xi(s), s above its end, and P
+ * = 0 on it and on the face, what flows out of the face is -xi' beside it, and on the face the
+ * conjugate of (xi^2)'/2, so that xi = pi s/ln(1/s). Least squares for A and the end. Its error
+ * is that of an intercept, and half of what the logarithm adds, since terms in ln ln d are left
+ * out. */
+static void find_exit(struct seepage *s, size_t i, int side) {
+  const struct head_field *f = &s->field;
+  const ptrdiff_t n = (ptrdiff_t)f->nx, at = (ptrdiff_t)i, out = at + 3 * side,
+                  far = at - EXIT_COLUMNS * side;
+  const size_t k = surface_cell(s, i);
+  double mean[3] = {0}, square = 0, along[2] = {0}; /* of d, level, d ln d / pi */
+  if (k == f->nz || out < 0 || out >= n || far < 0 || far >= n) return;
+  for (size_t row = k; row + EXIT_COLUMNS >= k && row < f->nz; row--) { /* wraps around at 0 */
+    const size_t next = row * f->nx + (size_t)(at + side);
+    if (f->soil[next] != REGION_NONE || f->wall[next] != REGION_NONE) return;
+  }
+  for (int m = 1; m <= EXIT_COLUMNS; m++)
+    if (surface_cell(s, (size_t)(at - m * side)) == f->nz) return;
+  for (int m = 1; m <= EXIT_COLUMNS; m++) {
+    const double d = m + 0.5, off = d - 0.5 * (EXIT_COLUMNS + 2),
+                 value[3] = {d, s->phreatic[at - m * side], d * log(d) / M_PI};
+    for (int v = 0; v < 3; v++) mean[v] += value[v] / EXIT_COLUMNS;
+    square += off * off;
+    for (int v = 0; v < 2; v++) along[v] += off * value[v + 1];
+  }
+  const double level = mean[1] - mean[0] * along[0] / square,
+               more = f->dx * (mean[2] - mean[0] * along[1] / square), water = s->phreatic[out],
+               least = isfinite(water) ? water : 0;
+  const double noise = s->surface_error * sqrt(1.0 / EXIT_COLUMNS + mean[0] * mean[0] / square);
+  if (!(along[0] > 0) || !(s->phreatic[at - side] > least + f->dz)) return;
+  s->exits[s->exit_count++] = (struct surface_exit){.x = head_field_x(f, i) + 0.5 * side * f->dx,
+                                                    .z = fmax(level + more, least),
+                                                    .error = hypot(0.5 * more, noise),
+                                                    .outside = water};
+}
+
 static void find_head_range(struct seepage *s) {
   const struct head_field *f = &s->field;
   double high = -INFINITY;
@@ -161,6 +227,12 @@ enum status seepage_find(const struct run *run, double grain_density, struct see
   s->flow_error = s->sinks ? NAN : net_error(s);
   if (isfinite(s->uptake)) s->flow_error = hypot(s->flow_error, s->uptake);
   find_phreatic(s);
+  s->surface_error = surface_error(s);
+  for (int side = -1; side <= 1; side += 2) {
+    const size_t found = s->exit_count;
+    for (size_t n = 0; n < f->nx && s->exit_count == found; n++)
+      find_exit(s, side < 0 ? n : f->nx - 1 - n, side);
+  }
   TRY(lifting_find(f, s->grain_density, &s->lifting));
   TRY(lifting_set_errors(&s->darcy, s->grain_density, &s->lifting));
 cleanup:

@@ -2,10 +2,12 @@
  * message that says why, and what would work. */
 #include <math.h>
 
+#include "common/memory.h"
 #include "common/ranks.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
+#include "sphsolve/darcy/open_water.h"
 
 static enum status check_soil(const struct scene *scene, const struct region *region) {
   const double *v = region->soil_velocity;
@@ -164,6 +166,7 @@ static enum status check_full(const struct effect_context *context) {
 enum status richards_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
+  uint16_t *water = NULL;
   if (ranks_count() > 1)
     TRY(scene_error(scene, AT_METHOD, "method %s runs in one process; leave out mpirun",
                     context->method->name));
@@ -179,6 +182,8 @@ enum status richards_refuse(const struct effect_context *context) {
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
     TRY(check_faces(context, region));
   }
+  TRY(open_water_find(scene, context->lattice, &water)); /* windows that fill one place */
 cleanup:
+  memory_free(&water);
   return status;
 }

@@ -10,6 +10,7 @@
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/open_water.h"
 #include "sphsolve/darcy/pond.h"
 #include "sphsolve/darcy/saturated.h"
 #include "sphsolve/scene/scene.h"
@@ -66,8 +67,9 @@ static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
 }
 
 /* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
- * only counted. */
-static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
+ * only counted. `water`: open_water_find, or NULL. */
+static void add_face(struct richards *s, const uint16_t *water, size_t i, int axis, bool low,
+                     bool count) {
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
   double x[3] = {0}, share = 0;
@@ -96,6 +98,10 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
                                                       : 0.5) *
                                                s->spacing};
   if (next == l->count) edge.region = domain_inflow_at(s->scene, l, x, axis, low, &share);
+  if (next != l->count && water != NULL && water[next] != 0) {
+    edge.region = &s->scene->regions[water[next] - 1];
+    share = 1; /* rain that falls there falls into the water */
+  }
   if (edge.region != NULL) {
     static const enum richards_edge_kind kinds[] = {[BOUNDARY_NONE] = EDGE_AIR,
                                                     [BOUNDARY_HEAD] = EDGE_HEAD,
@@ -135,13 +141,13 @@ static void add_well(struct richards *s, size_t i, bool count) {
   }
 }
 
-static void add_faces(struct richards *s, bool count) {
+static void add_faces(struct richards *s, const uint16_t *water, bool count) {
   s->face_count = s->edge_count = 0;
   for (size_t i = 0; i < s->count; i++) add_well(s, i, count);
   for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++)
       for (int side = 0; side < 2; side++)
-        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, i, a, side == 0, count);
+        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, water, i, a, side == 0, count);
 }
 
 /* The two sites of pair p: those of a face, or of a corner. */
@@ -207,7 +213,7 @@ static double head_at_start(const struct richards *s, size_t i) {
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s) {
   enum status status = STATUS_OK;
-  uint16_t *of_region = NULL;
+  uint16_t *of_region = NULL, *water = NULL;
   *s = (struct richards){.scene = scene,
                          .lattice = lattice,
                          .spacing = lattice->spacing[0],
@@ -238,10 +244,11 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   }
   TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
   memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
-  add_faces(s, true);
+  if (!s->full) TRY(open_water_find(scene, lattice, &water));
+  add_faces(s, water, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
-  add_faces(s, false);
+  add_faces(s, water, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
@@ -275,6 +282,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
                                         (s->soils[k].theta_s - s->soils[k].theta_r));
   s->next_dt = FIRST_STEP / s->fastest;
 cleanup:
+  memory_free(&water);
   memory_free(&of_region);
   return status;
 }

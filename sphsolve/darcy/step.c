@@ -32,32 +32,52 @@ static void sum_fluxes(const struct richards *s, double *rate, double *size) {
   }
 }
 
-/* Derivative of a flux for the matrix, with the sign of a diffusion. At the edge of saturation,
- * mostly for n < 2, the flux between two places may increase slightly with the head that it flows
- * to; with that sign on the diagonal Newton's method would diverge, so that a share of the
- * derivative by suction alone is used instead. */
-static double diffusive_slope(const struct richards *s, double fall, size_t site, int axis) {
-  return fall > 0
-             ? fall
-             : SLOPE_MIN * s->soils[s->soil[site]].conductivity[axis] * s->now[site].k / s->spacing;
-}
-
-static void assemble(struct richards *s, double dt) {
+/* Adds to the diagonal of each site the derivatives of its fluxes that have the sign of a
+ * diffusion, times `scale`; `against`: the sum of the others' sizes. */
+static void add_diffusion(struct richards *s, double scale, double *against) {
   struct rows *rows = &s->rows;
-  const double scale = dt / s->spacing;
-  memset(rows->value, 0, rows->start[s->count] * sizeof *rows->value);
-  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
+  memset(against, 0, s->count * sizeof *against);
   for (size_t f = 0; f < s->face_count; f++) {
-    const struct richards_face *face = &s->faces[f];
-    const double by_i = scale * diffusive_slope(s, s->face_flux[f].di, face->i, face->axis),
-                 by_j = scale * diffusive_slope(s, -s->face_flux[f].dj, face->j, face->axis);
-    rows->value[rows->diagonal[face->i]] += by_i;
-    rows->value[face->ij] -= by_j;
-    rows->value[rows->diagonal[face->j]] += by_j;
-    rows->value[face->ji] -= by_i;
+    const uint32_t site[2] = {s->faces[f].i, s->faces[f].j};
+    const double fall[2] = {scale * s->face_flux[f].di, -scale * s->face_flux[f].dj};
+    for (int k = 0; k < 2; k++) {
+      if (fall[k] > 0)
+        rows->value[rows->diagonal[site[k]]] += fall[k];
+      else
+        against[site[k]] -= fall[k];
+    }
   }
   for (size_t e = 0; e < s->edge_count; e++)
     rows->value[rows->diagonal[s->edges[e].site]] += scale * fmax(-s->edge_flux[e].di, 0);
+}
+
+/* At the edge of saturation, mostly for n < 2 or where the spacing is many times 1/alpha, the flux
+ * between two places may increase with the head that it flows to. Where these derivatives outweigh
+ * half of all others of a site, Newton's method would diverge with them on the diagonal, and a
+ * share of the derivative by suction alone is used instead. */
+static void assemble(struct richards *s, double dt) {
+  struct rows *rows = &s->rows;
+  const double scale = dt / s->spacing;
+  double *against = s->change; /* overwritten by the solution */
+  memset(rows->value, 0, rows->start[s->count] * sizeof *rows->value);
+  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
+  add_diffusion(s, scale, against);
+  for (size_t i = 0; i < s->count; i++)
+    against[i] = against[i] > SLOPE_AGAINST * rows->value[rows->diagonal[i]] ? 1 : 0;
+  for (size_t f = 0; f < s->face_count; f++) {
+    const struct richards_face *face = &s->faces[f];
+    const uint32_t site[2] = {face->i, face->j};
+    const size_t beside[2] = {face->ji, face->ij};
+    const double fall[2] = {scale * s->face_flux[f].di, -scale * s->face_flux[f].dj};
+    for (int k = 0; k < 2; k++) {
+      const uint32_t i = site[k];
+      const double by_suction = scale * SLOPE_MIN * s->soils[s->soil[i]].conductivity[face->axis] *
+                                s->now[i].k / s->spacing;
+      const double by = fall[k] > 0 || against[i] == 0 ? fall[k] : by_suction;
+      if (!(fall[k] > 0)) rows->value[rows->diagonal[i]] += by;
+      rows->value[beside[k]] -= by;
+    }
+  }
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + STORAGE_MIN;
 }
 

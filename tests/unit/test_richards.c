@@ -403,6 +403,57 @@ static void ditch(void **state) {
   finish(&run);
 }
 
+/* A reservoir beside soil is a window on the soil's own face: its level rises and falls there, over
+ * a step in the soil as well. */
+static void reservoir(void **state) {
+  (void)state;
+  struct run pool, face;
+  start(&face,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"0.4 m\", \"1 m\"]; spacing = \"5 cm\"; periodic = [false, false]; "
+        "};\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"1 m\"]; " SAND
+        "head = \"0.2 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"1 m\"]; "
+        "times = [\"0 s\", \"1 h\", \"2 h\"]; head = [\"0.2 m\", \"0.8 m\", \"0.3 m\"]; } "
+        ");\n" GRAVITY);
+  start(&pool,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"1 m\", \"1.2 m\"]; spacing = \"5 cm\"; periodic = [false, false]; "
+        "};\nregions = ( { type = \"porous\"; box = [\"0.6 m\", \"0\", \"1 m\", \"1 m\"]; " SAND
+        "head = \"0.2 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"1.2 m\"]; "
+        "times = [\"0 s\", \"1 h\", \"2 h\"]; head = [\"0.2 m\", \"0.8 m\", \"0.3 m\"]; }, "
+        "{ type = \"wall\"; box = [\"0.3 m\", \"0\", \"0.5 m\", \"0.4 m\"]; } );\n" GRAVITY);
+  assert_int_equal(pool.s.count, face.s.count);
+  for (double t = 600; t <= 10800; t += 600) {
+    advance(&face, t);
+    advance(&pool, t);
+    for (size_t i = 0; i < face.s.count; i++) assert_true(fabs(pool.s.h[i] - face.s.h[i]) < 1e-9);
+    assert_true(fabs(pool.s.entered[1] - face.s.entered[1]) < 1e-12);
+    assert_true(water_open(&pool.s) < 1e-10);
+  }
+  finish(&pool);
+  finish(&face);
+}
+
+/* Filters beside clay, with sites many times 1/alpha high: Newton's method converges as squares
+ * where a derivative has the wrong sign but others outweigh it, and steps grow. */
+static void coarse(void **state) {
+  (void)state;
+  struct run run;
+  start(&run,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"10 m\", \"5 m\"]; spacing = \"50 cm\"; periodic = [false, false]; "
+        "};\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"10 m\", \"5 m\"]; porosity = "
+        "0.35; permeability = \"1e-3 m/s\"; van_genuchten = { alpha = \"10 1/m\"; n = 3.0; theta_r "
+        "= 0.03; }; head = \"0.5 m\"; }, { type = \"inflow\"; box = [\"9.9 m\", \"0\", \"10 m\", "
+        "\"5 m\"]; head = \"0.25 m\"; } );\n" GRAVITY);
+  advance(&run, 86400);
+  printf("%lld steps, %lld Newton iterations\n", (long long)run.s.step,
+         (long long)run.s.iterations_total);
+  assert_true(run.s.step < 300);
+  assert_true(water_open(&run.s) < 1e-10);
+  finish(&run);
+}
+
 /* A well between two levels, in full soil: the head in it by Darcy's law from both sides. In a
  * closed box it has its rate while there is pressure, and the rest of the soil's water after that
  * falls to its foot; a drain takes no more than stands above its head, and gives nothing back. */
@@ -522,10 +573,11 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
-      cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(wells),
-      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
-      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),   cmocka_unit_test(haverkamp),  cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),   cmocka_unit_test(rows),       cmocka_unit_test(rain),
+      cmocka_unit_test(fills),    cmocka_unit_test(ditch),      cmocka_unit_test(reservoir),
+      cmocka_unit_test(coarse),   cmocka_unit_test(wells),      cmocka_unit_test(evaporation),
+      cmocka_unit_test(sorption), cmocka_unit_test(too_much),   cmocka_unit_test(falling_head),
+      cmocka_unit_test(ponding),  cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
