@@ -107,9 +107,21 @@ static enum status check_well(const struct effect_context *context, const struct
               scene->path, whole->line, region_type_names[whole->type], l->spacing[0]);
 }
 
-/* Rain and inflows need a face of soil. A face takes the water of one rain, or of one inflow: of
- * two that share it one would be lost. */
-static enum status check_faces(const struct effect_context *context, const struct region *region) {
+/* Whether the free water of a window (open_water_find) is beside a site. */
+static bool is_beside_water(const struct effect_context *context, const struct region *window,
+                            const uint16_t *water, size_t site) {
+  const struct lattice *l = context->lattice;
+  for (int side = 0; side < 6; side++) {
+    const size_t next = domain_beyond(context->scene, l, site, side / 2, side % 2 == 0);
+    if (next != l->count && water[next] == window->first + 1) return true;
+  }
+  return false;
+}
+
+/* Rain and inflows need a face of soil; `water`: open_water_find, or NULL. A face takes the water
+ * of one rain, or of one inflow: of two that share it one would be lost. */
+static enum status check_faces(const struct effect_context *context, const struct region *region,
+                               const uint16_t *water) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const bool rain = region->type == REGION_RAIN;
@@ -120,9 +132,9 @@ static enum status check_faces(const struct effect_context *context, const struc
     const size_t at[3] = {site % l->size[0], site / l->size[0] % l->size[1],
                           site / l->size[0] / l->size[1]};
     double x[3], share = 0;
-    if (l->kind[site] != SITE_FLUID ||
-        (!rain && domain_beyond(scene, l, site, axis, low) != l->count))
-      continue;
+    if (l->kind[site] != SITE_FLUID) continue;
+    reached = reached || (water != NULL && is_beside_water(context, region, water, site));
+    if (!rain && domain_beyond(scene, l, site, axis, low) != l->count) continue;
     for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)at[a] * l->spacing[a];
     const struct region *found = rain ? domain_rain_at(scene, l, site, x, &share)
                                       : domain_inflow_at(scene, l, x, axis, low, &share);
@@ -158,7 +170,7 @@ static enum status check_full(const struct effect_context *context) {
   for (size_t r = 0; r < scene->region_count && status == STATUS_OK; r++) {
     const struct region *region = &scene->regions[r];
     if (region->first == r && region_is_sink(region)) status = check_well(context, region);
-    if (status == STATUS_OK) status = check_faces(context, region);
+    if (status == STATUS_OK) status = check_faces(context, region, NULL);
   }
   return status;
 }
@@ -180,9 +192,10 @@ enum status richards_refuse(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     TRY(check_region(scene, region));
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
-    TRY(check_faces(context, region));
   }
   TRY(open_water_find(scene, context->lattice, &water)); /* windows that fill one place */
+  for (size_t r = 0; r < scene->region_count; r++)
+    TRY(check_faces(context, &scene->regions[r], water));
 cleanup:
   memory_free(&water);
   return status;
