@@ -288,16 +288,18 @@ static double model_surface(const struct voxel_model *model) {
   const size_t *n = model->size, step[3] = {1, n[0], n[0] * n[1]};
   uint64_t cx = 0, cy = 0, cz = 0;
 #pragma omp parallel for schedule(static) reduction(+ : cx, cy, cz)
-  for (size_t line = 0; line < n[1] * n[2]; line++)
+  for (size_t line = 0; line < n[1] * n[2]; line++) {
+    const size_t y = line % n[1], z = line / n[1]; // NOLINT: there is a line
+    const uint8_t *here = model->solid + line * n[0];
+    const uint8_t *above = y + 1 < n[1] ? here + step[1] : here - (n[1] - 1) * step[1];
+    const uint8_t *behind = z + 1 < n[2] ? here + step[2] : here - (n[2] - 1) * step[2];
     for (size_t x = 0; x < n[0]; x++) {
-      // NOLINTNEXTLINE: there is a line
-      const size_t at[3] = {x, line % n[1], line / n[1]}, i = line * n[0] + x;
-      for (int a = 0; a < 3; a++) {
-        const size_t next = at[a] + 1 < n[a] ? i + step[a] : i - (n[a] - 1) * step[a];
-        if (model->solid[next] == model->solid[i]) continue;
-        *(a == 0 ? &cx : a == 1 ? &cy : &cz) += crossing_of(model, at, a);
-      }
+      const size_t at[3] = {x, y, z};
+      if (here[x] != here[x + 1 < n[0] ? x + 1 : 0]) cx += crossing_of(model, at, 0);
+      if (here[x] != above[x]) cy += crossing_of(model, at, 1);
+      if (here[x] != behind[x]) cz += crossing_of(model, at, 2);
     }
+  }
   const uint64_t crossings[3] = {cx, cy, cz};
   double sum = 0.0, sites = (double)model_site_count(model);
   for (int d = 0; d < 3; d++) sum += (double)crossings[d] / CROSSING_UNIT / model->spacing[d];

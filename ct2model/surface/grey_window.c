@@ -136,32 +136,53 @@ static void near_rows(const struct grey_window *window, size_t y, size_t deep, s
   rows[Z_LAST] = deep > 0 ? rows[HERE] - ny : rows[HERE];
 }
 
-/* The grey at a voxel, or at the nearest one that is held and lies in the region. */
-static double grey_at(const struct grey_window *window, long x, long y, long z) {
+/* Index in the field of a voxel, or of the nearest one that is held and lies in the region, along
+ * an axis. */
+static size_t place_along(const struct grey_window *window, int axis, long at) {
   const size_t *n = window->region->size;
-  const long low = window->first > 0 ? window->first : 0;
-  const long held = window->first + (long)window->depth - 1, last = (long)n[2] - 1;
-  const long high = held < last ? held : last;
-  x = x < 0 ? 0 : x < (long)n[0] ? x : (long)n[0] - 1;
-  y = y < 0 ? 0 : y < (long)n[1] ? y : (long)n[1] - 1;
-  z = z < low ? low : z > high ? high : z;
-  return window->field[((size_t)(z - window->first) * n[1] + (size_t)y) * n[0] + (size_t)x];
+  const long held = window->first + (long)window->depth - 1, last = (long)n[axis] - 1;
+  const long low = axis == 2 && window->first > 0 ? window->first : 0;
+  const long high = axis == 2 && held < last ? held : last;
+  at = at < low ? low : at > high ? high : at;
+  return axis == 0   ? (size_t)at
+         : axis == 1 ? (size_t)at * n[0]
+                     : (size_t)(at - window->first) * n[0] * n[1];
+}
+
+static int grey_at(const struct grey_window *window, long x, long y, long z) {
+  return window
+      ->field[place_along(window, 0, x) + place_along(window, 1, y) + place_along(window, 2, z)];
 }
 
 /* Weight of the change of phase from a voxel to the next one along an axis. The normal is the sum,
  * over both voxels, of central differences averaged across with weights 1, 2, 1 (Sobel): normals
  * tilted by noise would reduce the area by some per cent. */
 static uint64_t weight_of(const struct grey_window *window, const long at[3], int axis) {
-  double gradient[3] = {0};
-  for (int n = 0; n < 54; n++) {
-    const int d[3] = {n % 3 - 1, n / 3 % 3 - 1, n / 9 % 3 - 1};
-    long to[3] = {at[0] + d[0], at[1] + d[1], at[2] + d[2]};
-    if (n >= 27) to[axis]++;
-    const double grey = grey_at(window, to[0], to[1], to[2]);
-    const int w[3] = {2 - abs(d[0]), 2 - abs(d[1]), 2 - abs(d[2])};
-    for (int a = 0; a < 3; a++) gradient[a] += grey * d[a] * w[(a + 1) % 3] * w[(a + 2) % 3];
+  /* Averages and differences of one voxel, and the sums of those of two. */
+  static const int means[2][4] = {{1, 2, 1, 0}, {1, 3, 3, 1}},
+                   steps[2][4] = {{-1, 0, 1, 0}, {-1, -1, 1, 1}};
+  const int *mean[3], *step[3];
+  size_t place[3][4];
+  int64_t sum[3] = {0};
+  for (int a = 0; a < 3; a++) {
+    mean[a] = means[a == axis];
+    step[a] = steps[a == axis];
+    for (int i = 0; i < 4; i++) place[a][i] = place_along(window, a, at[a] + i - 1);
   }
-  for (int a = 0; a < 3; a++) gradient[a] /= window->region->voxel[a];
+  for (int k = 0; k < 3 + (axis == 2); k++)
+    for (int j = 0; j < 3 + (axis == 1); j++) {
+      const int16_t *row = window->field + place[2][k] + place[1][j];
+      int average = 0, difference = 0;
+      for (int i = 0; i < 4; i++) {
+        average += mean[0][i] * row[place[0][i]];
+        difference += step[0][i] * row[place[0][i]];
+      }
+      sum[0] += difference * mean[1][j] * mean[2][k];
+      sum[1] += average * step[1][j] * mean[2][k];
+      sum[2] += average * mean[1][j] * step[2][k];
+    }
+  double gradient[3];
+  for (int a = 0; a < 3; a++) gradient[a] = (double)sum[a] / window->region->voxel[a];
   return crossing_weight(gradient, axis);
 }
 
@@ -344,6 +365,7 @@ bool grey_window_in_grain(const struct grey_window *window, const double point[3
       at[d] = low[d] + (long)(c >> d & 1);
       weight *= (c >> d & 1) != 0 ? part[d] : 1.0 - part[d];
     }
+    if (weight == 0.0) continue; /* most centres are those of voxels of the scan */
     size_t x = (size_t)(at[0] + (long)size[0]) % size[0];
     size_t y = (size_t)(at[1] + (long)size[1]) % size[1];
     long deep = at[2] - window->first;
