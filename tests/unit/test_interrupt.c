@@ -196,10 +196,10 @@ static void test_cascade(void **state) {
 }
 /* The last lattice is one that was chosen, with which the error was expected to be reached. Until
  * its first round is over the one before it is what is kept, and both are set up anew: that takes
- * their part of the points of all lattices, .745, at most. The last three have .91 of them. */
+ * their part of the points of all lattices at most. */
 static void long_test_chosen_lattice(void **state) {
   (void)state;
-  static const char options[] = "--error 4%", run[] = "sphsolve run scene.cfg -o out --quiet ";
+  static const char options[] = "--error 1.25%", run[] = "sphsolve run scene.cfg -o out --quiet ";
   char start[100];
   struct h5_file *file;
   double *spacing = NULL, *points = NULL, all = 0.0;
