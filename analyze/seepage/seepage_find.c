@@ -84,9 +84,10 @@ static void find_exit(struct seepage *s, size_t i, int side) {
                more = f->dx * (mean[2] - mean[0] * along[1] / square), water = s->phreatic[out],
                least = isfinite(water) ? water : 0;
   const double noise = s->surface_error * sqrt(1.0 / EXIT_COLUMNS + mean[0] * mean[0] / square);
-  if (!(along[0] > 0) || !(s->phreatic[at - side] > least + f->dz)) return;
+  if (!(along[0] > 0) || !(s->phreatic[at - side] > least + f->dz) || !(level + more > least))
+    return;
   s->exits[s->exit_count++] = (struct surface_exit){.x = head_field_x(f, i) + 0.5 * side * f->dx,
-                                                    .z = fmax(level + more, least),
+                                                    .z = level + more,
                                                     .error = hypot(0.5 * more, noise),
                                                     .outside = water};
 }

@@ -218,8 +218,11 @@ static void read_resolution(const struct tiff_layout *layout, const char *descri
   double edge[2];
   for (int a = 0; a < 2; a++)
     edge[a] = layout->resolution[a] > 0.0f ? 1.0 / (double)layout->resolution[a] : 1.0;
-  if (image->voxel_source == NULL)
-    image_tell_edges(image, edge[0], edge[1], tiff_spacing(description), "resolution or spacing");
+  if (image->voxel_source == NULL) /* spacing is in the unit of a resolution that has no other */
+    image_tell_edges(image, edge[0], edge[1],
+                     isnan(metres) || !(layout->resolution[0] > 0.0f) ? tiff_spacing(description)
+                                                                      : NAN,
+                     "resolution or spacing");
 }
 
 /* Whether both pages tell how large pixels are, and not the same. */

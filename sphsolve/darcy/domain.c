@@ -71,9 +71,13 @@ const struct region *domain_inflow_at(const struct scene *scene, const struct la
 
 const struct region *domain_rain_at(const struct scene *scene, const struct lattice *lattice,
                                     size_t at, const double x[3], double *share) {
+  size_t below = at;
   for (size_t above = domain_beyond(scene, lattice, at, 2, false); above != lattice->count;
-       above = domain_beyond(scene, lattice, above, 2, false))
-    if (above == at || lattice->kind[above] != SITE_EMPTY) return NULL;
+       above = domain_beyond(scene, lattice, above, 2, false)) {
+    if (above == at || lattice->kind[above] != SITE_EMPTY || thin_wall_on_face(lattice, below, 2))
+      return NULL;
+    below = above;
+  }
   const struct region *found = NULL;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];

@@ -2,6 +2,7 @@
  * message that says why, and what would work. */
 #include <math.h>
 
+#include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
 #include "sphsolve/darcy/constants.h"
@@ -118,13 +119,23 @@ static bool is_beside_water(const struct effect_context *context, const struct r
   return false;
 }
 
-/* Rain and inflows need a face of soil; `water`: open_water_find, or NULL. A face takes the water
- * of one rain, or of one inflow: of two that share it one would be lost. */
+/* The window whose free water (`water`: open_water_find) is above a site; NULL: none. */
+static const struct region *water_above(const struct effect_context *context, const uint16_t *water,
+                                        size_t site) {
+  const size_t above = domain_beyond(context->scene, context->lattice, site, 2, false);
+  if (water == NULL || above == context->lattice->count || water[above] == 0) return NULL;
+  return &context->scene->regions[water[above] - 1];
+}
+
+/* Rain and inflows need a face of soil, and a head a place beside its window: there may be no water
+ * at times. `water`: open_water_find, or NULL. A face takes the water of one rain, or of one
+ * inflow: of two that share it one would be lost. */
 static enum status check_faces(const struct effect_context *context, const struct region *region,
                                const uint16_t *water) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const bool rain = region->type == REGION_RAIN;
+  const struct region *drowned = NULL; /* the window in whose water rain falls */
   bool low = false, reached = false;
   if (!rain && region->type != REGION_INFLOW) return STATUS_OK;
   const int axis = rain ? 2 : scene_inflow_axis(scene, region, &low);
@@ -132,13 +143,21 @@ static enum status check_faces(const struct effect_context *context, const struc
     const size_t at[3] = {site % l->size[0], site / l->size[0] % l->size[1],
                           site / l->size[0] / l->size[1]};
     double x[3], share = 0;
-    if (l->kind[site] != SITE_FLUID) continue;
-    reached = reached || (water != NULL && is_beside_water(context, region, water, site));
-    if (!rain && domain_beyond(scene, l, site, axis, low) != l->count) continue;
+    const bool side = domain_beyond(scene, l, site, axis, low) == l->count;
+    if (l->kind[site] == SITE_FLUID && water != NULL)
+      reached = reached || is_beside_water(context, region, water, site);
+    if (l->kind[site] == SITE_WALL || (!rain && !side)) continue;
     for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)at[a] * l->spacing[a];
-    const struct region *found = rain ? domain_rain_at(scene, l, site, x, &share)
-                                      : domain_inflow_at(scene, l, x, axis, low, &share);
+    const struct region *inflow = side ? domain_inflow_at(scene, l, x, axis, low, &share) : NULL;
+    if (l->kind[site] == SITE_EMPTY) {
+      reached = reached || (inflow == region && region->boundary == BOUNDARY_HEAD);
+      continue;
+    }
+    const struct region *found =
+        rain && inflow == NULL ? domain_rain_at(scene, l, site, x, &share) : inflow;
     reached = reached || found == region;
+    if (rain && found == region && water_above(context, water, site) != NULL)
+      drowned = water_above(context, water, site);
     if (found == NULL || found == region || (!rain && region->boundary != BOUNDARY_FLUX) ||
         (rain && x[2] > region->box[5]) || !(domain_share(l, x, axis, region->box) > COVERED_LEAST))
       continue;
@@ -148,6 +167,10 @@ static enum status check_faces(const struct effect_context *context, const struc
                 scene->path, region->line, x[0], x[1], x[2], region_type_names[found->type],
                 found->line, l->spacing[0]);
   }
+  if (drowned != NULL && drowned->table.count > 0)
+    log_warning("%s:%d: rain that falls where the water of the window of line %d stands at its "
+                "highest is left out, also while it stands lower",
+                scene->path, region->line, drowned->line);
   if (reached) return STATUS_OK;
   return FAIL(STATUS_INPUT,
               "%s:%d: this %s reaches no soil, so nothing comes in by it: let its box lie on a "
@@ -193,7 +216,7 @@ enum status richards_refuse(const struct effect_context *context) {
     TRY(check_region(scene, region));
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
   }
-  TRY(open_water_find(scene, context->lattice, &water)); /* windows that fill one place */
+  TRY(open_water_find(scene, context->lattice, true, &water)); /* windows that fill one place */
   for (size_t r = 0; r < scene->region_count; r++)
     TRY(check_faces(context, &scene->regions[r], water));
 cleanup:

@@ -244,7 +244,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   }
   TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
   memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
-  if (!s->full) TRY(open_water_find(scene, lattice, &water));
+  if (!s->full) TRY(open_water_find(scene, lattice, false, &water));
   add_faces(s, water, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));

@@ -343,12 +343,12 @@ enum status thin_wall_find_faces(struct lattice *l) {
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t s = k * plane; s < (k + 1) * plane && !interrupt_alone(); s++) {
       const size_t at[3] = {s % l->size[0], s / l->size[0] % l->size[1], k};
-      if (l->kind[s] != SITE_FLUID) continue;
+      if (l->kind[s] == SITE_WALL) continue;
       for (int a = 0; a < 3; a++) {
         if (l->size[a] == 1) continue;
         const int step[3] = {a == 0, a == 1, a == 2};
         const size_t next = next_site(l, s, a);
-        if (l->kind[next] != SITE_FLUID || !thin_wall_cuts(l, at, step, NULL, NULL)) continue;
+        if (l->kind[next] == SITE_WALL || !thin_wall_cuts(l, at, step, NULL, NULL)) continue;
         cut[s] |= (uint8_t)(1U << a);
         count++;
       }
@@ -370,6 +370,7 @@ enum status thin_wall_fill(struct lattice *l) {
     for (int a = 0; a < 3; a++) {
       if (!thin_wall_on_face(l, s, a)) continue;
       const size_t next = next_site(l, s, a);
+      if (l->kind[s] != SITE_FLUID || l->kind[next] != SITE_FLUID) continue;
       wall[l->wall_distance[next] < l->wall_distance[s] ? next : s] = 1;
     }
   /* The ranks of a machine share these arrays, and write the same values. */

@@ -114,7 +114,8 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
       isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
       const double *v = s->velocity[i], *x = s->position[i];
       double basis[4] = {1}, values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
-      for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]];
+      /* of one length for all, also where the supports of soils differ */
+      for (int a = 0; a < 3; a++) basis[a + 1] = r[axis[a]] * s->support[i] / s->support_now;
       for (int a = 0; a < 3; a++) { /* values of the reflected particle: isph/reflection.h */
         if (!(of->turn[a] < 0)) continue;
         values[0] += s->density * s->force[a] * (of->shift[a] - 2 * x[a]);

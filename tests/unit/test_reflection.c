@@ -143,6 +143,29 @@ static void a_gauge_in_soil_sees_images(void **state) {
   finish(&run);
 }
 
+/* Particles in soil have a larger support than those of free water: the fit is exact for a linear
+ * pressure beside the edge of soil as well. */
+static void a_gauge_beside_soil_is_exact(void **state) {
+  struct run run;
+  (void)state;
+  start(&run, "domain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
+              "false]; };\n"
+              "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.14 m\"]; },\n"
+              "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; porosity = 0.2; "
+              "permeability = \"0.1 m/s\"; } );\n"
+              "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  struct isph *s = &run.s;
+  for (size_t i = 0; i < s->count; i++) s->pressure[i] = 9810 * (0.14 - s->position[i][2]);
+  for (int k = -2; k <= 2; k++) {
+    const double z = 0.1 + 0.004 * k;
+    double number[GAUGE_NUMBERS];
+    isph_read_gauge(s, (double[3]){0.1, 0, z}, number);
+    assert_true(fabs(number[0] - 9810 * (0.14 - z)) < 1e-9);
+  }
+  finish(&run);
+}
+
 /* A row of particles below a gauge, as the tip of a wave, tells nothing of the pressure up there:
  * it reads as in a void. */
 static void a_gauge_beyond_the_water_reads_nothing(void **state) {
@@ -181,6 +204,7 @@ int main(void) {
       cmocka_unit_test(a_side_carries_the_weight),
       cmocka_unit_test(a_gauge_on_a_side_sees_images),
       cmocka_unit_test(a_gauge_in_soil_sees_images),
+      cmocka_unit_test(a_gauge_beside_soil_is_exact),
       cmocka_unit_test(a_gauge_beyond_the_water_reads_nothing),
       cmocka_unit_test(narrow_domains_do_not_reflect),
   };

@@ -421,7 +421,7 @@ static void reservoir(void **state) {
         "};\nregions = ( { type = \"porous\"; box = [\"0.6 m\", \"0\", \"1 m\", \"1 m\"]; " SAND
         "head = \"0.2 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"1.2 m\"]; "
         "times = [\"0 s\", \"1 h\", \"2 h\"]; head = [\"0.2 m\", \"0.8 m\", \"0.3 m\"]; }, "
-        "{ type = \"wall\"; box = [\"0.3 m\", \"0\", \"0.5 m\", \"0.4 m\"]; } );\n" GRAVITY);
+        "{ type = \"wall\"; box = [\"0.3 m\", \"0\", \"0.5 m\", \"0.1 m\"]; } );\n" GRAVITY);
   assert_int_equal(pool.s.count, face.s.count);
   for (double t = 600; t <= 10800; t += 600) {
     advance(&face, t);
@@ -432,6 +432,31 @@ static void reservoir(void **state) {
   }
   finish(&pool);
   finish(&face);
+}
+
+/* A sheet pile thinner than the spacing holds the water of a reservoir, and a crest that the
+ * lattice has half a spacing above it. */
+static void held_back(void **state) {
+  (void)state;
+  static const char *const between[] = {
+      "{ type = \"wall\"; box = [\"0.31 m\", \"0\", \"0.32 m\", \"1.2 m\"]; }",
+      "{ type = \"wall\"; box = [\"0.3 m\", \"0\", \"0.4 m\", \"0.8 m\"]; }"};
+  for (int k = 0; k < 2; k++) {
+    struct run run;
+    char scene[2000];
+    snprintf(scene, sizeof scene,
+             "scene = { end_time = \"1 d\"; };\n"
+             "domain = { size = [\"1 m\", \"1.2 m\"]; spacing = \"5 cm\"; periodic = [false, "
+             "false]; };\nregions = ( { type = \"porous\"; box = [\"0.6 m\", \"0\", \"1 m\", \"1 "
+             "m\"]; " SAND
+             "head = \"0.2 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"1.2 m\"]; "
+             "head = \"0.82 m\"; }, %s );\n" GRAVITY,
+             between[k]);
+    start(&run, scene);
+    advance(&run, 3600);
+    assert_true(run.s.entered[1] == 0);
+    finish(&run);
+  }
 }
 
 /* Filters beside clay, with sites many times 1/alpha high: Newton's method converges as squares
@@ -573,11 +598,11 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),   cmocka_unit_test(haverkamp),  cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),   cmocka_unit_test(rows),       cmocka_unit_test(rain),
-      cmocka_unit_test(fills),    cmocka_unit_test(ditch),      cmocka_unit_test(reservoir),
-      cmocka_unit_test(coarse),   cmocka_unit_test(wells),      cmocka_unit_test(evaporation),
-      cmocka_unit_test(sorption), cmocka_unit_test(too_much),   cmocka_unit_test(falling_head),
-      cmocka_unit_test(ponding),  cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
+      cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(reservoir),
+      cmocka_unit_test(held_back),    cmocka_unit_test(coarse),    cmocka_unit_test(wells),
+      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
+      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
