@@ -32,6 +32,12 @@ size_t domain_soil_at(const struct scene *scene, const double x[3]) {
   return scene->region_count;
 }
 
+void domain_place(const struct lattice *l, size_t at, double x[3]) {
+  const size_t place[3] = {at % l->size[0], at / l->size[0] % l->size[1],
+                           at / (l->size[0] * l->size[1])};
+  for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)place[a] * l->spacing[a];
+}
+
 size_t domain_beyond(const struct scene *scene, const struct lattice *l, size_t at, int axis,
                      bool low) {
   const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
@@ -154,7 +160,6 @@ static void add_window(const struct region *window, struct body *body) {
  * crossed on the way to it; `stack` has room for all sites. */
 static void follow(const struct scene *scene, const struct lattice *l, size_t from, bool *seen,
                    int16_t (*image)[3], uint32_t *stack, struct body *body) {
-  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
   size_t n = 1;
   *body = (struct body){.top = -INFINITY};
   stack[0] = (uint32_t)from, seen[from] = true;
@@ -162,8 +167,7 @@ static void follow(const struct scene *scene, const struct lattice *l, size_t fr
   while (n > 0) {
     const size_t at = stack[--n];
     double x[3];
-    for (int a = 0; a < 3; a++)
-      x[a] = l->origin[a] + (double)(at / stride[a] % l->size[a]) * l->spacing[a];
+    domain_place(l, at, x);
     body->top = fmax(body->top, x[2] + 0.5 * l->spacing[2]);
     for (int side = 0; side < 6; side++) {
       const int axis = side / 2;
@@ -177,8 +181,7 @@ static void follow(const struct scene *scene, const struct lattice *l, size_t fr
       }
       if (thin_wall_on_face(l, low ? next : at, axis)) continue;
       body->free = body->free || l->kind[next] == SITE_EMPTY;
-      for (int a = 0; a < 3; a++)
-        y[a] = l->origin[a] + (double)(next / stride[a] % l->size[a]) * l->spacing[a];
+      domain_place(l, next, y);
       if (l->kind[next] != SITE_FLUID || domain_soil_at(scene, y) < scene->region_count) continue;
       int16_t there[3];
       memcpy(there, image[at], sizeof there);
@@ -207,10 +210,8 @@ static enum status look_at_water(const struct effect_context *context, const cha
   TRY(memory_allocate(&image, l->count, sizeof *image, "free water"));
   TRY(memory_allocate(&stack, l->count, sizeof *stack, "free water"));
   for (size_t at = 0; at < l->count && *why == NULL; at++) {
-    const size_t row = at / l->size[0];
-    const double x[3] = {l->origin[0] + (double)(at % l->size[0]) * l->spacing[0],
-                         l->origin[1] + (double)(row % l->size[1]) * l->spacing[1],
-                         l->origin[2] + (double)(row / l->size[1]) * l->spacing[2]};
+    double x[3];
+    domain_place(l, at, x);
     const bool soil = domain_soil_at(scene, x) < scene->region_count;
     struct body body;
     if (soil && l->kind[at] == SITE_EMPTY) *why = "some of the soil is dry";

@@ -16,6 +16,8 @@ bool domain_is_full(const struct scene *scene);
 bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
 /* Region of the soil at a place, the last that contains it; region_count: none. */
 size_t domain_soil_at(const struct scene *scene, const double x[3]);
+/* Place of the middle of site `at`, m. */
+void domain_place(const struct lattice *lattice, size_t at, double x[3]);
 /* The site beyond a face of site `at`, or the lattice's count if there is none. */
 size_t domain_beyond(const struct scene *scene, const struct lattice *lattice, size_t at, int axis,
                      bool low);

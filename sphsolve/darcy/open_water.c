@@ -21,12 +21,6 @@ static double centre_of(const struct lattice *l, size_t at) {
   return l->origin[2] + (double)(at / (l->size[0] * l->size[1])) * l->spacing[2];
 }
 
-static void place_of(const struct lattice *l, size_t at, double x[3]) {
-  const size_t place[3] = {at % l->size[0], at / l->size[0] % l->size[1],
-                           at / (l->size[0] * l->size[1])};
-  for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)place[a] * l->spacing[a];
-}
-
 /* Whether a site is an empty place whose lower end is below the highest head. */
 static bool is_below(const struct fill *f, size_t at) {
   const double low = centre_of(f->l, at) - 0.5 * f->l->spacing[2];
@@ -39,7 +33,7 @@ static bool is_at_window(const struct fill *f, size_t at) {
     double x[3], share = 0;
     if (domain_beyond(f->scene, l, at, side / 2, side % 2 == 0) != l->count) continue;
     if (l->dimensions == 2 && side / 2 == 1) continue;
-    place_of(l, at, x);
+    domain_place(l, at, x);
     const struct region *window = domain_inflow_at(f->scene, l, x, side / 2, side % 2 == 0, &share);
     if (window != NULL && window->first == f->window->first) return true;
   }
@@ -56,7 +50,7 @@ static enum status refuse_two(const struct fill *f, size_t at) {
 
 static enum status refuse_crest(const struct fill *f, size_t at) {
   double x[3];
-  place_of(f->l, at, x);
+  domain_place(f->l, at, x);
   return FAIL(STATUS_INPUT,
               "%s:%d: at the higher of its heads the water of this window flows over the crest at "
               "(%g, %g, %g) m, at the lower ones it does not reach what is behind, whose level "
@@ -130,7 +124,7 @@ enum status open_water_find(const struct scene *scene, const struct lattice *l, 
     TRY(fill_window(&f));
     if (!tell || f.crest == l->count) continue;
     double x[3];
-    place_of(l, f.crest, x);
+    domain_place(l, f.crest, x);
     log_warning("%s:%d: the water of this window flows over (%.4g, %.4g, %.4g) m, and stands at "
                 "its head in the lower space behind as well",
                 scene->path, f.window->line, x[0], x[1], x[2] - 0.5 * l->spacing[2]);

@@ -140,14 +140,12 @@ static enum status check_faces(const struct effect_context *context, const struc
   if (!rain && region->type != REGION_INFLOW) return STATUS_OK;
   const int axis = rain ? 2 : scene_inflow_axis(scene, region, &low);
   for (size_t site = 0; site < l->count; site++) {
-    const size_t at[3] = {site % l->size[0], site / l->size[0] % l->size[1],
-                          site / l->size[0] / l->size[1]};
     double x[3], share = 0;
     const bool side = domain_beyond(scene, l, site, axis, low) == l->count;
     if (l->kind[site] == SITE_FLUID && water != NULL)
       reached = reached || is_beside_water(context, region, water, site);
     if (l->kind[site] == SITE_WALL || (!rain && !side)) continue;
-    for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)at[a] * l->spacing[a];
+    domain_place(l, site, x);
     const struct region *inflow = side ? domain_inflow_at(scene, l, x, axis, low, &share) : NULL;
     if (l->kind[site] == SITE_EMPTY) {
       reached = reached || (inflow == region && region->boundary == BOUNDARY_HEAD);
