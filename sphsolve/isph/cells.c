@@ -20,9 +20,13 @@ uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]) {
   return (uint32_t)((at[axis[2]] * n[axis[1]] + at[axis[1]]) * n[axis[0]] + at[axis[0]]);
 }
 
+/* A row is cut into this many cells for each that its width would give: points near a place then
+ * lie in short stretches of rows, which cost no more to visit. */
+#define ROW_CUTS 4
+
 enum status isph_cells_shape(const struct isph *s, double margin, struct isph_cells *cells) {
-  double wanted = 0.5 * s->scene->isph.support_ratio * s->spacing;
-  double total = 1;
+  double wanted = 0.75 * s->scene->isph.support_ratio * s->spacing;
+  double total = ROW_CUTS;
   for (int a = 0; a < 3; a++) {
     double beyond = s->periodic[a] || (s->dimensions == 2 && a == 1) ? 0 : margin;
     double length = s->high[a] - s->low[a] + 2 * beyond;
@@ -31,19 +35,19 @@ enum status isph_cells_shape(const struct isph *s, double margin, struct isph_ce
     cells->size[a] = length / cells->count[a];
     total *= cells->count[a];
   }
+  if (total > 1e9)
+    return FAIL(STATUS_INPUT,
+                "domain: %.2g cells of %.3g m; make the domain smaller or the "
+                "spacing wider",
+                total / ROW_CUTS, wanted);
   /* Ranks divide the domain into layers across its longest axis, since these have the fewest cells.
    */
   int longest = 2;
   for (int a = 1; a >= 0; a--)
     if (cells->count[a] > cells->count[longest]) longest = a;
-  cells->axis[0] = longest == 0 ? 1 : 0;
-  cells->axis[1] = longest == 2 ? 1 : 2;
-  cells->axis[2] = longest;
-  if (total > 1e9)
-    return FAIL(STATUS_INPUT,
-                "domain: %.2g cells of %.3g m; make the domain smaller or the "
-                "spacing wider",
-                total, wanted);
+  const int row = longest != 0 ? 0 : s->dimensions == 2 ? 2 : 1;
+  cells->axis[0] = row, cells->axis[1] = 3 - row - longest, cells->axis[2] = longest;
+  cells->count[row] *= ROW_CUTS, cells->size[row] /= ROW_CUTS;
   return memory_allocate(&cells->start, (size_t)total + 1, sizeof *cells->start, "cells");
 }
 
@@ -73,84 +77,84 @@ cleanup:
   return status;
 }
 
-/* Distance of x from the interval 0 .. size. */
-static inline double outside(double x, double size) {
-  return x < 0 ? -x : x > size ? x - size : 0;
+/* Distance between two intervals. */
+static inline double gap(double low, double high, double from, double to) {
+  return low > to ? low - to : from > high ? from - high : 0;
 }
 
-size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
-                          const uint32_t *order, double (*x)[3], const double xi[3], double reach,
-                          uint32_t *candidates) {
-  size_t found = 0;
-  double reach2 = reach * reach;
+size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells, const double low[3],
+                          const double high[3], double reach, struct isph_stretch *found) {
+  size_t n = 0, points = 0;
+  const double per = 1 / cells->size[cells->axis[0]];
   const int x0 = cells->axis[0], b = cells->axis[1], c = cells->axis[2];
   int from[3], to[3];
   for (int a = 0; a < 3; a++) {
     const bool images = s->periodic[a] || s->reflects[a];
-    from[a] = images && xi[a] - reach < s->low[a] ? -1 : 0;
-    to[a] = images && xi[a] + reach > s->high[a] ? 1 : 0;
+    from[a] = images && low[a] - reach < s->low[a] ? -1 : 0;
+    to[a] = images && high[a] + reach > s->high[a] ? 1 : 0;
   }
   for (int sz = from[2]; sz <= to[2]; sz++)
     for (int sy = from[1]; sy <= to[1]; sy++)
       for (int sx = from[0]; sx <= to[0]; sx++) {
         uint32_t code = (uint32_t)((sx + 1) + 3 * (sy + 1) + 9 * (sz + 1));
         const struct isph_image *image = &s->image[code];
-        double at[3];
-        int low[3], high[3];
+        double begin[3], end[3]; /* of the box, from the origin of the cells */
+        int first[3], last[3];
         bool empty = false;
         for (int a = 0; a < 3; a++) {
-          at[a] = image->turn[a] * (xi[a] - image->shift[a]);
-          double first = (at[a] - reach - cells->origin[a]) / cells->size[a];
-          double last = (at[a] + reach - cells->origin[a]) / cells->size[a];
-          empty = empty || last < 0 || first >= cells->count[a];
-          low[a] = clamp_index(first, cells->count[a]);
-          high[a] = clamp_index(last, cells->count[a]);
+          const double p = image->turn[a] * (low[a] - image->shift[a]) - cells->origin[a];
+          const double q = image->turn[a] * (high[a] - image->shift[a]) - cells->origin[a];
+          begin[a] = p < q ? p : q, end[a] = p < q ? q : p;
+          const double lowest = (begin[a] - reach) / cells->size[a];
+          const double highest = (end[a] + reach) / cells->size[a];
+          empty = empty || highest < 0 || lowest >= cells->count[a];
+          first[a] = clamp_index(lowest, cells->count[a]);
+          last[a] = clamp_index(highest, cells->count[a]);
         }
         if (empty) continue;
-        for (int cz = low[c]; cz <= high[c]; cz++) {
-          double z0 = cells->origin[c] + cz * cells->size[c];
-          double dz = outside(at[c] - z0, cells->size[c]);
-          for (int cy = low[b]; cy <= high[b]; cy++) {
-            double y0 = cells->origin[b] + cy * cells->size[b];
-            double dy = outside(at[b] - y0, cells->size[b]);
-            if (dy * dy + dz * dz > reach2) continue;
-            size_t row =
+        for (int cz = first[c]; cz <= last[c]; cz++) {
+          const double dz = gap(begin[c], end[c], cz * cells->size[c], (cz + 1) * cells->size[c]);
+          for (int cy = first[b]; cy <= last[b]; cy++) {
+            const double dy = gap(begin[b], end[b], cy * cells->size[b], (cy + 1) * cells->size[b]);
+            const double left = reach * reach - dy * dy - dz * dz;
+            if (left < 0) continue;
+            const size_t row =
                 ((size_t)cz * (size_t)cells->count[b] + (size_t)cy) * (size_t)cells->count[x0];
-            uint32_t begin = cells->start[row + (size_t)low[x0]];
-            uint32_t end = cells->start[row + (size_t)high[x0] + 1];
-            if (found + (end - begin) > ISPH_CANDIDATES) return ISPH_CANDIDATES + 1;
-            for (uint32_t k = begin; k < end; k++) {
-              uint32_t j = order != NULL ? order[k] : k;
-              double rx = at[0] - x[j][0], ry = at[1] - x[j][1], rz = at[2] - x[j][2];
-              candidates[found] = j | code << PAIR_BITS;
-              found += rx * rx + ry * ry + rz * rz < reach2;
-            }
+            const double along = sqrt(left);
+            const int l = clamp_index((begin[x0] - along) * per, cells->count[x0]);
+            const int h = clamp_index((end[x0] + along) * per, cells->count[x0]);
+            found[n].begin = cells->start[row + (size_t)l];
+            found[n].end = cells->start[row + (size_t)h + 1];
+            found[n].code = code;
+            points += found[n].end - found[n].begin;
+            n += found[n].end > found[n].begin;
+            if (points > ISPH_CANDIDATES || n == ISPH_STRETCHES) return ISPH_STRETCHES;
           }
         }
       }
-  return found;
+  return n;
 }
 
 enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]) {
-  uint32_t candidates[ISPH_CANDIDATES];
+  struct isph_stretch near[ISPH_STRETCHES];
   double he = support, w, slope;
   *kernel_sum = 0;
   velocity[0] = velocity[1] = velocity[2] = 0;
-  size_t n = isph_cells_collect(s, &s->cells, NULL, s->position, x, he, candidates);
-  if (n > ISPH_CANDIDATES)
+  size_t n = isph_cells_collect(s, &s->cells, x, x, he, near);
+  if (n == ISPH_STRETCHES)
     return FAIL(STATUS_NUMERIC, "t = %.4g s: particles crowd at an inflow; use a smaller isph.dt",
                 s->time);
-  for (size_t k = 0; k < n; k++) {
-    double r[3];
-    uint32_t j = candidates[k] & PAIR_MASK;
-    isph_separation(s, x, s->position, candidates[k], r);
-    isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]),
-                he, &w, &slope);
-    w *= s->kernel_w * s->volume[j];
-    *kernel_sum += w;
-    for (int a = 0; a < 3; a++) velocity[a] += w * s->velocity[j][a];
-  }
+  for (size_t k = 0; k < n; k++)
+    for (uint32_t j = near[k].begin; j < near[k].end; j++) {
+      double r[3];
+      isph_separation(s, x, s->position, j | near[k].code << PAIR_BITS, r);
+      if (dot(r, r) >= he * he) continue;
+      isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(dot(r, r)), he, &w, &slope);
+      w *= s->kernel_w * s->volume[j];
+      *kernel_sum += w;
+      for (int a = 0; a < 3; a++) velocity[a] += w * s->velocity[j][a];
+    }
   if (*kernel_sum > 0)
     for (int a = 0; a < 3; a++) velocity[a] /= *kernel_sum;
   return STATUS_OK;

@@ -5,6 +5,7 @@
 #include "sphsolve/isph/state.h"
 
 #define ISPH_CANDIDATES 8192 /* most candidates for the neighbours of a particle */
+#define ISPH_STRETCHES 4096  /* most stretches of rows that they lie in */
 
 /* Divides the domain, `margin` (m) wider, into cells. */
 enum status isph_cells_shape(const struct isph *s, double margin, struct isph_cells *cells);
@@ -15,11 +16,15 @@ void isph_cells_sort(const struct isph_cells *cells, size_t n, const uint32_t *c
 /* Boundary particles keep their initial order, so that a resumed run adds up in the same order;
  * only the index of the cells is rebuilt when walls move. */
 enum status isph_sort_walls(struct isph *s);
-/* Collects the entries (index | image) of all points of `cells` closer to xi than `reach`. Returns
- * more than ISPH_CANDIDATES if they do not fit. */
-size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells,
-                          const uint32_t *order, double (*x)[3], const double xi[3], double reach,
-                          uint32_t *candidates);
+/* Points begin .. end of the order by cell, as seen in the image `code`. */
+struct isph_stretch {
+  uint32_t begin, end, code;
+};
+/* Collects the stretches of all points of `cells` that may lie closer than `reach` to the box low
+ * .. high, and of some that do not: fewer than ISPH_STRETCHES, unless these or more than
+ * ISPH_CANDIDATES points would not fit. */
+size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells, const double low[3],
+                          const double high[3], double reach, struct isph_stretch *found);
 /* Kernel sum of water at a point within a support, and the mean velocity of that water. */
 enum status isph_probe(const struct isph *s, const double x[3], double support, double *kernel_sum,
                        double velocity[3]);

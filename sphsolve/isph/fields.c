@@ -92,13 +92,15 @@ char *isph_field_data(const struct isph *s, const struct isph_field *field) {
   return data;
 }
 
-/* With one more, which FOUR of the last may read. */
+/* With room for those that a load of several numbers at the last particle may read beyond it. */
+#define FIELD_ROOM 8
+
 enum status isph_fields_resize(struct isph *s, size_t n) {
   struct isph_field list[ISPH_FIELDS];
   for (size_t k = 0, count = isph_fields(s, list); k < count; k++) {
     if (!list[k].exists) continue;
     enum status status =
-        memory_resize((char *)s + list[k].at, n + 1, list[k].size, "water particles");
+        memory_resize((char *)s + list[k].at, n + FIELD_ROOM, list[k].size, "water particles");
     if (status != STATUS_OK) return status;
   }
   return STATUS_OK;

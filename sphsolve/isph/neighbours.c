@@ -13,7 +13,7 @@
 #include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
-#include "sphsolve/isph/cells.h"
+#include "sphsolve/isph/candidates.h"
 #include "sphsolve/isph/enclosed.h"
 #include "sphsolve/isph/moment.h"
 #include "sphsolve/isph/near_surface.h"
@@ -50,14 +50,14 @@ struct neighbourhood {
   double kernel_sum, gradient_sum[3], moment[6], wall_moment[6];
 };
 
-/* Candidates of a particle, a few at a time: distance vector, volume and support of the pair, and
+/* Neighbours of a particle, a few at a time: distance vector, volume and support of the pair, and
  * the kernel that is found from them; `turned` is the volume of those that are reflected. */
 #define BLOCK 128
 struct block {
   double r[3][BLOCK], volume[BLOCK], turned[BLOCK], support[BLOCK], w[BLOCK], slope[BLOCK];
 } __attribute__((aligned(32)));
 
-/* Finds w and slope of the first n, both 0 beyond the support. */
+/* Finds w and slope of the first n. */
 ROW void find_kernels(enum kernel kernel, int dimensions, const struct isph *s, struct block *b,
                       size_t n) {
   const double scale_w = s->kernel_w, scale_slope = s->kernel_slope;
@@ -66,8 +66,7 @@ ROW void find_kernels(enum kernel kernel, int dimensions, const struct isph *s, 
     const double square = x * x + y * y + z * z;
     double w, slope;
     isph_kernel(kernel, dimensions, sqrt(square), he, &w, &slope);
-    b->w[k] = square < he * he ? w * scale_w : 0;
-    b->slope[k] = square < he * he ? slope * scale_slope : 0;
+    b->w[k] = w * scale_w, b->slope[k] = slope * scale_slope;
   }
 }
 
@@ -132,128 +131,108 @@ static enum isph_images images_near(const struct isph *s, const double x[3], dou
   return images;
 }
 
-/* Finds the pairs of particle i among the candidates and adds up its neighbourhood. */
-ROW void find_pairs(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                    size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
-  const double *xi = s->position[i], hi = s->support[i];
-  const bool held = isph_sides_hold(s);
-  const uint32_t own = (uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS;
-  size_t count = chunk->pair_count;
+/* Appends the chosen candidates to a list, with their slopes, and adds them to the sums. */
+TARGETS static void add_chosen(const struct isph *s, const struct isph_candidates *c,
+                               const uint16_t *chosen, size_t n, const double x[3], double half,
+                               uint32_t *entries, float *slopes, double moment[6],
+                               struct neighbourhood *sums) {
   struct block b;
   for (size_t at = 0; at < n; at += BLOCK) {
     const size_t here = n - at < BLOCK ? n - at : BLOCK;
-    bool turned = false;
+    double turned = 0;
     for (size_t k = 0; k < here; k++) {
-      const uint32_t entry = candidates[at + k], j = entry & PAIR_MASK;
-      const bool reflected = held && isph_is_reflected(images, s, entry);
-      double r[3];
-      isph_separation_at(images, s, xi, s->position, entry, r);
-      if (entry == own) r[0] = 2 * hi; /* no neighbour of its own */
-      for (int a = 0; a < 3; a++) b.r[a][k] = r[a];
-      b.volume[k] = s->volume[j], b.support[k] = 0.5 * (hi + s->support[j]);
-      b.turned[k] = reflected ? b.volume[k] : 0;
-      turned = turned || reflected;
+      const size_t from = chosen[at + k];
+      for (int a = 0; a < 3; a++) b.r[a][k] = x[a] - c->x[a][from];
+      b.volume[k] = c->volume[from], b.turned[k] = c->turned[from];
+      b.support[k] = half + c->half[from];
+      entries[at + k] = c->entry[from];
+      turned += c->turned[from];
     }
-    add_block(s, &b, here, turned, sums->moment, sums);
-    for (size_t k = 0; k < here; k++) {
-      chunk->pair[count] = candidates[at + k];
-      chunk->slope[count] = (float)b.slope[k];
-      count += b.w[k] > 0;
-    }
-  }
-  chunk->pair_count = count;
-}
-
-/* Whether the wall particle of an entry has moved out of the domain through a reflecting side. */
-static bool is_beyond(const struct isph *s, uint32_t entry) {
-  const double *x = s->boundary_position[entry & PAIR_MASK];
-  for (int a = 0; a < 3; a++)
-    if (s->reflects[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
-  return false;
-}
-
-/* As find_pairs, for pairs with boundary particles. */
-ROW void find_walls(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
-                    size_t i, const uint32_t *candidates, size_t n, struct neighbourhood *sums) {
-  struct block b;
-  for (size_t at = 0; at < n;) {
-    size_t here = 0;
-    for (; at < n && here < BLOCK; at++) {
-      double r[3];
-      if (isph_is_reflected(images, s, candidates[at]) && is_beyond(s, candidates[at])) continue;
-      isph_separation_at(images, s, s->position[i], s->boundary_position, candidates[at], r);
-      for (int a = 0; a < 3; a++) b.r[a][here] = r[a];
-      b.volume[here] = isph_wall_volume(s, candidates[at] & PAIR_MASK);
-      b.support[here] = s->support[i];
-      chunk->wall[chunk->wall_count + here++] = candidates[at];
-    }
-    add_block(s, &b, here, false, sums->wall_moment, sums);
-    for (size_t k = 0; k < here; k++) chunk->wall_slope[chunk->wall_count++] = (float)b.slope[k];
+    add_block(s, &b, here, turned > 0, moment, sums);
+    for (size_t k = 0; k < here; k++) slopes[at + k] = (float)b.slope[k];
   }
 }
 
-TARGETS static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
-  uint32_t candidates[ISPH_CANDIDATES];
-  const enum kernel kernel = s->scene->isph.kernel;
-  const int dimensions = s->dimensions;
+/* Finds neighbours and sums of particle i among the candidates of its group. */
+static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
+                          const struct isph_candidates *water,
+                          const struct isph_candidates *walls) {
+  uint16_t chosen[CANDIDATES_ROOM];
+  const double *xi = s->position[i], hi = s->support[i];
+  const uint32_t own = (uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS;
+  struct neighbourhood sums = {0};
+  double w, slope;
+  enum status status = STATUS_OK;
+  s->images[i] = (uint8_t)images_near(s, xi, fmax(0.5 * (hi + s->support_now), hi));
+  isph_kernel(s->scene->isph.kernel, s->dimensions, 0, hi, &w, &slope);
+  sums.kernel_sum = s->volume[i] * w * s->kernel_w;
+
+  size_t n = isph_choose(water, xi, 0.5 * hi, own, chosen);
+  TRY(grow(chunk, &s->on, chunk->pair_count + n, chunk->wall_count));
+  s->pair_first[i] = (uint32_t)chunk->pair_count, s->pair_number[i] = (uint16_t)n;
+  add_chosen(s, water, chosen, n, xi, 0.5 * hi, chunk->pair + chunk->pair_count,
+             chunk->slope + chunk->pair_count, sums.moment, &sums);
+  chunk->pair_count += n;
+  const double of_water = sums.kernel_sum;
+
+  n = isph_choose(walls, xi, hi, UINT32_MAX, chosen);
+  TRY(grow(chunk, &s->on, chunk->pair_count, chunk->wall_count + n));
+  s->wall_first[i] = (uint32_t)chunk->wall_count, s->wall_number[i] = (uint16_t)n;
+  if (n > 0)
+    add_chosen(s, walls, chosen, n, xi, hi, chunk->wall + chunk->wall_count,
+               chunk->wall_slope + chunk->wall_count, sums.wall_moment, &sums);
+  chunk->wall_count += n;
+
+  s->kernel_sum[i] = sums.kernel_sum;
+  if (s->on.surface)
+    s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - of_water,
+                                   sums.gradient_sum, sums.moment, sums.wall_moment);
+  memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
+  /* The correction is from the water alone, so that it is exact for linear fields next to a wall
+   * too. It is the identity if there are too few neighbours. */
+  double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
+  isph_moment_inverse(s->dimensions, sums.moment, inverse);
+  for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
+  for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
+  if (s->on.soil) {
+    const double one_sided = s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
+    isph_moment_defect(s, i, sums.moment, one_sided);
+  }
+  for (int k = 0; k < 6 && s->linear != NULL; k++) s->linear[i][k] = (float)sums.moment[k];
+cleanup:
+  return status;
+}
+
+static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
+  enum status status = STATUS_OK;
+  struct isph_candidates water, walls;
+  bool alone = false;
   chunk->pair_count = chunk->wall_count = 0;
-  for (size_t i = chunk->begin; i < chunk->end; i++) {
-    const double *xi = s->position[i], hi = s->support[i];
-    struct neighbourhood sums = {0};
-    double w, slope, reach = 0.5 * (hi + s->support_now);
-    s->images[i] = (uint8_t)images_near(s, xi, fmax(reach, hi));
-    size_t n = isph_cells_collect(s, &s->cells, NULL, s->position, xi, reach, candidates);
-    size_t n_wall = 0;
-    if (n > ISPH_CANDIDATES)
+  walls.count = 0;
+  for (size_t i = chunk->begin; i < chunk->end;) {
+    const struct isph_group g = isph_group_from(s, chunk, i, alone);
+    const double *x = s->position[i];
+    const bool water_fits = isph_find_candidates(s, &g, false, &water);
+    const bool walls_fit = s->boundary_count == 0 || isph_find_candidates(s, &g, true, &walls);
+    if ((!water_fits || !walls_fit) && !alone) {
+      alone = true;
+      continue;
+    }
+    if (!water_fits)
       return FAIL(STATUS_NUMERIC,
                   "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
                   "the particles have clumped; use a smaller isph.dt",
-                  s->time, ISPH_CANDIDATES, xi[0], xi[1], xi[2]);
-    enum status status = grow(chunk, &s->on, chunk->pair_count + n, chunk->wall_count);
-    if (status != STATUS_OK) return status;
-    isph_kernel(kernel, dimensions, 0, hi, &w, &slope);
-    sums.kernel_sum = s->volume[i] * w * s->kernel_w;
-    s->pair_first[i] = (uint32_t)chunk->pair_count;
-    ISPH_ROW(s, i, find_pairs, s, chunk, i, candidates, n, &sums);
-    s->pair_number[i] = (uint16_t)(chunk->pair_count - s->pair_first[i]);
-
-    double water = sums.kernel_sum;
-    s->wall_first[i] = (uint32_t)chunk->wall_count;
-    s->wall_number[i] = 0;
-    if (s->boundary_count > 0)
-      n_wall = isph_cells_collect(s, &s->wall_cells, s->wall_order, s->boundary_position, xi, hi,
-                                  candidates);
-    if (n_wall > ISPH_CANDIDATES)
+                  s->time, ISPH_CANDIDATES, x[0], x[1], x[2]);
+    if (!walls_fit)
       return FAIL(STATUS_NUMERIC,
                   "t = %.4g s: more than %d wall particles within the support of %.3g m at (%.4g, "
                   "%.4g, %.4g) m: soil of so low a porosity needs a smaller isph.support_ratio, or "
                   "is a wall",
-                  s->time, ISPH_CANDIDATES, hi, xi[0], xi[1], xi[2]);
-    if (n_wall > 0) {
-      status = grow(chunk, &s->on, chunk->pair_count, chunk->wall_count + n_wall);
-      if (status != STATUS_OK) return status;
-      ISPH_ROW(s, i, find_walls, s, chunk, i, candidates, n_wall, &sums);
-      s->wall_number[i] = (uint16_t)(chunk->wall_count - s->wall_first[i]);
-    }
-
-    s->kernel_sum[i] = sums.kernel_sum;
-    if (s->on.surface)
-      s->surface[i] = surface_weight(s, hi, sums.kernel_sum, sums.kernel_sum - water,
-                                     sums.gradient_sum, sums.moment, sums.wall_moment);
-    memcpy(s->gradient_sum[i], sums.gradient_sum, sizeof sums.gradient_sum);
-    /* The correction is from the water alone, so that it is exact for linear fields next to a wall
-     * too. It is the identity if there are too few neighbours. */
-    double inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};
-    isph_moment_inverse(dimensions, sums.moment, inverse);
-    for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
-    for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
-    if (s->on.soil) {
-      const double one_sided = s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
-      isph_moment_defect(s, i, sums.moment, one_sided);
-    }
-    for (int k = 0; k < 6 && s->linear != NULL; k++) s->linear[i][k] = (float)sums.moment[k];
+                  s->time, ISPH_CANDIDATES, s->support[i], x[0], x[1], x[2]);
+    for (; i < g.end; i++) TRY(search(s, chunk, i, &water, &walls));
   }
-  return STATUS_OK;
+cleanup:
+  return status;
 }
 
 static enum status shape_chunks(struct isph *s) {
