@@ -22,7 +22,7 @@ static bool is_beyond(const struct isph *s, uint32_t entry) {
 #define GROUP_EXTENT 1
 
 struct isph_group isph_group_from(const struct isph *s, const struct isph_chunk *chunk, size_t i,
-                               bool alone) {
+                                  bool alone) {
   struct isph_group g = {.begin = i, .end = i + 1, .support = s->support[i]};
   memcpy(g.low, s->position[i], sizeof g.low);
   memcpy(g.high, s->position[i], sizeof g.high);
@@ -42,12 +42,10 @@ struct isph_group isph_group_from(const struct isph *s, const struct isph_chunk 
   return g;
 }
 
-typedef double eight __attribute__((vector_size(64), aligned(8), may_alias));
 typedef int64_t eight_flags __attribute__((vector_size(64)));
 typedef uint8_t eight_bytes __attribute__((vector_size(8), may_alias));
 typedef uint16_t eight_places __attribute__((vector_size(16), aligned(2), may_alias));
 typedef uint32_t eight_entries __attribute__((vector_size(32), aligned(4), may_alias));
-#define EIGHT(array, k) (*(eight *)&(array)[k])
 
 /* Appends the particles of a stretch to the candidates, eight at a time: those beyond its end are
  * overwritten by the next. */
@@ -71,7 +69,8 @@ TARGETS static void add_stretch(const struct isph *s, const struct isph_stretch 
 }
 
 /* Appends the wall particles of a stretch. */
-static void add_walls(const struct isph *s, const struct isph_stretch *of, struct isph_candidates *c) {
+static void add_walls(const struct isph *s, const struct isph_stretch *of,
+                      struct isph_candidates *c) {
   const struct isph_image *image = &s->image[of->code];
   for (uint32_t k = of->begin; k < of->end; k++) {
     const uint32_t j = s->wall_order[k], entry = j | of->code << PAIR_BITS;
@@ -85,7 +84,7 @@ static void add_walls(const struct isph *s, const struct isph_stretch *of, struc
 }
 
 bool isph_find_candidates(const struct isph *s, const struct isph_group *g, bool walls,
-                            struct isph_candidates *c) {
+                          struct isph_candidates *c) {
   struct isph_stretch near[ISPH_STRETCHES];
   const double reach = walls ? g->support : 0.5 * (g->support + s->support_now);
   const size_t n =
@@ -116,7 +115,7 @@ static const uint64_t places[256] = {PLACES_64(0u), PLACES_64(64u), PLACES_64(12
 
 /* Eight at a time. */
 TARGETS size_t isph_choose(const struct isph_candidates *c, const double x[3], double half,
-                             uint32_t own, uint16_t *chosen) {
+                           uint32_t own, uint16_t *chosen) {
   size_t n = 0;
   for (size_t k = 0; k < c->count; k += 8) {
     const eight dx = x[0] - EIGHT(c->x[0], k), dy = x[1] - EIGHT(c->x[1], k);
@@ -134,4 +133,3 @@ TARGETS size_t isph_choose(const struct isph_candidates *c, const double x[3], d
   }
   return n;
 }
-

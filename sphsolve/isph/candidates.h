@@ -13,7 +13,8 @@
 struct isph_candidates {
   size_t count;
   uint32_t entry[CANDIDATES_ROOM];
-  double x[3][CANDIDATES_ROOM], half[CANDIDATES_ROOM], volume[CANDIDATES_ROOM], turned[CANDIDATES_ROOM];
+  double x[3][CANDIDATES_ROOM], half[CANDIDATES_ROOM], volume[CANDIDATES_ROOM],
+      turned[CANDIDATES_ROOM];
 };
 
 /* Particles of a chunk that lie side by side in a row of cells, and the box around them. */

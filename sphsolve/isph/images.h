@@ -46,6 +46,18 @@ ROW void isph_separation_four(enum isph_images images, const struct isph *s, siz
   if (images != IMAGES_NONE) at += FOUR(image->shift);
   *r = FOUR(s->position[i]) - at;
 }
+/* The same for eight pairs, with their neighbours j. */
+ROW void isph_separation_eight(enum isph_images images, const struct isph *s, size_t i,
+                               const uint32_t *entry, const uint32_t j[8], eight r[3]) {
+  uint32_t code[8];
+  for (int l = 0; l < 8 && images != IMAGES_NONE; l++) code[l] = entry[l] >> PAIR_BITS;
+  for (int a = 0; a < 3; a++) {
+    eight at = EIGHT_OF(s->position, j, [a]);
+    if (images == IMAGES_REFLECTED) at *= EIGHT_OF(s->image, code, .turn[a]);
+    if (images != IMAGES_NONE) at += EIGHT_OF(s->image, code, .shift[a]);
+    r[a] = s->position[i][a] - at;
+  }
+}
 /* The same for any kind of image. */
 ROW void isph_separation(const struct isph *s, const double xi[3], double (*x)[3], uint32_t entry,
                          double r[3]) {

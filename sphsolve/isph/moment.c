@@ -84,38 +84,49 @@ static inline double along(const double c[6], const double r[3]) {
   return square > 0 ? symmetric_along(c, r) / square : 0;
 }
 
-/* Components xx xy xz yy, and xz yy yz zz, of a symmetric tensor, of a pair's C and of r r. */
-typedef float four_floats __attribute__((vector_size(16), aligned(4), may_alias));
-#define FOUR_OF_FLOATS(x) __builtin_convertvector(*(const four_floats *)(x), four)
-#define PLACES(r, ...) __builtin_shufflevector(r, r, __VA_ARGS__)
+/* Corrects the slopes of eight pairs p of particle i, of which `counts` is 1, by a factor that is
+ * that of r.(C_i + C_j).r; adds to the moment that they then have, and to the change of the
+ * gradient sum. */
+ROW void correct_eight(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                       size_t i, size_t p, eight counts, eight moment[6], eight change[3]) {
+  typedef float eight_floats __attribute__((vector_size(32), aligned(4), may_alias));
+  eight_floats *slope = (eight_floats *)&chunk->slope[p], before = *slope;
+  const float *own = s->moment_defect[i];
+  uint32_t j[8];
+  eight r[3], rr[6], along = {0};
+  for (size_t l = 0; l < 8; l++) j[l] = chunk->pair[p + l] & PAIR_MASK;
+  isph_separation_eight(images, s, i, &chunk->pair[p], j, r);
+  rr[0] = r[0] * r[0], rr[1] = r[0] * r[1], rr[2] = r[0] * r[2];
+  rr[3] = r[1] * r[1], rr[4] = r[1] * r[2], rr[5] = r[2] * r[2];
+  for (int k = 0; k < 6; k++) {
+    const eight both = (double)own[k] + EIGHT_OF(s->moment_defect, j, [k]);
+    along += (k == 0 || k == 3 || k == 5 ? 1 : 2) * both * rr[k];
+  }
+  const eight square = rr[0] + rr[3] + rr[5], least = square + 1e-300; /* no pair: 0 / 0 */
+  const eight factor = 1 + counts * (0.5 * along / least);
+  *slope = before * __builtin_convertvector(factor, eight_floats);
+  const eight volume = counts * EIGHT_OF(s->volume, j, );
+  const eight f = volume * __builtin_convertvector(*slope, eight);
+  const eight more = volume * __builtin_convertvector(*slope - before, eight);
+  for (int a = 0; a < 3; a++) change[a] += more * r[a];
+  for (int k = 0; k < 6; k++) moment[k] += f * rr[k];
+}
 
 /* Corrects the slopes of particle i's pairs. Finds the moment that they then have, and the change
  * of the gradient sum. */
-ROW void correct_slopes(enum isph_images images, const struct isph *s,
-                        const struct isph_chunk *chunk, size_t i, double moment[6],
-                        double change[3]) {
-  const float *own = s->moment_defect[i];
-  const four own_low = FOUR_OF_FLOATS(own), own_high = FOUR_OF_FLOATS(own + 2);
-  four low = {0}, high = {0}, changed = {0}, d;
-  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    uint32_t j = chunk->pair[p] & PAIR_MASK;
-    const float *other = s->moment_defect[j], before = chunk->slope[p];
-    isph_separation_four(images, s, i, chunk->pair[p], &d);
-    const four rr_low = PLACES(d, 0, 0, 0, 1) * PLACES(d, 0, 1, 2, 1);
-    const four rr_high = PLACES(d, 0, 1, 1, 2) * PLACES(d, 2, 1, 2, 2);
-    const four sum = (own_low + FOUR_OF_FLOATS(other)) * rr_low * (four){1, 2, 2, 1} +
-                     (own_high + FOUR_OF_FLOATS(other + 2)) * rr_high * (four){0, 0, 2, 1};
-    const double square = rr_low[0] + rr_low[3] + rr_high[3];
-    const double more = 0.5 * ((sum[0] + sum[1]) + (sum[2] + sum[3])) / (square > 0 ? square : 1);
-    chunk->slope[p] *= (float)(1 + more);
-    const double f = s->volume[j] * (double)chunk->slope[p];
-    changed += s->volume[j] * (double)(chunk->slope[p] - before) * d;
-    low += f * rr_low, high += f * rr_high;
+ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
+                        size_t i, double moment[6], double change[3]) {
+  static const double counts[16] = {1, 1, 1, 1, 1, 1, 1, 1};
+  eight sums[6] = {{0}}, changed[3] = {{0}};
+  const size_t first = s->pair_first[i], number = s->pair_number[i];
+  for (size_t k = 0; k < number; k += 8) {
+    const eight here = *(const eight *)&counts[number - k < 8 ? 8 - (number - k) : 0];
+    correct_eight(images, s, chunk, i, first + k, here, sums, changed);
   }
-  for (int a = 0; a < 3; a++) change[a] = changed[a];
-  for (int k = 0; k < 6; k++) moment[k] = k < 4 ? low[k] : high[k - 2];
+  for (int a = 0; a < 3; a++) change[a] = EIGHT_SUM(changed[a]);
+  for (int k = 0; k < 6; k++) moment[k] = EIGHT_SUM(sums[k]);
   double mean[6], r[3];
-  for (int k = 0; k < 6; k++) mean[k] = (double)own[k];
+  for (int k = 0; k < 6; k++) mean[k] = (double)s->moment_defect[i][k];
   for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
     isph_separation_at(images, s, s->position[i], s->boundary_position, chunk->wall[p], r);
     chunk->wall_slope[p] *= (float)(1 + along(mean, r));
@@ -139,14 +150,14 @@ static void fade_at_surface(struct isph *s) {
 static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   double *n = s->gradient_sum[i];
   const double square = dot(n, n);
-  const double closes = s->surface[i] * isph_size_of(s, s->volume[i]) * sqrt(square);
+  const double closes = s->surface[i] * s->size[i] * sqrt(square);
   if (!(closes > 0)) return;
   const double missing = fmin(0.5, fmax(0, 1 - symmetric_along(moment, n) / square));
   const double scale = 1 - isph_front_deep(s, i) * (1 - fmin(1, missing / closes));
   for (int a = 0; a < 3; a++) n[a] *= scale;
 }
 
-TARGETS static void correct_chunk(struct isph *s, const struct isph_chunk *chunk) {
+TARGETS static void correct_chunk(struct isph *s, struct isph_chunk *chunk) {
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     double moment[6], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3];
     ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);

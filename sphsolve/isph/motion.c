@@ -75,7 +75,7 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
     near = isph_near_surface(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
-  double size = isph_size_of(s, s->volume[i]);
+  double size = s->size[i];
   double most = isph_is_driven(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, s->on.soil ? level_of(s->force, normal) : 0, step);

@@ -23,6 +23,7 @@
 static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on, size_t pairs,
                         size_t walls) {
   enum status status = STATUS_OK;
+  pairs += 8; /* loops over eight at a time read beyond the last */
   if (pairs > chunk->pair_capacity) {
     size_t n = pairs + pairs / 4 + 64 * CHUNK / 8;
     TRY(memory_resize(&chunk->pair, n, sizeof *chunk->pair, "neighbour lists"));

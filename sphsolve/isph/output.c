@@ -97,7 +97,7 @@ static double volume_in_region(const struct isph *s, size_t k) {
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum = 0;
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double size = isph_size_of(s, s->volume[i]), inside = 1;
+      double size = s->size[i], inside = 1;
       for (int a = 0; a < 3; a++) {
         if (s->dimensions == 2 && a == 1) continue;
         double low = region->box[a], high = region->box[a + 3];
@@ -129,7 +129,7 @@ static void sum_up(const struct isph *s, struct whole *whole) {
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *x = s->position[i], *v = s->velocity[i], m = s->mass[i];
       double eps = s->porosity != NULL ? s->porosity[i] : 1, square = 0;
-      double half = 0.5 * (isph_size_of(s, s->volume[i]));
+      double half = 0.5 * s->size[i];
       for (int a = 0; a < 3; a++) {
         double pore = v[a] / eps;
         square += pore * pore;

@@ -80,14 +80,14 @@ void isph_packing_begin(struct isph *s) {
   const double *f = s->force, force = sqrt(dot(f, f));
   double top = -INFINITY, *depth = s->work[0]; /* INFINITY: not on a level top */
   for (size_t i = 0; i < s->count; i++) {
-    const double size = isph_size_of(s, s->volume[i]);
+    const double size = s->size[i];
     depth[i] = s->surface[i] > 0 && force > 0 ? depth_of(s, i, size) / size : INFINITY;
     if (!(fabs(depth[i] - 0.5) < 0.25)) depth[i] = INFINITY;
   }
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *m = s->gradient_sum[i], up = force > 0 ? -dot(m, f) / force : 0;
-      const double uneven = s->kernel_sum[i] - 1, size = isph_size_of(s, s->volume[i]);
+      const double uneven = s->kernel_sum[i] - 1, size = s->size[i];
       const bool level = isfinite(depth[i]);
       const double kept = level ? uneven : fmax(-PACKING_MOST, fmin(PACKING_MOST, uneven));
       s->packing[i][0] = is_beside_void(s, &s->chunks[c], i, depth) ? 0 : (float)kept;
@@ -103,6 +103,6 @@ void isph_packing_begin(struct isph *s) {
 }
 
 void isph_packing_fade(struct isph *s, size_t i, const double step[3]) {
-  const double left = exp(-sqrt(dot(step, step)) / (FADES_WITHIN * isph_size_of(s, s->volume[i])));
+  const double left = exp(-sqrt(dot(step, step)) / (FADES_WITHIN * s->size[i]));
   for (int k = 0; k < 5; k++) s->packing[i][k] *= (float)left;
 }

@@ -24,7 +24,7 @@ static double behind_at(const struct isph *s, double distance) {
 }
 
 double isph_reflection_backs(const struct isph *s, size_t i) {
-  const double size = isph_size_of(s, s->volume[i]);
+  const double size = s->size[i];
   double before = 1;
   for (int a = 0; a < 3; a++) {
     if (!s->reflects[a]) continue;

@@ -42,7 +42,8 @@ static void update_volumes(struct isph *s) {
       }
     }
     s->volume[i] = s->mass[i] / (eps * s->density);
-    s->support[i] = fmin(ratio * isph_size_of(s, s->volume[i]), s->support_max);
+    s->size[i] = isph_size_of(s, s->volume[i]);
+    s->support[i] = fmin(ratio * s->size[i], s->support_max);
   }
   s->support_now = 0;
   for (size_t i = 0; i < s->count; i++) s->support_now = fmax(s->support_now, s->support[i]);

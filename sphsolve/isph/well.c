@@ -91,8 +91,7 @@ static double rate_of(const struct isph *s, const struct region *well, double dt
 void isph_wells_begin(struct isph *s, double dt) {
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    s->outlet[i] = (struct isph_outlet){
-        .well = well_at(s, s->position[i], 0.5 * isph_size_of(s, s->volume[i]))};
+    s->outlet[i] = (struct isph_outlet){.well = well_at(s, s->position[i], 0.5 * s->size[i])};
   for (size_t w = 0; w < s->well_count; w++) {
     const struct region *region = s->wells[w].region;
     const bool drain = region->type == REGION_DRAIN;

@@ -31,7 +31,7 @@
 static inline double time_by_weight(const struct isph *s, size_t i) {
   const double a = s->drag_a[i], b = s->drag_b[i], *f = s->force;
   const double force = sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
-  const double size = isph_size_of(s, s->volume[i]);
+  const double size = s->size[i];
   return force > 0 ? size * s->porosity[i] * (a + sqrt(a * a + 4 * b * force)) / (2 * force) : 0;
 }
 
@@ -40,7 +40,7 @@ static inline double time_by_weight(const struct isph *s, size_t i) {
  * sum relative to a level surface, and in the time in which the water moves by a particle's size.
  */
 static inline double leads(const struct isph *s, size_t i) {
-  const double *v = s->velocity[i], size = isph_size_of(s, s->volume[i]);
+  const double *v = s->velocity[i], size = s->size[i];
   const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / s->porosity[i];
   const double lacks = fmax(0, fmin(RELAXATION_LEAD, s->kernel_top - s->kernel_sum[i]));
   return isph_front_deep(s, i) * s->surface[i] * lacks * speed / size;
@@ -71,7 +71,7 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   if (s->surface != NULL) deficit *= 1 - relaxation_spared(s, i, deficit);
   if (s->porosity != NULL && s->surface == NULL) {
     const double *v = s->velocity[i];
-    double size = isph_size_of(s, s->volume[i]);
+    double size = s->size[i];
     double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) / eps;
     relaxation_time = fmax(relaxation_time, size / fmax(speed, 1e-30));
   }

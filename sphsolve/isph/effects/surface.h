@@ -124,7 +124,7 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   double w = s->surface[i];
   *coefficient = *load = 0;
   if (w <= 0) return;
-  double size = isph_size_of(s, s->volume[i]);
+  double size = s->size[i];
   double scale = 2 * s->volume[i] * s->mobility[i];
   const double *f = s->force;
   double m[3];
@@ -147,7 +147,7 @@ static inline double surface_close(const struct isph *s, size_t i, double reduce
   double m[3];
   isph_packing_void(s, i, m);
   double w = s->surface[i];
-  double size = isph_size_of(s, s->volume[i]);
+  double size = s->size[i];
   double length = sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double outside = s->surface_pressure != NULL && !again ? s->surface_pressure[i] : 0;
   double pressure = s->pressure[i] - outside;

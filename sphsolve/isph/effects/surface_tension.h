@@ -53,7 +53,7 @@ static inline double surface_tension_weight(const struct isph *s, const struct i
 /* Normal n_i of particle i. */
 static inline void surface_tension_normal(const struct isph *s, const struct isph_chunk *chunk,
                                           size_t i, double normal[3]) {
-  const double size = isph_size_of(s, s->volume[i]);
+  const double size = s->size[i];
   double square = 0;
   for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->gradient_sum[i][a];
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
@@ -69,7 +69,7 @@ static inline void surface_tension_normal(const struct isph *s, const struct isp
 
 static inline double surface_tension_curvature(const struct isph *s, const struct isph_chunk *chunk,
                                                size_t i, double (*normal)[3]) {
-  const double size = isph_size_of(s, s->volume[i]), most = 1 / size, d = s->dimensions - 1;
+  const double size = s->size[i], most = 1 / size, d = s->dimensions - 1;
   double turn = 0, span = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
@@ -110,7 +110,7 @@ static inline void surface_tension_pressure(void *state, double *pressure) {
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const struct isph_chunk *chunk = &s->chunks[c];
-      const double size = isph_size_of(s, s->volume[i]);
+      const double size = s->size[i];
       double sum = s->surface[i] * curvature[i], weight = s->surface[i];
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n && weight > 0; p++) {
         const double w = surface_tension_weight(s, chunk, p, size);
