@@ -135,11 +135,9 @@ ROW void correct_slopes(enum isph_images images, const struct isph *s, struct is
 
 /* Reduces the correction next to a surface, except deep in soil. */
 static void fade_at_surface(struct isph *s) {
-  double *near = s->work[0];
-  isph_neighbourhood_maximum(s, s->surface, near);
   for (size_t i = s->local.begin; i < s->local.end; i++)
     for (int k = 0; k < 6; k++)
-      s->moment_defect[i][k] *= (float)(1 - near[i] * (1 - isph_front_deep(s, i)));
+      s->moment_defect[i][k] *= (float)(1 - s->near[i] * (1 - isph_front_deep(s, i)));
 }
 
 /* Limits the closure of the row of a particle on the surface deep in soil to the moment that is

@@ -72,7 +72,8 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   double normal[3] = {0}, eps = s->on.soil ? s->porosity[i] : 1;
   if (s->on.surface) {
     weight = (1 - (1 - isph_calm_surface(s, i)) * s->surface[i]) * (1 - beside_gap(s, chunk, i));
-    near = isph_near_surface(s, chunk, i, normal);
+    near = s->near[i];
+    if (near > 0) isph_surface_normal(s, chunk, i, normal);
   }
   speed = fmax(speed, h * strain_rate(s->gradient[i])) / eps;
   double size = s->size[i];

@@ -25,27 +25,22 @@ void isph_neighbourhood_maximum(const struct isph *s, const double *from, double
   for (size_t c = 0; c < s->chunk_count; c++) find_maxima(s, &s->chunks[c], from, to);
 }
 
-/* Neighbours' contribution to isph_near_surface. */
+/* Neighbours' contribution to isph_surface_normal. */
 ROW void surface_around(enum isph_images images, const struct isph *s,
-                        const struct isph_chunk *chunk, size_t i, double *near, double normal[3]) {
-  double most = *near;
+                        const struct isph_chunk *chunk, size_t i, double normal[3]) {
   four sum = {0}, out;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     uint32_t j = chunk->pair[p] & PAIR_MASK;
-    most = s->surface[j] > most ? s->surface[j] : most;
     isph_turn_four(images, s, chunk->pair[p], s->gradient_sum[j], &out);
     sum += s->surface[j] * out;
   }
   for (int a = 0; a < 3; a++) normal[a] += sum[a];
-  *near = most;
 }
 
-TARGETS double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+TARGETS void isph_surface_normal(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                                  double normal[3]) {
-  double near = s->surface[i], square = 0;
-  for (int a = 0; a < 3; a++) normal[a] = near * s->gradient_sum[i][a];
-  ISPH_ROW(s, i, surface_around, s, chunk, i, &near, normal);
-  for (int a = 0; a < 3; a++) square += normal[a] * normal[a];
-  for (int a = 0; a < 3; a++) normal[a] /= fmax(sqrt(square), 1e-30);
-  return near;
+  for (int a = 0; a < 3; a++) normal[a] = s->surface[i] * s->gradient_sum[i][a];
+  ISPH_ROW(s, i, surface_around, s, chunk, i, normal);
+  const double length = fmax(sqrt(dot(normal, normal)), 1e-30);
+  for (int a = 0; a < 3; a++) normal[a] /= length;
 }

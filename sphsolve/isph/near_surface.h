@@ -6,9 +6,8 @@
 
 /* Sets `to` to the largest value of `from` in each own particle's neighbourhood. */
 void isph_neighbourhood_maximum(const struct isph *s, const double *from, double *to);
-/* The largest `surface` around particle i (1: on the surface or with a neighbour on it), and the
- * outward normal of the surface there. */
-double isph_near_surface(const struct isph *s, const struct isph_chunk *chunk, size_t i,
+/* The outward normal of the surface near particle i. */
+void isph_surface_normal(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                          double normal[3]);
 
 #endif

@@ -270,7 +270,7 @@ enum status isph_find_neighbours(struct isph *s) {
   if (s->on.surface)
     isph_send(s, 2, (struct ghost_field[]){ISPH_FIELD(s->surface), ISPH_FIELD(s->gradient_sum)});
   if (s->on.surface) isph_reflection_part(s);
-  if (s->near != NULL) isph_neighbourhood_maximum(s, s->surface, s->near);
+  if (s->on.surface) isph_neighbourhood_maximum(s, s->surface, s->near);
   if (s->calm != NULL) isph_calm_thickness(s);
   if (s->linear != NULL) isph_linear_find(s);
   if (s->on.soil) isph_moment_correct(s);

@@ -58,7 +58,8 @@ static inline double relaxation_crowd(const struct isph *s, size_t i, double rel
 
 /* The share, 0 to 1, of a deficit of the kernel sum (an excess if negative) that is not relaxed. */
 static inline double relaxation_spared(const struct isph *s, size_t i, double deficit) {
-  const double calm = isph_calm_surface(s, i), beside = s->near != NULL ? s->near[i] : 0;
+  const double calm = isph_calm_surface(s, i);
+  const double beside = s->calm != NULL || isph_is_unforced(s) ? s->near[i] : 0;
   if (deficit < 0) return RELAXATION_SPARED * calm * beside;
   return fmax(s->calm != NULL ? calm * beside : beside, s->surface[i]);
 }
