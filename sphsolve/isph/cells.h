@@ -4,8 +4,8 @@
 
 #include "sphsolve/isph/state.h"
 
-#define ISPH_CANDIDATES 8192 /* most candidates for the neighbours of a particle */
-#define ISPH_STRETCHES 4096  /* most stretches of rows that they lie in */
+#define ISPH_CANDIDATES 16384 /* most candidates for the neighbours of a particle */
+#define ISPH_STRETCHES 4096   /* most stretches of rows that they lie in */
 
 /* Divides the domain, `margin` (m) wider, into cells. */
 enum status isph_cells_shape(const struct isph *s, double margin, struct isph_cells *cells);

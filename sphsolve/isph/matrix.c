@@ -23,7 +23,8 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
   return total;
 }
 
-#define LANES 4 /* sums of a row that do not wait for each other */
+#define LANES 4   /* sums of a row that do not wait for each other */
+#define AHEAD 256 /* pairs from here that are asked of the memory now */
 
 TARGETS static void multiply_rows(const struct isph *s, const struct isph_chunk *chunk,
                                   const double *restrict x, double *restrict y) {
@@ -32,6 +33,10 @@ TARGETS static void multiply_rows(const struct isph *s, const struct isph_chunk 
     const float *a = chunk->matrix + s->pair_first[i];
     const size_t n = s->pair_number[i], whole = n - n % LANES;
     double sum[LANES] = {0};
+    for (size_t p = 0; p < n; p += 64 / sizeof *pair) { /* the lines of rows a few further on */
+      __builtin_prefetch(pair + p + AHEAD);
+      __builtin_prefetch(a + p + AHEAD);
+    }
     for (size_t p = 0; p < whole; p += LANES)
       for (size_t k = 0; k < LANES; k++) sum[k] += (double)a[p + k] * x[pair[p + k] & PAIR_MASK];
     for (size_t p = whole; p < n; p++) sum[p - whole] += (double)a[p] * x[pair[p] & PAIR_MASK];

@@ -20,10 +20,13 @@
 #include "sphsolve/isph/sort.h"
 #include "sphsolve/isph/wall.h"
 
+/* Pairs of particle 0 beyond the last of a chunk, for loops over eight at a time. */
+#define BEYOND 8
+
 static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on, size_t pairs,
                         size_t walls) {
   enum status status = STATUS_OK;
-  pairs += 8; /* loops over eight at a time read beyond the last */
+  pairs += BEYOND;
   if (pairs > chunk->pair_capacity) {
     size_t n = pairs + pairs / 4 + 64 * CHUNK / 8;
     TRY(memory_resize(&chunk->pair, n, sizeof *chunk->pair, "neighbour lists"));
@@ -232,6 +235,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
                   s->time, ISPH_CANDIDATES, s->support[i], x[0], x[1], x[2]);
     for (; i < g.end; i++) TRY(search(s, chunk, i, &water, &walls));
   }
+  memset(chunk->pair + chunk->pair_count, 0, BEYOND * sizeof *chunk->pair);
 cleanup:
   return status;
 }
