@@ -329,6 +329,72 @@ static void planes_count_what_passes(void **state) {
   finish(&run);
 }
 
+/* How many of `n` points at x, and of their images, are closer to particle i than half its support
+ * (all of it for walls) and half of theirs. */
+static size_t count_near(const struct isph *s, size_t i, double (*x)[3], size_t n, bool walls) {
+  size_t near = 0;
+  for (uint32_t code = 0; code < 27; code++) {
+    const int at[3] = {(int)code % 3 - 1, (int)code / 3 % 3 - 1, (int)code / 9 - 1};
+    bool exists = true;
+    for (int a = 0; a < 3; a++) exists = exists && (at[a] == 0 || s->periodic[a] || s->reflects[a]);
+    for (size_t j = 0; j < n && exists; j++) {
+      const double reach = walls ? s->support[i] : 0.5 * (s->support[i] + s->support[j]);
+      double r[3];
+      isph_separation(s, s->position[i], x, (uint32_t)j | code << PAIR_BITS, r);
+      near += dot(r, r) < reach * reach && (walls || code != IMAGE_NONE || j != i);
+    }
+  }
+  return near;
+}
+
+/* Lists hold all neighbours within the support, each once, and no others: beside periodic and
+ * reflecting sides, walls, and soil in which supports are wider; in three dimensions and in two. */
+static void lists_are_complete(void **state) {
+  (void)state;
+  static const char *const scenes[] = {
+      "domain = { size = [\"0.12 m\", \"0.1 m\", \"0.09 m\"]; spacing = \"1 cm\"; periodic = "
+      "[true, false, false]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0\", \"0.12 m\", \"0.1 m\", "
+      "\"0.07 m\"]; }, { type = \"porous\"; box = [\"0.05 m\", \"0\", \"0\", \"0.12 m\", "
+      "\"0.1 m\", \"0.09 m\"]; porosity = 0.3; permeability = \"1e-3 m/s\"; }, { type = "
+      "\"wall\"; box = [\"0.02 m\", \"0.02 m\", \"0\", \"0.04 m\", \"0.04 m\", \"0.05 m\"]; } "
+      ");\n",
+      "domain = { size = [\"0.5 m\", \"0.3 m\"]; spacing = \"1 cm\"; periodic = [false, false]; "
+      "};\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.5 m\", \"0.2 m\"]; }, { type = "
+      "\"porous\"; box = [\"0.3 m\", \"0\", \"0.4 m\", \"0.3 m\"]; porosity = 0.3; permeability "
+      "= \"1e-3 m/s\"; }, { type = \"wall\"; box = [\"0.1 m\", \"0\", \"0.12 m\", \"0.1 m\"]; } "
+      ");\n"};
+  for (int k = 0; k < 2; k++) {
+    struct run run;
+    char text[1200];
+    snprintf(text, sizeof text,
+             "scene = { method = \"isph\"; end_time = \"9 s\"; };\n%s"
+             "force = { gravity = [\"0\", \"-9.81 m/s^2\"%s]; };\n",
+             scenes[k], k == 0 ? ", \"0\"" : "");
+    start(&run, text);
+    struct isph *s = &run.s;
+    srand(1);
+    for (size_t i = 0; i < s->count; i++)
+      for (int a = 0; a < 3; a++)
+        if (isph_uses_axis(s, a)) {
+          const double x = s->position[i][a] + 0.01 * ((double)rand() / RAND_MAX - 0.5);
+          s->position[i][a] = fmin(fmax(x, s->low[a]), s->high[a] - 1e-9);
+        }
+    assert_int_equal(isph_refresh(s), STATUS_OK);
+    for (size_t c = 0; c < s->chunk_count; c++)
+      for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
+        const uint32_t *pair = s->chunks[c].pair + s->pair_first[i];
+        for (size_t p = 0; p < s->pair_number[i]; p++)
+          for (size_t q = 0; q < p; q++) assert_true(pair[p] != pair[q]);
+        assert_int_equal(s->pair_number[i], count_near(s, i, s->position, s->count, false));
+        assert_int_equal(s->wall_number[i],
+                         count_near(s, i, s->boundary_position, s->boundary_count, true));
+      }
+    finish(&run);
+  }
+}
+
 /* The solver needs no more iterations for 27 times the particles, none for a particle alone, and
  * few for spray. */
 static void iterations_stay(void **state) {
@@ -487,6 +553,7 @@ int main(void) {
       cmocka_unit_test(moving_soil_carries_water),
       cmocka_unit_test(a_piston_pushes),
       cmocka_unit_test(planes_count_what_passes),
+      cmocka_unit_test(lists_are_complete),
       cmocka_unit_test(iterations_stay),
       cmocka_unit_test(fine_soil_is_solved_as_fast),
       cmocka_unit_test(walls_hold_by_the_law_of_the_wall),
