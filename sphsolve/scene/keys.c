@@ -176,7 +176,7 @@ static enum status read_key(struct config *config, config_node *group, const str
                             const struct scene *scene, void *member) {
   enum status status = STATUS_OK;
   const char *text = key->told;
-  int choice = (int)key->preset;
+  int choice;
   switch (key->kind) {
   case KEY_NUMBER:
     *(double *)member = key->preset;
@@ -190,6 +190,7 @@ static enum status read_key(struct config *config, config_node *group, const str
     TRY(config_bool(config, group, key->name, member, NULL));
     break;
   case KEY_CHOICE:
+    choice = (int)key->preset;
     TRY(config_choice(config, group, key->name, key->choices, &choice, NULL));
     store_choice(key, member, choice);
     break;
