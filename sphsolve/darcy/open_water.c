@@ -30,11 +30,11 @@ static bool is_below(const struct fill *f, size_t at) {
 static bool is_at_window(const struct fill *f, size_t at) {
   const struct lattice *l = f->l;
   for (int side = 0; side < 6; side++) {
-    double x[3], share = 0;
+    double x[3];
     if (domain_beyond(f->scene, l, at, side / 2, side % 2 == 0) != l->count) continue;
     if (l->dimensions == 2 && side / 2 == 1) continue;
     domain_place(l, at, x);
-    const struct region *window = domain_inflow_at(f->scene, l, x, side / 2, side % 2 == 0, &share);
+    const struct region *window = domain_window_at(f->scene, l, x, side / 2, side % 2 == 0);
     if (window != NULL && window->first == f->window->first) return true;
   }
   return false;

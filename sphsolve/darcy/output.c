@@ -51,11 +51,27 @@ static int64_t nearest(const struct richards *s, const double point[3]) {
   return n > 0 ? (int64_t)site[most] : -1;
 }
 
+/* Level of the free water at a point, m; NAN if there is none, or air above it. */
+static double open_level_at(const struct richards *s, const double point[3]) {
+  const struct lattice *l = s->lattice;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  size_t at = 0;
+  for (int a = 0; a < 3; a++) {
+    const double last = (double)l->size[a] - 1, x = (point[a] - l->origin[a]) / l->spacing[a];
+    at += stride[a] * (size_t)fmin(fmax(round(x), 0), last);
+  }
+  if (s->open == NULL || s->open[at] == 0) return NAN;
+  const double level = richards_head_given(&s->scene->regions[s->open[at] - 1], s->time);
+  return level >= point[2] ? level : NAN;
+}
+
 /* Interpolates the total head, which is uniform where water is at rest. In soil that is full it is
  * that of the nearest site and of its gradient p - (A + b |v|) v, also beside another soil. */
 double richards_head_at(const struct richards *s, const double point[3]) {
   uint32_t site[8];
   double weight[8], total = 0;
+  const double level = open_level_at(s, point);
+  if (isfinite(level)) return -s->pull[2] * (level - point[2]);
   if (s->full) {
     const int64_t i = nearest(s, point);
     double x[3], fall[3];
@@ -128,11 +144,22 @@ static bool is_source(const struct richards *s, size_t r) {
          (region->type == REGION_INFLOW || region->type == REGION_RAIN || region_is_sink(region));
 }
 
-/* Inward flux through the faces of a region, m^3/s. */
+/* Inward flux through the faces of a region, m^3/s; of a face that it shares, in proportion. */
 static double flow_of(const struct richards *s, size_t r) {
   double sum = 0;
-  for (size_t e = 0; e < s->edge_count; e++)
-    if (s->edges[e].region != NULL && s->edges[e].region->first == r) sum += s->edge_flux[e].q;
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    const double q = s->edge_flux[e].q,
+                 rained = richards_given_at(s, edge, s->time) > 0 ? fmax(q, 0) : 0;
+    double own = 0, all = 0;
+    for (size_t k = 0; k < edge->source_count; k++) {
+      const struct richards_source *source = &s->sources[edge->source + k];
+      all += source->share;
+      if (source->region->first == r) own += source->share;
+    }
+    if (edge->region != NULL && edge->region->first == r) sum += q - rained;
+    if (own > 0) sum += own / all * (edge->region == NULL ? q : rained);
+  }
   return sum * s->spacing * s->spacing;
 }
 
@@ -140,6 +167,7 @@ static double flow_of(const struct richards *s, size_t r) {
 static double water_content_at(const struct richards *s, const double point[3], double head) {
   struct retention_state state;
   const int64_t i = nearest(s, point);
+  if (isfinite(open_level_at(s, point))) return 1;
   if (i < 0) return NAN;
   retention_at(&s->soils[s->soil[i]], head, &state);
   return state.theta;

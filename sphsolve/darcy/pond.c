@@ -7,15 +7,20 @@
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/edges.h"
 
-/* Largest depth on a face, of which the rain may cover a part only. */
-static double depth_most(const struct richards_edge *edge) {
-  return edge->kind == EDGE_AIR && edge->region != NULL ? edge->share * edge->region->ponding : 0;
+/* Largest depth on a face, of which rains may cover parts only. */
+static double depth_most(const struct richards *s, const struct richards_edge *edge) {
+  double sum = 0;
+  for (size_t k = 0; k < edge->source_count && edge->region == NULL; k++) {
+    const struct richards_source *source = &s->sources[edge->source + k];
+    sum += source->share * source->region->ponding;
+  }
+  return sum;
 }
 
 enum status richards_pond_create(struct richards *s) {
   enum status status = STATUS_OK;
   bool any = false;
-  for (size_t e = 0; e < s->edge_count; e++) any = any || depth_most(&s->edges[e]) > 0;
+  for (size_t e = 0; e < s->edge_count; e++) any = any || depth_most(s, &s->edges[e]) > 0;
   if (!any) return STATUS_OK;
   double **const arrays[] = {&s->pond, &s->pond_before, &s->pond_from, &s->pond_first};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
@@ -36,7 +41,7 @@ void richards_pond_free(struct richards *s) {
  * which falls, it is 0 where g(0) <= 0, the largest where g is positive there, else the root. */
 static void solve_depth(struct richards *s, size_t e, double rain) {
   const struct richards_edge *edge = &s->edges[e];
-  const double pull = -s->pull[2], most = depth_most(edge), dt = s->stage;
+  const double pull = -s->pull[2], most = depth_most(s, edge), dt = s->stage;
   const double supply = rain + s->pond_from[e] / dt;
   struct flux *flux = &s->edge_flux[e];
   double *depth = &s->pond[e];
@@ -67,8 +72,8 @@ void richards_pond_fluxes(struct richards *s, double time) {
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
     struct flux *flux = &s->edge_flux[e];
-    if (!(depth_most(edge) > 0)) continue;
-    const double rain = richards_rain_at(edge, time);
+    if (!(depth_most(s, edge) > 0)) continue;
+    const double rain = richards_given_at(s, edge, time);
     if (s->stage > 0) {
       solve_depth(s, e, rain);
     } else if (s->pond[e] > 0) {
@@ -91,7 +96,7 @@ static double rate_of(const struct richards *s, size_t e) {
 
 void richards_pond_second(struct richards *s, double dt) {
   for (size_t e = 0; s->pond != NULL && e < s->edge_count; e++) {
-    const double most = depth_most(&s->edges[e]);
+    const double most = depth_most(s, &s->edges[e]);
     s->pond_first[e] = rate_of(s, e);
     /* What is above the largest depth runs off. */
     s->pond_from[e] = fmin(s->pond_from[e] + (1 - SDIRK_GAMMA) * dt * s->pond_first[e], most);
@@ -121,7 +126,14 @@ double richards_pond_rise(const struct richards *s, size_t edge) {
 
 double richards_pond_volume(const struct richards *s, const struct region *rain) {
   double sum = 0;
-  for (size_t e = 0; s->pond != NULL && e < s->edge_count; e++)
-    if (rain == NULL || s->edges[e].region == rain) sum += s->pond[e];
+  for (size_t e = 0; s->pond != NULL && e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    const double most = rain == NULL ? 1 : depth_most(s, edge);
+    double part = rain == NULL ? 1 : 0; /* of the largest depth */
+    for (size_t k = 0; k < edge->source_count && rain != NULL; k++)
+      if (s->sources[edge->source + k].region == rain)
+        part += s->sources[edge->source + k].share * rain->ponding;
+    if (part > 0) sum += s->pond[e] * part / most;
+  }
   return sum * s->spacing * s->spacing;
 }

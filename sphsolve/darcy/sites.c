@@ -66,13 +66,30 @@ static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
   return domain_beyond(s->scene, s->lattice, at, axis, low);
 }
 
+/* Adds what is given at the face of a site to its edge. */
+static void add_sources(struct richards *s, size_t at, struct richards_edge *edge, bool count) {
+  const struct scene *scene = s->scene;
+  struct richards_source source;
+  edge->source = (uint32_t)s->source_count;
+  for (size_t r = 0;; r++) {
+    r = domain_source_at(scene, s->lattice, at, edge->axis, edge->low, r, &source.share);
+    if (r == scene->region_count) return;
+    source.region = &scene->regions[r];
+    if (source.region->type == REGION_INFLOW && edge->source_count == 0) edge->kind = EDGE_FLUX;
+    if (source.region->type == REGION_RAIN) edge->kind = EDGE_AIR;
+    if (!count) s->sources[s->source_count] = source;
+    s->source_count++, edge->source_count++;
+  }
+}
+
 /* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
- * only counted. `water`: open_water_find, or NULL. */
-static void add_face(struct richards *s, const uint16_t *water, size_t i, int axis, bool low,
-                     bool count) {
+ * only counted. */
+static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
+  static const enum richards_edge_kind kinds[] = {
+      [BOUNDARY_NONE] = EDGE_AIR, [BOUNDARY_HEAD] = EDGE_HEAD, [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
-  double x[3] = {0}, share = 0;
+  double x[3];
   if (next != l->count && l->kind[next] == SITE_WALL) return;
   if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
@@ -92,28 +109,16 @@ static void add_face(struct richards *s, const uint16_t *water, size_t i, int ax
   struct richards_edge edge = {.site = (uint32_t)i,
                                .axis = (uint8_t)axis,
                                .low = low,
-                               .share = 1,
                                .z = x[2] + (axis != 2 ? 0
                                             : low     ? -0.5
                                                       : 0.5) *
                                                s->spacing};
-  if (next == l->count) edge.region = domain_inflow_at(s->scene, l, x, axis, low, &share);
-  if (next != l->count && water != NULL && water[next] != 0) {
-    edge.region = &s->scene->regions[water[next] - 1];
-    share = 1; /* rain that falls there falls into the water */
-  }
-  if (edge.region != NULL) {
-    static const enum richards_edge_kind kinds[] = {[BOUNDARY_NONE] = EDGE_AIR,
-                                                    [BOUNDARY_HEAD] = EDGE_HEAD,
-                                                    [BOUNDARY_FLUX] = EDGE_FLUX,
-                                                    [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
-    edge.kind = kinds[edge.region->boundary];
-    edge.share = share;
-  } else {
-    if (axis == 2 && !low) edge.region = domain_rain_at(s->scene, l, at, x, &share);
-    if (edge.region != NULL) edge.share = share;
-    if (edge.region == NULL && next == l->count) return; /* a closed side */
-  }
+  add_sources(s, at, &edge, count);
+  if (next == l->count) edge.region = domain_window_at(s->scene, l, x, axis, low);
+  if (next != l->count && s->open != NULL && s->open[next] != 0)
+    edge.region = &s->scene->regions[s->open[next] - 1];
+  if (edge.region != NULL) edge.kind = kinds[edge.region->boundary];
+  if (edge.region == NULL && next == l->count && edge.source_count == 0) return; /* closed */
   if (!count) s->edges[s->edge_count] = edge;
   if (!count) s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
   s->edge_count++;
@@ -141,13 +146,13 @@ static void add_well(struct richards *s, size_t i, bool count) {
   }
 }
 
-static void add_faces(struct richards *s, const uint16_t *water, bool count) {
-  s->face_count = s->edge_count = 0;
+static void add_faces(struct richards *s, bool count) {
+  s->face_count = s->edge_count = s->source_count = 0;
   for (size_t i = 0; i < s->count; i++) add_well(s, i, count);
   for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++)
       for (int side = 0; side < 2; side++)
-        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, water, i, a, side == 0, count);
+        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, i, a, side == 0, count);
 }
 
 /* The two sites of pair p: those of a face, or of a corner. */
@@ -213,7 +218,7 @@ static double head_at_start(const struct richards *s, size_t i) {
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s) {
   enum status status = STATUS_OK;
-  uint16_t *of_region = NULL, *water = NULL;
+  uint16_t *of_region = NULL;
   *s = (struct richards){.scene = scene,
                          .lattice = lattice,
                          .spacing = lattice->spacing[0],
@@ -244,11 +249,12 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   }
   TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
   memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
-  if (!s->full) TRY(open_water_find(scene, lattice, false, &water));
-  add_faces(s, water, true);
+  if (!s->full) TRY(open_water_find(scene, lattice, false, &s->open));
+  add_faces(s, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
-  add_faces(s, water, false);
+  TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
+  add_faces(s, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
@@ -282,7 +288,6 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
                                         (s->soils[k].theta_s - s->soils[k].theta_r));
   s->next_dt = FIRST_STEP / s->fastest;
 cleanup:
-  memory_free(&water);
   memory_free(&of_region);
   return status;
 }
@@ -293,8 +298,10 @@ void richards_free(struct richards *s) {
   memory_free(&s->site);
   memory_free(&s->number);
   memory_free(&s->soil);
+  memory_free(&s->open);
   memory_free(&s->faces);
   memory_free(&s->edges);
+  memory_free(&s->sources);
   rows_free(&s->rows);
   double **const arrays[] = {&s->h,          &s->water,    &s->before,   &s->target,  &s->first,
                              &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,

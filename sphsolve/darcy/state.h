@@ -28,12 +28,18 @@ struct richards_face {
 };
 
 enum richards_edge_kind {
-  EDGE_AIR,      /* to the air: lets water out that is under pressure, and rain in */
-  EDGE_HEAD,     /* water outside up to a level, air above it */
+  EDGE_AIR,      /* to the air: lets water out that is under pressure, and what is given in */
+  EDGE_HEAD,     /* water outside up to a level, the same as to the air above it */
   EDGE_PRESSURE, /* a prescribed pressure head */
-  EDGE_FLUX,     /* a prescribed inward flux; if negative, limited by what the soil can give */
+  EDGE_FLUX,     /* given inward fluxes; if negative, limited by what the soil can give */
   EDGE_WELL,     /* in a well: its share of the rate, as far as the pressure yields it */
   EDGE_DRAIN     /* in a drain: the outflow that holds its head, and no inflow */
+};
+
+/* Rain or a given flux on a part of a boundary face. */
+struct richards_source {
+  const struct region *region;
+  double share; /* of the face that the region covers */
 };
 
 /* A boundary face of a site; or, in a well or a drain, its exchange with the site, normal to no
@@ -43,22 +49,25 @@ struct richards_edge {
   uint8_t axis;
   bool low; /* on the low side of its site */
   enum richards_edge_kind kind;
-  const struct region *region; /* its inflow, rain, well or drain; NULL: none */
-  double share; /* share of the face that the region covers; in a well, of its rate */
-  double z;     /* m, of its centre */
+  const struct region *region;   /* what holds a head there, its well or drain; NULL: none */
+  uint32_t source, source_count; /* what is given there: the first of them, and their number */
+  double share;                  /* of the rate of a well */
+  double z;                      /* m, of its centre */
 };
 
 struct richards {
   const struct scene *scene;
   const struct lattice *lattice;
   double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2, along each axis */
-  size_t count, face_count, edge_count, soil_count;
+  size_t count, face_count, edge_count, source_count, soil_count;
   struct retention *soils;
   uint32_t *site;   /* [count]: index in the lattice */
   uint32_t *number; /* [lattice->count]: index of a site here, or SITE_NONE */
   uint16_t *soil;   /* [count]: index of its soil */
+  uint16_t *open;   /* [lattice->count]: open_water_find; NULL where soil is full */
   struct richards_face *faces;
   struct richards_edge *edges;
+  struct richards_source *sources;
   uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
                      * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
 

@@ -175,26 +175,56 @@ static double error_of(const struct richards *s, double dt) {
   return (1 - SDIRK_GAMMA) * dt * most / s->tolerance;
 }
 
+/* Adds what sources have given to an edge, of which `into` went into the soil or stands on it, m^3.
+ * What is left of rain runs off; of a flux, which may be negative, it did not come. */
+static void add_given(struct richards *s, const struct richards_edge *edge, const double weight[2],
+                      const double time[2], double into) {
+  double covered[2] = {0};
+  for (size_t k = 0; k < edge->source_count; k++) {
+    const struct richards_source *source = &s->sources[edge->source + k];
+    const bool rain = source->region->type == REGION_RAIN;
+    double given = 0;
+    for (int stage = 0; stage < 2; stage++)
+      if (!richards_is_covered(s, edge, time[stage]))
+        given += weight[stage] * richards_source_at(source, time[stage]);
+    (rain ? s->rained : s->entered)[source->region->first] += given;
+    covered[rain] += source->share;
+    into -= given;
+  }
+  const bool rain = covered[1] > 0 && (into < 0 || !(covered[0] > 0));
+  for (size_t k = 0; k < edge->source_count; k++) {
+    const struct richards_source *source = &s->sources[edge->source + k];
+    const double part = into * source->share / covered[rain];
+    if ((source->region->type == REGION_RAIN) != rain) continue;
+    if (rain)
+      s->ran_off[source->region->first] -= part;
+    else
+      s->entered[source->region->first] += part;
+  }
+}
+
 /* Adds the flow through the boundary faces to the balance, with the weights of the stages, `last`
  * that of the second; for rates that are linear in time these are exact. */
 static void update_balance(struct richards *s, double from, double dt, double last) {
   const double area = s->spacing * s->spacing;
+  const double time[2] = {from + SDIRK_GAMMA * dt, from + dt},
+               weight[2] = {area * dt * (1 - last), area * dt * last};
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
-    const double came = area * dt * ((1 - last) * s->edge_first[e] + last * s->edge_flux[e].q);
-    const size_t r = edge->region != NULL ? edge->region->first : 0;
+    const double q[2] = {s->edge_first[e], s->edge_flux[e].q};
+    double came = weight[0] * q[0] + weight[1] * q[1],
+           into = came + area * richards_pond_rise(s, e);
     *(came > 0 ? &s->in : &s->out) += fabs(came);
-    if (edge->region == NULL) {
-      s->seeped -= came;
-    } else if (edge->kind != EDGE_AIR) {
-      s->entered[r] += came;
-    } else {
-      const double fell = area * dt *
-                          ((1 - SDIRK_GAMMA) * richards_rain_at(edge, from + SDIRK_GAMMA * dt) +
-                           SDIRK_GAMMA * richards_rain_at(edge, from + dt));
-      s->rained[r] += fell;
-      s->ran_off[r] += fell - came - area * richards_pond_rise(s, e);
+    if (edge->region != NULL) {
+      into = 0;
+      for (int stage = 0; stage < 2; stage++)
+        if (richards_given_at(s, edge, time[stage]) > 0) into += weight[stage] * fmax(q[stage], 0);
+      s->entered[edge->region->first] += came - into;
     }
+    if (edge->source_count > 0)
+      add_given(s, edge, weight, time, into);
+    else if (edge->region == NULL)
+      s->seeped -= came;
   }
 }
 
