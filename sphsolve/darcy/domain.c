@@ -32,6 +32,15 @@ size_t domain_soil_at(const struct scene *scene, const double x[3]) {
   return scene->region_count;
 }
 
+bool domain_is_water(const struct scene *scene, const struct lattice *l, size_t at) {
+  return l->kind[at] == SITE_FLUID && l->region[at] > 0 &&
+         scene->regions[l->region[at] - 1].type == REGION_WATER && !domain_is_full(scene);
+}
+
+bool domain_is_open(const struct scene *scene, const struct lattice *l, size_t at) {
+  return l->kind[at] == SITE_EMPTY || domain_is_water(scene, l, at);
+}
+
 void domain_place(const struct lattice *l, size_t at, double x[3]) {
   const size_t place[3] = {at % l->size[0], at / l->size[0] % l->size[1],
                            at / (l->size[0] * l->size[1])};
@@ -92,7 +101,8 @@ static bool is_under_sky(const struct scene *scene, const struct lattice *lattic
   size_t below = at;
   for (size_t above = domain_beyond(scene, lattice, at, 2, false); above != lattice->count;
        above = domain_beyond(scene, lattice, above, 2, false)) {
-    if (above == at || lattice->kind[above] != SITE_EMPTY || thin_wall_on_face(lattice, below, 2))
+    if (above == at || !domain_is_open(scene, lattice, above) ||
+        thin_wall_on_face(lattice, below, 2))
       return false;
     below = above;
   }

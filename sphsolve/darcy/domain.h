@@ -16,6 +16,9 @@ bool domain_is_full(const struct scene *scene);
 bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
 /* Region of the soil at a place, the last that contains it; region_count: none. */
 size_t domain_soil_at(const struct scene *scene, const double x[3]);
+/* Whether a site is of free water beside soil that need not be full; or open: of that, or empty. */
+bool domain_is_water(const struct scene *scene, const struct lattice *lattice, size_t at);
+bool domain_is_open(const struct scene *scene, const struct lattice *lattice, size_t at);
 /* Place of the middle of site `at`, m. */
 void domain_place(const struct lattice *lattice, size_t at, double x[3]);
 /* The site beyond a face of site `at`, or the lattice's count if there is none. */

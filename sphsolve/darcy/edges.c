@@ -2,6 +2,8 @@
 
 #include <math.h>
 
+#include "sphsolve/darcy/constants.h"
+
 static double given_at(const struct region *region, double steady, double time) {
   return region->table.count > 0 ? time_table_at(&region->table, time, 0) : steady;
 }
@@ -17,13 +19,14 @@ double richards_source_at(const struct richards_source *source, double time) {
 }
 
 bool richards_is_covered(const struct richards *s, const struct richards_edge *edge, double time) {
-  return edge->kind == EDGE_HEAD && s->pull[2] != 0 &&
-         !(richards_head_given(edge->region, time) < edge->z - 1e-9 * s->spacing);
+  double level = -INFINITY;
+  if (edge->kind == EDGE_POOL) level = s->pools[edge->pool - 1].level;
+  if (edge->kind == EDGE_HEAD && s->pull[2] != 0) level = richards_head_given(edge->region, time);
+  return !(level < edge->z - LEVEL_ROUNDING * s->spacing);
 }
 
 double richards_given_at(const struct richards *s, const struct richards_edge *edge, double time) {
   double sum = 0;
-  if (edge->source_count == 0 || richards_is_covered(s, edge, time)) return 0;
   for (size_t k = 0; k < edge->source_count; k++)
     sum += richards_source_at(&s->sources[edge->source + k], time);
   return sum;
@@ -82,6 +85,9 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
     if (richards_is_covered(s, edge, time))
       return (struct richards_law){pull * fmax(given - edge->z, 0), -INFINITY, INFINITY};
     return (struct richards_law){0, -INFINITY, richards_given_at(s, edge, time)};
+  case EDGE_POOL:
+    return (struct richards_law){0, -INFINITY,
+                                 richards_given_at(s, edge, time)}; /* if it is bare */
   case EDGE_PRESSURE:
     return (struct richards_law){richards_head_given(region, time), -INFINITY, INFINITY};
   case EDGE_FLUX:

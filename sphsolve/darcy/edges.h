@@ -26,10 +26,10 @@ static inline bool richards_is_face(const struct richards_edge *edge) {
 }
 /* The head that a region gives at a time, m. */
 double richards_head_given(const struct region *region, double time);
-/* Whether the water of a head stands at a boundary face. */
+/* Whether the water of a head, or of a body of water, stands at a boundary face. */
 bool richards_is_covered(const struct richards *s, const struct richards_edge *edge, double time);
-/* What a source gives to its boundary face, m/s, averaged over the face; and all sources of a face:
- * 0 if there are none, or water stands there. */
+/* What a source gives to its boundary face, m/s, averaged over the face; and all sources of a
+ * face. */
 double richards_source_at(const struct richards_source *source, double time);
 double richards_given_at(const struct richards *s, const struct richards_edge *edge, double time);
 /* Largest flux that a well takes there, m/s. */

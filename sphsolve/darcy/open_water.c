@@ -21,10 +21,10 @@ static double centre_of(const struct lattice *l, size_t at) {
   return l->origin[2] + (double)(at / (l->size[0] * l->size[1])) * l->spacing[2];
 }
 
-/* Whether a site is an empty place whose lower end is below the highest head. */
+/* Whether a site is an open place whose lower end is below the highest head. */
 static bool is_below(const struct fill *f, size_t at) {
   const double low = centre_of(f->l, at) - 0.5 * f->l->spacing[2];
-  return f->l->kind[at] == SITE_EMPTY && low < f->highest - 1e-9 * f->l->spacing[2];
+  return domain_is_open(f->scene, f->l, at) && low < f->highest - 1e-9 * f->l->spacing[2];
 }
 
 static bool is_at_window(const struct fill *f, size_t at) {

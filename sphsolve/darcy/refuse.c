@@ -5,6 +5,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/darcy/basin.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
@@ -46,11 +47,13 @@ static enum status check_region(const struct scene *scene, const struct region *
   case REGION_POROUS:
     return check_soil(scene, region);
   case REGION_WATER:
-    return FAIL(
-        STATUS_INPUT,
-        "%s:%d: free water beside soil that is not full is not in it: give its level as the "
-        "head of an inflow region on a side, or leave the soil's curve out (method isph)",
-        scene->path, region->line);
+    if (!(scene->driving[2] < 0) || region->velocity[0] != 0 || region->velocity[1] != 0 ||
+        region->velocity[2] != 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: free water beside soil that is not full is at rest under gravity along "
+                  "-z: give that, and leave velocity out",
+                  scene->path, region->line);
+    return STATUS_OK;
   case REGION_WELL:
   case REGION_DRAIN:
     return STATUS_OK; /* check_well */
@@ -95,7 +98,7 @@ static enum status check_well(const struct effect_context *context, const struct
         for (const struct region *part = whole; part < scene->regions + whole->end; part++)
           inside = inside || domain_holds(scene, part->box, x);
         held += inside;
-        if (inside && l->kind[site] != SITE_FLUID)
+        if (inside && (l->kind[site] != SITE_FLUID || domain_is_water(scene, l, site)))
           return FAIL(STATUS_INPUT,
                       "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
                       "it within a porous region",
@@ -216,6 +219,7 @@ enum status richards_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   uint16_t *water = NULL;
+  struct basin *basins = NULL;
   if (ranks_count() > 1)
     TRY(scene_error(scene, AT_METHOD, "method %s runs in one process; leave out mpirun",
                     context->method->name));
@@ -231,9 +235,12 @@ enum status richards_refuse(const struct effect_context *context) {
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
   }
   TRY(open_water_find(scene, context->lattice, true, &water)); /* windows that fill one place */
+  TRY(memory_allocate(&basins, scene->region_count, sizeof *basins, "free water"));
+  TRY(basin_find(scene, context->lattice, water, basins));
   for (size_t r = 0; r < scene->region_count; r++)
     TRY(check_faces(context, &scene->regions[r], water));
 cleanup:
   memory_free(&water);
+  memory_free(&basins);
   return status;
 }
