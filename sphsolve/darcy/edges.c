@@ -103,8 +103,8 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
   return (struct richards_law){0, 0, 0};
 }
 
-static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
-                    struct flux *flux) {
+void richards_edge_flux(const struct richards *s, const struct richards_edge *edge, double time,
+                        struct flux *flux) {
   const struct richards_law law = richards_law_at(s, edge, time);
   richards_flux_from_head(s, edge, law.head, flux);
   flux->di = flux->dj;
@@ -114,5 +114,6 @@ static void flux_at(const struct richards *s, const struct richards_edge *edge, 
 
 void richards_edge_fluxes(struct richards *s, double time) {
 #pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_SERIAL_MAX)
-  for (size_t e = 0; e < s->edge_count; e++) flux_at(s, &s->edges[e], time, &s->edge_flux[e]);
+  for (size_t e = 0; e < s->edge_count; e++)
+    richards_edge_flux(s, &s->edges[e], time, &s->edge_flux[e]);
 }

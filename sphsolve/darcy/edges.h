@@ -15,6 +15,10 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
  * head, `dj` by that of the site. */
 void richards_flux_from_head(const struct richards *s, const struct richards_edge *edge,
                              double head, struct flux *flux);
+/* Inward flux through an edge at a time by its law, with no water that stands on it; `di` and `dj`
+ * are its derivative by the head of the site. */
+void richards_edge_flux(const struct richards *s, const struct richards_edge *edge, double time,
+                        struct flux *flux);
 /* Fluxes through the boundary faces at a time, from the states of the sites, with no water that
  * stands on them. */
 void richards_edge_fluxes(struct richards *s, double time);

@@ -50,10 +50,8 @@ static void flux_at(const struct richards *s, size_t e, const struct stand *stan
     *flux = (struct flux){flux->q, pull * fmax(flux->di, 0), flux->dj};
     return;
   }
-  const double given = richards_given_at(s, edge, time);
-  richards_flux_from_head(s, edge, 0, flux);
+  richards_edge_flux(s, edge, time, flux);
   flux->di = 0;
-  if (flux->q > given) *flux = (struct flux){given, 0, 0};
 }
 
 /* Sum of the fluxes out of a pool, m^3/s, and its derivative by the level. */
