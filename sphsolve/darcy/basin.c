@@ -32,8 +32,8 @@ static enum status two_waters(const struct search *s, const struct region *other
               s->scene->path, s->scene->regions[s->number - 1].line, other->line);
 }
 
-/* Adds a site, and those that it leads to in layers up to `top`. */
-static void flood(struct search *s, size_t from, size_t top) {
+/* Adds a site, and those that it leads to in layers from `foot` to `top`. */
+static void flood(struct search *s, size_t from, size_t foot, size_t top) {
   size_t next_out = s->count;
   s->open[from] = s->number, s->found[s->count++] = from;
   while (next_out < s->count) {
@@ -41,8 +41,8 @@ static void flood(struct search *s, size_t from, size_t top) {
     for (int side = 0; side < 6; side++) {
       const bool low = side % 2 == 0;
       const size_t next = domain_beyond(s->scene, s->l, at, side / 2, low);
-      if (next == s->l->count || next / s->plane > top || s->open[next] != 0 ||
-          !domain_is_open(s->scene, s->l, next) ||
+      if (next == s->l->count || next / s->plane < foot || next / s->plane > top ||
+          s->open[next] != 0 || !domain_is_open(s->scene, s->l, next) ||
           thin_wall_on_face(s->l, low ? next : at, side / 2))
         continue;
       s->open[next] = s->number, s->found[s->count++] = next;
@@ -89,7 +89,7 @@ static double find_brim(struct search *s, size_t top) {
       const size_t above = s->found[k] + s->plane;
       if (s->found[k] / s->plane + 1 == layer && s->open[above] == 0 &&
           domain_is_open(s->scene, l, above) && !thin_wall_on_face(l, s->found[k], 2))
-        flood(s, above, layer);
+        flood(s, above, layer, layer);
     }
     if (!leads_down(s, before) && other_water(s, before, layer) == NULL) continue;
     for (; s->count > before; s->count--) s->open[s->found[s->count - 1]] = 0;
@@ -125,7 +125,7 @@ static enum status find_one(const struct scene *scene, const struct lattice *l,
         scene->path, region->line);
   if (open[seed] != 0) return STATUS_OK;
   TRY(memory_allocate(&s.found, l->count, sizeof *s.found, "free water"));
-  flood(&s, seed, top);
+  flood(&s, seed, 0, top);
   for (size_t k = 0; k < s.count; k++)
     if (!domain_is_water(scene, l, s.found[k])) TRY(not_level(&s, s.found[k]));
   const struct region *other = other_water(&s, 0, top);

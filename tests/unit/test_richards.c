@@ -395,6 +395,30 @@ static void joined(void **state) {
   }
 }
 
+/* A flux at the side of a body of water fills it, up to the top of a wall; the rest leaves. */
+static void fed(void **state) {
+  (void)state;
+  struct run run;
+  start(
+      &run,
+      "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"1 m\", \"1 m\"]; spacing = \"5 cm\"; "
+      "periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0.8 m\", \"0\", "
+      "\"1 "
+      "m\", \"0.2 m\"]; " SAND "head = \"0.1 m\"; }, { type = \"wall\"; box = [\"0.4 m\", \"0\", "
+      "\"0.5 m\", \"0.6 m\"]; }, { type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.31 m\"]; "
+      "}, { type = \"inflow\"; box = [\"0\", \"0.1 m\", \"1 cm\", \"0.3 m\"]; flux = \"1e-4 m/s\"; "
+      "} "
+      ");\n" GRAVITY);
+  advance(&run, 1000);
+  assert_true(fabs(level_in(&run, .2, .1) - .31 - 1e-4 * .2 * 1000 / .4) < 1e-12);
+  advance(&run, 10000);
+
+  assert_true(fabs(level_in(&run, .2, .1) - .6) < 1e-12);
+  assert_true(fabs(run.s.ran_off[2] - .05 * (1e-4 * .2 * 10000 - .4 * .29)) < 1e-12);
+  assert_true(water_open(&run.s) < 1e-12);
+  finish(&run);
+}
+
 /* A pit dug in dry soil: its water goes into floor and sides, all of it, and rain on it and on its
  * bare sides goes the same way, until nothing can take more. */
 static void pit(void **state) {
@@ -783,13 +807,14 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
-      cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(reservoir),
-      cmocka_unit_test(held_back),    cmocka_unit_test(meeting),   cmocka_unit_test(sinking),
-      cmocka_unit_test(joined),       cmocka_unit_test(pit),       cmocka_unit_test(bared),
-      cmocka_unit_test(walled_side),  cmocka_unit_test(coarse),    cmocka_unit_test(wells),
-      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
-      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),     cmocka_unit_test(haverkamp),    cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),     cmocka_unit_test(rows),         cmocka_unit_test(rain),
+      cmocka_unit_test(fills),      cmocka_unit_test(ditch),        cmocka_unit_test(reservoir),
+      cmocka_unit_test(held_back),  cmocka_unit_test(meeting),      cmocka_unit_test(sinking),
+      cmocka_unit_test(joined),     cmocka_unit_test(pit),          cmocka_unit_test(fed),
+      cmocka_unit_test(bared),      cmocka_unit_test(walled_side),  cmocka_unit_test(coarse),
+      cmocka_unit_test(wells),      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),
+      cmocka_unit_test(too_much),   cmocka_unit_test(falling_head), cmocka_unit_test(ponding),
+      cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
