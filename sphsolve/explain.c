@@ -211,8 +211,11 @@ static void print_outcome(const struct plan *plan) {
     return;
   }
   duration_format(plan->seconds, text, sizeof text);
-  printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",
-         plan->steps, strncmp(text, "under", 5) ? "about " : "", text);
+  if (isnan(plan->steps))
+    printf("steps      not known before the run, nor its time\n");
+  else
+    printf("%s about %.3g\ntime       %s%s\n", plan->dt == 0 ? "iterations" : "steps     ",
+           plan->steps, strncmp(text, "under", 5) ? "about " : "", text);
   if (plan->seconds_sides >= 1) {
     duration_format(plan->seconds_sides, text, sizeof text);
     printf("           and up to about %s more" SIDES_LARGE "\n", text);

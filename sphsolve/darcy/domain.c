@@ -32,6 +32,15 @@ size_t domain_soil_at(const struct scene *scene, const double x[3]) {
   return scene->region_count;
 }
 
+bool domain_is_water(const struct scene *scene, const struct lattice *l, size_t at) {
+  return l->kind[at] == SITE_FLUID && l->region[at] > 0 &&
+         scene->regions[l->region[at] - 1].type == REGION_WATER && !domain_is_full(scene);
+}
+
+bool domain_is_open(const struct scene *scene, const struct lattice *l, size_t at) {
+  return l->kind[at] == SITE_EMPTY || domain_is_water(scene, l, at);
+}
+
 void domain_place(const struct lattice *l, size_t at, double x[3]) {
   const size_t place[3] = {at % l->size[0], at / l->size[0] % l->size[1],
                            at / (l->size[0] * l->size[1])};
@@ -58,40 +67,68 @@ double domain_share(const struct lattice *l, const double x[3], int axis, const 
   return share;
 }
 
-const struct region *domain_inflow_at(const struct scene *scene, const struct lattice *lattice,
-                                      const double x[3], int axis, bool low, double *share) {
+/* Whether a wall lies between a site at x and the side of the domain beside it. */
+static bool is_walled(const struct scene *scene, const struct lattice *l, const double x[3],
+                      int axis, bool low) {
+  const double side = x[axis] + (low ? -0.5 : 0.5) * l->spacing[axis];
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const double *box = scene->regions[r].box;
+    double at[3] = {x[0], x[1], x[2]};
+    at[axis] = box[axis];
+    if (scene->regions[r].type == REGION_WALL && box[axis] < fmax(side, x[axis]) &&
+        box[axis + 3] > fmin(side, x[axis]) && domain_holds(scene, box, at))
+      return true;
+  }
+  return false;
+}
+
+const struct region *domain_window_at(const struct scene *scene, const struct lattice *lattice,
+                                      const double x[3], int axis, bool low) {
   const struct region *found = NULL;
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     bool at_low;
-    if (region->type != REGION_INFLOW || scene_inflow_axis(scene, region, &at_low) != axis ||
-        at_low != low)
-      continue;
-    const double covered = domain_share(lattice, x, axis, region->box);
-    if (region->boundary == BOUNDARY_FLUX ? !(covered > *share) : covered < COVERED_HALF) continue;
-    found = region;
-    *share = region->boundary == BOUNDARY_FLUX ? covered : 1;
+    if (region->type == REGION_INFLOW && region->boundary != BOUNDARY_FLUX &&
+        scene_inflow_axis(scene, region, &at_low) == axis && at_low == low &&
+        domain_share(lattice, x, axis, region->box) >= COVERED_HALF)
+      found = region;
   }
-  return found;
+  return found != NULL && is_walled(scene, lattice, x, axis, low) ? NULL : found;
 }
 
-const struct region *domain_rain_at(const struct scene *scene, const struct lattice *lattice,
-                                    size_t at, const double x[3], double *share) {
+/* Whether nothing is above a site. */
+static bool is_under_sky(const struct scene *scene, const struct lattice *lattice, size_t at) {
   size_t below = at;
   for (size_t above = domain_beyond(scene, lattice, at, 2, false); above != lattice->count;
        above = domain_beyond(scene, lattice, above, 2, false)) {
-    if (above == at || lattice->kind[above] != SITE_EMPTY || thin_wall_on_face(lattice, below, 2))
-      return NULL;
+    if (above == at || !domain_is_open(scene, lattice, above) ||
+        thin_wall_on_face(lattice, below, 2))
+      return false;
     below = above;
   }
-  const struct region *found = NULL;
-  for (size_t r = 0; r < scene->region_count; r++) {
+  double x[3];
+  domain_place(lattice, below, x);
+  return !is_walled(scene, lattice, x, 2, false);
+}
+
+size_t domain_source_at(const struct scene *scene, const struct lattice *lattice, size_t at,
+                        int axis, bool low, size_t from, double *share) {
+  const bool side = domain_beyond(scene, lattice, at, axis, low) == lattice->count;
+  double x[3];
+  domain_place(lattice, at, x);
+  for (size_t r = from; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
-    if (region->type != REGION_RAIN || x[2] > region->box[5]) continue;
-    const double covered = domain_share(lattice, x, 2, region->box);
-    if (covered > COVERED_LEAST) found = region, *share = covered;
+    const bool rain = region->type == REGION_RAIN && axis == 2 && !low && x[2] <= region->box[5];
+    bool at_low;
+    if (!rain && (!side || region->type != REGION_INFLOW || region->boundary != BOUNDARY_FLUX ||
+                  scene_inflow_axis(scene, region, &at_low) != axis || at_low != low))
+      continue;
+    *share = domain_share(lattice, x, axis, region->box);
+    if (*share > COVERED_LEAST &&
+        (rain ? is_under_sky(scene, lattice, at) : !is_walled(scene, lattice, x, axis, low)))
+      return r;
   }
-  return found;
+  return scene->region_count;
 }
 
 static bool is_moving(const double v[3]) {
@@ -172,11 +209,13 @@ static void follow(const struct scene *scene, const struct lattice *l, size_t fr
     for (int side = 0; side < 6; side++) {
       const int axis = side / 2;
       const bool low = side % 2 == 0;
-      double share = 0, y[3];
+      double share, y[3];
       if (l->dimensions == 2 && axis == 1) continue;
       const size_t next = domain_beyond(scene, l, at, axis, low);
       if (next == l->count) {
-        add_window(domain_inflow_at(scene, l, x, axis, low, &share), body);
+        const size_t flux = domain_source_at(scene, l, at, axis, low, 0, &share);
+        add_window(domain_window_at(scene, l, x, axis, low), body);
+        if (flux < scene->region_count) add_window(&scene->regions[flux], body);
         continue;
       }
       if (thin_wall_on_face(l, low ? next : at, axis)) continue;

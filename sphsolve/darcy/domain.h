@@ -16,6 +16,9 @@ bool domain_is_full(const struct scene *scene);
 bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
 /* Region of the soil at a place, the last that contains it; region_count: none. */
 size_t domain_soil_at(const struct scene *scene, const double x[3]);
+/* Whether a site is of free water beside soil that need not be full; or open: of that, or empty. */
+bool domain_is_water(const struct scene *scene, const struct lattice *lattice, size_t at);
+bool domain_is_open(const struct scene *scene, const struct lattice *lattice, size_t at);
 /* Place of the middle of site `at`, m. */
 void domain_place(const struct lattice *lattice, size_t at, double x[3]);
 /* The site beyond a face of site `at`, or the lattice's count if there is none. */
@@ -24,15 +27,15 @@ size_t domain_beyond(const struct scene *scene, const struct lattice *lattice, s
 /* Share of the face of a site at `x`, normal to `axis`, that lies in a box. */
 double domain_share(const struct lattice *lattice, const double x[3], int axis,
                     const double box[6]);
-/* The inflow region at a face of a site at x on a side of the domain: the one that covers its
- * centre or, for given fluxes, most of it; NULL: none. *share: of the face that it covers; 0
- * before. */
-const struct region *domain_inflow_at(const struct scene *scene, const struct lattice *lattice,
-                                      const double x[3], int axis, bool low, double *share);
-/* The last rain that falls on the upper face of site `at`, at x, if nothing is above it, and the
- * *share of the face that it covers; NULL, and *share unchanged, if none does. */
-const struct region *domain_rain_at(const struct scene *scene, const struct lattice *lattice,
-                                    size_t at, const double x[3], double *share);
+/* The inflow region that gives no flux at a face of a site at x on a side of the domain: the last
+ * that covers half of it; NULL: none. A wall between the site and the side closes it. */
+const struct region *domain_window_at(const struct scene *scene, const struct lattice *lattice,
+                                      const double x[3], int axis, bool low);
+/* The first region from `from` on that brings a given amount of water to a face of site `at`, and
+ * the *share of the face that it covers: an inflow region with a flux, on a side of the domain; or
+ * rain, on an upper face with nothing above it. region_count: none. */
+size_t domain_source_at(const struct scene *scene, const struct lattice *lattice, size_t at,
+                        int axis, bool low, size_t from, double *share);
 
 /* Whether a scene is of soil that is full of water and stays so, whose flow is steady at each time
  * (darcy/saturated.h); `why`, in any case. */

@@ -2,13 +2,34 @@
 
 #include <math.h>
 
+#include "sphsolve/darcy/constants.h"
+
 static double given_at(const struct region *region, double steady, double time) {
   return region->table.count > 0 ? time_table_at(&region->table, time, 0) : steady;
 }
 
-double richards_rain_at(const struct richards_edge *edge, double time) {
-  if (edge->kind != EDGE_AIR || edge->region == NULL) return 0;
-  return edge->share * given_at(edge->region, edge->region->rate, time);
+double richards_head_given(const struct region *region, double time) {
+  return given_at(region, region->head, time);
+}
+
+double richards_source_at(const struct richards_source *source, double time) {
+  const struct region *region = source->region;
+  return source->share *
+         given_at(region, region->type == REGION_RAIN ? region->rate : region->flux, time);
+}
+
+bool richards_is_covered(const struct richards *s, const struct richards_edge *edge, double time) {
+  double level = -INFINITY;
+  if (edge->kind == EDGE_POOL) level = s->pools[edge->pool - 1].level;
+  if (edge->kind == EDGE_HEAD && s->pull[2] != 0) level = richards_head_given(edge->region, time);
+  return !(level < edge->z - LEVEL_ROUNDING * s->spacing);
+}
+
+double richards_given_at(const struct richards *s, const struct richards_edge *edge, double time) {
+  double sum = 0;
+  for (size_t k = 0; k < edge->source_count; k++)
+    sum += richards_source_at(&s->sources[edge->source + k], time);
+  return sum;
 }
 
 void richards_flux_from_head(const struct richards *s, const struct richards_edge *edge,
@@ -44,41 +65,46 @@ void richards_share_wells(struct richards *s) {
 }
 
 /* Without gravity a head is a pressure head. A well holds atmospheric pressure where it takes less
- * than its rate: nothing is sucked out of unsaturated soil. A face to the air lets out what comes
- * under pressure and takes in nothing but rain, as much of it as soil takes from no depth of water
- * (with a depth: darcy/pond.h).
- * Evaporation is limited to what air-dry soil at the face draws. */
+ * than its rate: nothing is sucked out of unsaturated soil. A face to the air, also above the water
+ * of a head, lets out what comes under pressure and takes in nothing but rain, as much of it as
+ * soil takes from no depth of water (with a depth: darcy/pond.h). Evaporation is limited to what
+ * air-dry soil at the face draws. */
 struct richards_law richards_law_at(const struct richards *s, const struct richards_edge *edge,
                                     double time) {
   const struct region *region = edge->region;
-  const double pull = -s->pull[2];
+  const double pull = -s->pull[2], driest = s->soils[s->soil[edge->site]].driest;
   double given = 0;
   switch (edge->kind) {
   case EDGE_AIR:
-    return (struct richards_law){0, -INFINITY, richards_rain_at(edge, time)};
+    given = richards_given_at(s, edge, time);
+    if (given < 0) return (struct richards_law){driest, given, INFINITY};
+    return (struct richards_law){0, -INFINITY, given};
   case EDGE_HEAD:
-    given = given_at(region, region->head, time);
+    given = richards_head_given(region, time);
     if (pull == 0) return (struct richards_law){given, -INFINITY, INFINITY};
-    return (struct richards_law){pull * fmax(given - edge->z, 0), -INFINITY,
-                                 given < edge->z - 1e-9 * s->spacing ? 0 : INFINITY};
+    if (richards_is_covered(s, edge, time))
+      return (struct richards_law){pull * fmax(given - edge->z, 0), -INFINITY, INFINITY};
+    return (struct richards_law){0, -INFINITY, richards_given_at(s, edge, time)};
+  case EDGE_POOL:
+    return (struct richards_law){0, -INFINITY,
+                                 richards_given_at(s, edge, time)}; /* if it is bare */
   case EDGE_PRESSURE:
-    return (struct richards_law){given_at(region, region->head, time), -INFINITY, INFINITY};
+    return (struct richards_law){richards_head_given(region, time), -INFINITY, INFINITY};
   case EDGE_FLUX:
-    given = edge->share * given_at(region, region->flux, time);
-    return (struct richards_law){s->soils[s->soil[edge->site]].driest, given,
-                                 given < 0 ? INFINITY : given};
+    given = richards_given_at(s, edge, time);
+    return (struct richards_law){driest, given, given < 0 ? INFINITY : given};
   case EDGE_WELL:
     given = -richards_well_at(s, edge, time);
     return (struct richards_law){0, given, s->full ? given : 0};
   case EDGE_DRAIN:
-    given = given_at(region, region->head, time);
+    given = richards_head_given(region, time);
     return (struct richards_law){pull == 0 ? given : pull * fmax(given - edge->z, 0), -INFINITY, 0};
   }
   return (struct richards_law){0, 0, 0};
 }
 
-static void flux_at(const struct richards *s, const struct richards_edge *edge, double time,
-                    struct flux *flux) {
+void richards_edge_flux(const struct richards *s, const struct richards_edge *edge, double time,
+                        struct flux *flux) {
   const struct richards_law law = richards_law_at(s, edge, time);
   richards_flux_from_head(s, edge, law.head, flux);
   flux->di = flux->dj;
@@ -88,5 +114,6 @@ static void flux_at(const struct richards *s, const struct richards_edge *edge, 
 
 void richards_edge_fluxes(struct richards *s, double time) {
 #pragma omp parallel for schedule(static) if (s->edge_count > RICHARDS_SERIAL_MAX)
-  for (size_t e = 0; e < s->edge_count; e++) flux_at(s, &s->edges[e], time, &s->edge_flux[e]);
+  for (size_t e = 0; e < s->edge_count; e++)
+    richards_edge_flux(s, &s->edges[e], time, &s->edge_flux[e]);
 }

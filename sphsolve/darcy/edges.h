@@ -15,6 +15,10 @@ struct richards_law richards_law_at(const struct richards *s, const struct richa
  * head, `dj` by that of the site. */
 void richards_flux_from_head(const struct richards *s, const struct richards_edge *edge,
                              double head, struct flux *flux);
+/* Inward flux through an edge at a time by its law, with no water that stands on it; `di` and `dj`
+ * are its derivative by the head of the site. */
+void richards_edge_flux(const struct richards *s, const struct richards_edge *edge, double time,
+                        struct flux *flux);
 /* Fluxes through the boundary faces at a time, from the states of the sites, with no water that
  * stands on them. */
 void richards_edge_fluxes(struct richards *s, double time);
@@ -24,8 +28,14 @@ void richards_share_wells(struct richards *s);
 static inline bool richards_is_face(const struct richards_edge *edge) {
   return edge->kind != EDGE_WELL && edge->kind != EDGE_DRAIN;
 }
-/* Flux of rain on a boundary face, m/s; 0 if there is none. */
-double richards_rain_at(const struct richards_edge *edge, double time);
+/* The head that a region gives at a time, m. */
+double richards_head_given(const struct region *region, double time);
+/* Whether the water of a head, or of a body of water, stands at a boundary face. */
+bool richards_is_covered(const struct richards *s, const struct richards_edge *edge, double time);
+/* What a source gives to its boundary face, m/s, averaged over the face; and all sources of a
+ * face. */
+double richards_source_at(const struct richards_source *source, double time);
+double richards_given_at(const struct richards *s, const struct richards_edge *edge, double time);
 /* Largest flux that a well takes there, m/s. */
 double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time);
 

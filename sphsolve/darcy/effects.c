@@ -86,10 +86,12 @@ static bool richards_rain_wanted(const struct effect_context *context, char why[
 }
 
 static bool richards_ponding_wanted(const struct effect_context *context, char why[EFFECT_WHY]) {
-  bool stands = false;
+  bool stands = scene_has_region(context->scene, REGION_WATER) && !domain_is_full(context->scene);
   for (size_t r = 0; r < context->scene->region_count; r++)
     stands = stands || context->scene->regions[r].ponding > 0;
-  snprintf(why, EFFECT_WHY, stands ? "rain with a ponding depth" : "no rain with a ponding depth");
+  snprintf(why, EFFECT_WHY,
+           stands ? "rain with a ponding depth, or free water"
+                  : "no rain with a ponding depth, no free water");
   return stands;
 }
 

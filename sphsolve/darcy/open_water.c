@@ -21,20 +21,20 @@ static double centre_of(const struct lattice *l, size_t at) {
   return l->origin[2] + (double)(at / (l->size[0] * l->size[1])) * l->spacing[2];
 }
 
-/* Whether a site is an empty place whose lower end is below the highest head. */
+/* Whether a site is an open place whose lower end is below the highest head. */
 static bool is_below(const struct fill *f, size_t at) {
   const double low = centre_of(f->l, at) - 0.5 * f->l->spacing[2];
-  return f->l->kind[at] == SITE_EMPTY && low < f->highest - 1e-9 * f->l->spacing[2];
+  return domain_is_open(f->scene, f->l, at) && low < f->highest - 1e-9 * f->l->spacing[2];
 }
 
 static bool is_at_window(const struct fill *f, size_t at) {
   const struct lattice *l = f->l;
   for (int side = 0; side < 6; side++) {
-    double x[3], share = 0;
+    double x[3];
     if (domain_beyond(f->scene, l, at, side / 2, side % 2 == 0) != l->count) continue;
     if (l->dimensions == 2 && side / 2 == 1) continue;
     domain_place(l, at, x);
-    const struct region *window = domain_inflow_at(f->scene, l, x, side / 2, side % 2 == 0, &share);
+    const struct region *window = domain_window_at(f->scene, l, x, side / 2, side % 2 == 0);
     if (window != NULL && window->first == f->window->first) return true;
   }
   return false;

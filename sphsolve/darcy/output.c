@@ -8,6 +8,7 @@
 #include "common/units.h"
 #include "sphsolve/output/history_columns.h"
 #include "sphsolve/darcy/balance.h"
+#include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/edges.h"
 #include "sphsolve/darcy/pond.h"
 
@@ -51,11 +52,29 @@ static int64_t nearest(const struct richards *s, const double point[3]) {
   return n > 0 ? (int64_t)site[most] : -1;
 }
 
+/* Level of the free water at a point, m; NAN if there is none, or air above it. */
+static double open_level_at(const struct richards *s, const double point[3]) {
+  const struct lattice *l = s->lattice;
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  size_t at = 0;
+  for (int a = 0; a < 3; a++) {
+    const double last = (double)l->size[a] - 1, x = (point[a] - l->origin[a]) / l->spacing[a];
+    at += stride[a] * (size_t)fmin(fmax(round(x), 0), last);
+  }
+  if (s->open == NULL || s->open[at] == 0) return NAN;
+  const struct region *region = &s->scene->regions[s->open[at] - 1];
+  const double level = region->type == REGION_WATER ? richards_pond_level(s, region)
+                                                    : richards_head_given(region, s->time);
+  return level >= point[2] ? level : NAN;
+}
+
 /* Interpolates the total head, which is uniform where water is at rest. In soil that is full it is
  * that of the nearest site and of its gradient p - (A + b |v|) v, also beside another soil. */
 double richards_head_at(const struct richards *s, const double point[3]) {
   uint32_t site[8];
   double weight[8], total = 0;
+  const double level = open_level_at(s, point);
+  if (isfinite(level)) return -s->pull[2] * (level - point[2]);
   if (s->full) {
     const int64_t i = nearest(s, point);
     double x[3], fall[3];
@@ -120,19 +139,32 @@ static double plane_flux(const struct richards *s, const struct flux_plane *plan
   return sum * s->spacing * s->spacing;
 }
 
-/* Whether a region has columns in the history: the first box of an inflow, a rain, a well or a
- * drain. */
+/* Whether a region has columns in the history: the first box of an inflow, a rain, a well, a drain
+ * or a body of water. */
 static bool is_source(const struct richards *s, size_t r) {
   const struct region *region = &s->scene->regions[r];
   return region->first == r &&
-         (region->type == REGION_INFLOW || region->type == REGION_RAIN || region_is_sink(region));
+         (region->type == REGION_INFLOW || region->type == REGION_RAIN || region_is_sink(region) ||
+          (region->type == REGION_WATER && isfinite(richards_pond_level(s, region))));
 }
 
-/* Inward flux through the faces of a region, m^3/s. */
+/* Inward flux through the faces of a region, m^3/s; of a face that it shares, in proportion. */
 static double flow_of(const struct richards *s, size_t r) {
   double sum = 0;
-  for (size_t e = 0; e < s->edge_count; e++)
-    if (s->edges[e].region != NULL && s->edges[e].region->first == r) sum += s->edge_flux[e].q;
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    const double q = s->edge_flux[e].q,
+                 rained = richards_is_covered(s, edge, s->time) ? 0 : fmax(q, 0);
+    double own = 0, all = 0;
+    for (size_t k = 0; k < edge->source_count; k++) {
+      const struct richards_source *source = &s->sources[edge->source + k];
+      all += source->share;
+      if (source->region->first == r) own += source->share;
+    }
+    if (edge->region != NULL && edge->region->first == r)
+      sum += edge->source_count > 0 ? q - rained : q;
+    if (own > 0) sum += own / all * (edge->region == NULL ? q : rained);
+  }
   return sum * s->spacing * s->spacing;
 }
 
@@ -140,6 +172,7 @@ static double flow_of(const struct richards *s, size_t r) {
 static double water_content_at(const struct richards *s, const double point[3], double head) {
   struct retention_state state;
   const int64_t i = nearest(s, point);
+  if (isfinite(open_level_at(s, point))) return 1;
   if (i < 0) return NAN;
   retention_at(&s->soils[s->soil[i]], head, &state);
   return state.theta;
@@ -159,6 +192,10 @@ static void walk_region(struct history_columns *columns, const struct richards *
   if (region->type == REGION_INFLOW) {
     history_number(columns, "m^3/s", flow_of(s, r), "inflow_%zu", number);
     history_number(columns, "m^3", s->entered[r], "entered_%zu", number);
+  } else if (region->type == REGION_WATER) {
+    history_number(columns, "m^3/s", flow_of(s, r), "infiltration_%zu", number);
+    history_number(columns, "m^3", richards_pond_volume(s, region), "volume_%zu", number);
+    history_number(columns, "m^3", s->ran_off[r], "ran_off_%zu", number);
   } else if (region_is_sink(region)) {
     history_number(columns, "m^3/s", 0 - flow_of(s, r), "outflow_%s", region->name);
     history_number(columns, "kg", 0 - density * s->entered[r], "taken_%s", region->name);
@@ -172,16 +209,35 @@ static void walk_region(struct history_columns *columns, const struct richards *
   }
 }
 
+/* Up to where water comes out of soil to the air, m: the upper end of the highest face that lets
+ * some out. NAN: nowhere. */
+static void seepage_top(const struct richards *s, double top[3]) {
+  for (int a = 0; a < 3; a++) top[a] = NAN;
+  for (size_t e = 0; e < s->edge_count; e++) {
+    const struct richards_edge *edge = &s->edges[e];
+    const double least = RATE_ROUNDING * s->soils[s->soil[edge->site]].conductivity[edge->axis];
+    const double z = edge->z + (edge->axis == 2 ? 0 : 0.5 * s->spacing);
+    const bool air = edge->kind == EDGE_AIR || edge->kind == EDGE_HEAD || edge->kind == EDGE_POOL;
+    if (!air || !(s->edge_flux[e].q < -least) || z <= top[2] ||
+        richards_is_covered(s, edge, s->time))
+      continue;
+    richards_place(s, edge->site, top);
+    top[edge->axis] += (edge->low ? -0.5 : 0.5) * s->spacing;
+    top[2] = z;
+  }
+}
+
 /* The columns beyond those of every method. */
 static void walk_columns(struct history_columns *columns, const void *state) {
   const struct richards *s = state;
   const struct scene *scene = s->scene;
   const double water = richards_water(s), weight = scene->fluid.density * GRAVITY_STANDARD;
-  double least = INFINITY, most = -INFINITY;
+  double least = INFINITY, most = -INFINITY, top[3];
   for (size_t i = 0; i < s->count; i++) least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
   history_number(columns, "m^3", water, "water");
   history_number(columns, "m^3", water - s->start - richards_net_inflow(s), "water_open");
   history_number(columns, "m^3", s->seeped, "seeped_to_air");
+  if (!s->full) seepage_top(s, top), history_column(columns, "m", 3, top, "seepage_top");
   history_number(columns, "m", least, "pressure_head_least");
   history_number(columns, "m", most, "pressure_head_most");
   history_number(columns, "1", s->iterations, "iterations");
@@ -284,10 +340,11 @@ static double *number_at(struct richards *s, int k) {
 static double *array_at(struct richards *s, int k, const char **name, size_t *count) {
   static const char *const names[ARRAYS] = {"/state/pressure_head", "/state/water",
                                             "/state/entered",       "/state/rained",
-                                            "/state/ran_off",       "/state/pond"};
-  double *const arrays[ARRAYS] = {s->h, s->water, s->entered, s->rained, s->ran_off, s->pond};
+                                            "/state/ran_off",       "/state/volume"};
+  double *const arrays[ARRAYS] = {s->h,      s->water,   s->entered,
+                                  s->rained, s->ran_off, s->pool_volumes};
   *name = names[k];
-  *count = k < 2 ? s->count : k < 5 ? s->scene->region_count : s->edge_count;
+  *count = k < 2 ? s->count : k < 5 ? s->scene->region_count : s->pool_count;
   return arrays[k];
 }
 

@@ -13,7 +13,8 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
 /* Write the state to a checkpoint, and read it; reading leaves the file open. */
 enum status richards_write_checkpoint(const struct richards *s, struct recorder *recorder);
 enum status richards_read_checkpoint(struct richards *s, struct h5_file *file);
-/* Pressure head, m, at a point: linear between the centres of sites. NAN outside soil. */
+/* Pressure head, m, at a point: linear between the centres of sites, and at rest in free water.
+ * NAN outside both. */
 double richards_head_at(const struct richards *s, const double point[3]);
 /* Height of the water table over a point, m: below it the soil is under pressure down to its foot.
  * NAN: none. */

@@ -5,6 +5,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/ranks.h"
+#include "sphsolve/darcy/basin.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/method.h"
@@ -46,11 +47,13 @@ static enum status check_region(const struct scene *scene, const struct region *
   case REGION_POROUS:
     return check_soil(scene, region);
   case REGION_WATER:
-    return FAIL(
-        STATUS_INPUT,
-        "%s:%d: free water beside soil that is not full is not in it: give its level as the "
-        "head of an inflow region on a side, or leave the soil's curve out (method isph)",
-        scene->path, region->line);
+    if (!(scene->driving[2] < 0) || region->velocity[0] != 0 || region->velocity[1] != 0 ||
+        region->velocity[2] != 0)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: free water beside soil that is not full is at rest under gravity along "
+                  "-z: give that, and leave velocity out",
+                  scene->path, region->line);
+    return STATUS_OK;
   case REGION_WELL:
   case REGION_DRAIN:
     return STATUS_OK; /* check_well */
@@ -95,7 +98,7 @@ static enum status check_well(const struct effect_context *context, const struct
         for (const struct region *part = whole; part < scene->regions + whole->end; part++)
           inside = inside || domain_holds(scene, part->box, x);
         held += inside;
-        if (inside && l->kind[site] != SITE_FLUID)
+        if (inside && (l->kind[site] != SITE_FLUID || domain_is_water(scene, l, site)))
           return FAIL(STATUS_INPUT,
                       "%s:%d: a %s takes water out of soil; at (%g, %g, %g) m there is none: keep "
                       "it within a porous region",
@@ -119,56 +122,72 @@ static bool is_beside_water(const struct effect_context *context, const struct r
   return false;
 }
 
-/* The window whose free water (`water`: open_water_find) is above a site; NULL: none. */
-static const struct region *water_above(const struct effect_context *context, const uint16_t *water,
-                                        size_t site) {
-  const size_t above = domain_beyond(context->scene, context->lattice, site, 2, false);
-  if (water == NULL || above == context->lattice->count || water[above] == 0) return NULL;
-  return &context->scene->regions[water[above] - 1];
+/* What brings water to a face of a site besides a region, to the same part of it, or all over it as
+ * a head does; NULL: nothing. */
+static const struct region *other_at(const struct scene *scene, const struct lattice *l,
+                                     const struct region *region, size_t site, int axis, bool low) {
+  double x[3], share;
+  domain_place(l, site, x);
+  if (domain_beyond(scene, l, site, axis, low) == l->count) {
+    const struct region *window = domain_window_at(scene, l, x, axis, low);
+    if (window != NULL) return window;
+  }
+  for (size_t r = 0;; r++) {
+    double both[6];
+    r = domain_source_at(scene, l, site, axis, low, r, &share);
+    if (r == scene->region_count) return NULL;
+    for (int a = 0; a < 3; a++) {
+      both[a] = fmax(region->box[a], scene->regions[r].box[a]);
+      both[a + 3] = fmin(region->box[a + 3], scene->regions[r].box[a + 3]);
+    }
+    if (&scene->regions[r] != region && domain_share(l, x, axis, both) > COVERED_LEAST)
+      return &scene->regions[r];
+  }
+}
+
+/* Whether a region brings water to a face of a site. An error where another does to the same part
+ * of it: of two that share it one would be lost. */
+static enum status look_at_face(const struct scene *scene, const struct lattice *l,
+                                const struct region *region, size_t site, int axis, bool low,
+                                bool *reached) {
+  double x[3], share;
+  domain_place(l, site, x);
+  if (region->type != REGION_RAIN && region->boundary != BOUNDARY_FLUX) {
+    *reached = *reached || (domain_beyond(scene, l, site, axis, low) == l->count &&
+                            domain_window_at(scene, l, x, axis, low) == region);
+    return STATUS_OK;
+  }
+  const size_t own = (size_t)(region - scene->regions);
+  if (domain_source_at(scene, l, site, axis, low, own, &share) != own) return STATUS_OK;
+  *reached = true;
+  const struct region *other = other_at(scene, l, region, site, axis, low);
+  if (other == NULL) return STATUS_OK;
+  return FAIL(STATUS_INPUT,
+              "%s:%d: the %s of line %d brings water to the face at (%g, %g, %g) m as well: let "
+              "them not overlap, and meet a head where faces do, %g m apart",
+              scene->path, region->line, region_type_names[other->type], other->line, x[0], x[1],
+              x[2], l->spacing[0]);
 }
 
 /* Rain and inflows need a face of soil, and a head a place beside its window: there may be no water
- * at times. `water`: open_water_find, or NULL. A face takes the water of one rain, or of one
- * inflow: of two that share it one would be lost. */
+ * at times. `water`: open_water_find, or NULL. */
 static enum status check_faces(const struct effect_context *context, const struct region *region,
                                const uint16_t *water) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const bool rain = region->type == REGION_RAIN;
-  const struct region *drowned = NULL; /* the window in whose water rain falls */
   bool low = false, reached = false;
   if (!rain && region->type != REGION_INFLOW) return STATUS_OK;
   const int axis = rain ? 2 : scene_inflow_axis(scene, region, &low);
   for (size_t site = 0; site < l->count; site++) {
-    double x[3], share = 0;
-    const bool side = domain_beyond(scene, l, site, axis, low) == l->count;
+    if (l->kind[site] == SITE_WALL ||
+        (l->kind[site] == SITE_EMPTY && region->boundary != BOUNDARY_HEAD))
+      continue;
     if (l->kind[site] == SITE_FLUID && water != NULL)
       reached = reached || is_beside_water(context, region, water, site);
-    if (l->kind[site] == SITE_WALL || (!rain && !side)) continue;
-    domain_place(l, site, x);
-    const struct region *inflow = side ? domain_inflow_at(scene, l, x, axis, low, &share) : NULL;
-    if (l->kind[site] == SITE_EMPTY) {
-      reached = reached || (inflow == region && region->boundary == BOUNDARY_HEAD);
-      continue;
-    }
-    const struct region *found =
-        rain && inflow == NULL ? domain_rain_at(scene, l, site, x, &share) : inflow;
-    reached = reached || found == region;
-    if (rain && found == region && water_above(context, water, site) != NULL)
-      drowned = water_above(context, water, site);
-    if (found == NULL || found == region || (!rain && region->boundary != BOUNDARY_FLUX) ||
-        (rain && x[2] > region->box[5]) || !(domain_share(l, x, axis, region->box) > COVERED_LEAST))
-      continue;
-    return FAIL(STATUS_INPUT,
-                "%s:%d: the face at (%g, %g, %g) m has a part of the %s of line %d as well, and "
-                "takes one: let them not overlap, and meet where faces do, %g m apart",
-                scene->path, region->line, x[0], x[1], x[2], region_type_names[found->type],
-                found->line, l->spacing[0]);
+    const enum status status = look_at_face(scene, l, region, site, axis, low, &reached);
+    if (status != STATUS_OK) return status;
   }
-  if (drowned != NULL && drowned->table.count > 0)
-    log_warning("%s:%d: rain that falls where the water of the window of line %d stands at its "
-                "highest is left out, also while it stands lower",
-                scene->path, region->line, drowned->line);
   if (reached) return STATUS_OK;
   return FAIL(STATUS_INPUT,
               "%s:%d: this %s reaches no soil, so nothing comes in by it: let its box lie on a "
@@ -200,6 +219,7 @@ enum status richards_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct scene *scene = context->scene;
   uint16_t *water = NULL;
+  struct basin *basins = NULL;
   if (ranks_count() > 1)
     TRY(scene_error(scene, AT_METHOD, "method %s runs in one process; leave out mpirun",
                     context->method->name));
@@ -215,9 +235,12 @@ enum status richards_refuse(const struct effect_context *context) {
     if (region->first == r && region_is_sink(region)) TRY(check_well(context, region));
   }
   TRY(open_water_find(scene, context->lattice, true, &water)); /* windows that fill one place */
+  TRY(memory_allocate(&basins, scene->region_count, sizeof *basins, "free water"));
+  TRY(basin_find(scene, context->lattice, water, basins));
   for (size_t r = 0; r < scene->region_count; r++)
     TRY(check_faces(context, &scene->regions[r], water));
 cleanup:
   memory_free(&water);
+  memory_free(&basins);
   return status;
 }

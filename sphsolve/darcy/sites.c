@@ -62,17 +62,39 @@ cleanup:
   return status;
 }
 
+/* Whether a site takes part; free water beside soil that need not be full does not. */
+static bool is_soil(const struct richards *s, size_t at) {
+  return s->lattice->kind[at] == SITE_FLUID && !domain_is_water(s->scene, s->lattice, at);
+}
+
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
   return domain_beyond(s->scene, s->lattice, at, axis, low);
 }
 
+/* Adds what is given at the face of a site to its edge. */
+static void add_sources(struct richards *s, size_t at, struct richards_edge *edge, bool count) {
+  const struct scene *scene = s->scene;
+  struct richards_source source;
+  edge->source = (uint32_t)s->source_count;
+  for (size_t r = 0;; r++) {
+    r = domain_source_at(scene, s->lattice, at, edge->axis, edge->low, r, &source.share);
+    if (r == scene->region_count) return;
+    source.region = &scene->regions[r];
+    if (source.region->type == REGION_INFLOW && edge->source_count == 0) edge->kind = EDGE_FLUX;
+    if (source.region->type == REGION_RAIN) edge->kind = EDGE_AIR;
+    if (!count) s->sources[s->source_count] = source;
+    s->source_count++, edge->source_count++;
+  }
+}
+
 /* Adds the face of site i at one side: between two sites, or to the outside; with `count` it is
- * only counted. `water`: open_water_find, or NULL. */
-static void add_face(struct richards *s, const uint16_t *water, size_t i, int axis, bool low,
-                     bool count) {
+ * only counted. */
+static void add_face(struct richards *s, size_t i, int axis, bool low, bool count) {
+  static const enum richards_edge_kind kinds[] = {
+      [BOUNDARY_NONE] = EDGE_AIR, [BOUNDARY_HEAD] = EDGE_HEAD, [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
-  double x[3] = {0}, share = 0;
+  double x[3];
   if (next != l->count && l->kind[next] == SITE_WALL) return;
   if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
@@ -92,28 +114,17 @@ static void add_face(struct richards *s, const uint16_t *water, size_t i, int ax
   struct richards_edge edge = {.site = (uint32_t)i,
                                .axis = (uint8_t)axis,
                                .low = low,
-                               .share = 1,
                                .z = x[2] + (axis != 2 ? 0
                                             : low     ? -0.5
                                                       : 0.5) *
                                                s->spacing};
-  if (next == l->count) edge.region = domain_inflow_at(s->scene, l, x, axis, low, &share);
-  if (next != l->count && water != NULL && water[next] != 0) {
-    edge.region = &s->scene->regions[water[next] - 1];
-    share = 1; /* rain that falls there falls into the water */
-  }
-  if (edge.region != NULL) {
-    static const enum richards_edge_kind kinds[] = {[BOUNDARY_NONE] = EDGE_AIR,
-                                                    [BOUNDARY_HEAD] = EDGE_HEAD,
-                                                    [BOUNDARY_FLUX] = EDGE_FLUX,
-                                                    [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
-    edge.kind = kinds[edge.region->boundary];
-    edge.share = share;
-  } else {
-    if (axis == 2 && !low) edge.region = domain_rain_at(s->scene, l, at, x, &share);
-    if (edge.region != NULL) edge.share = share;
-    if (edge.region == NULL && next == l->count) return; /* a closed side */
-  }
+  add_sources(s, at, &edge, count);
+  if (next == l->count) edge.region = domain_window_at(s->scene, l, x, axis, low);
+  if (next != l->count && s->open != NULL && s->open[next] != 0)
+    edge.region = &s->scene->regions[s->open[next] - 1];
+  if (edge.region != NULL)
+    edge.kind = edge.region->type == REGION_WATER ? EDGE_POOL : kinds[edge.region->boundary];
+  if (edge.region == NULL && next == l->count && edge.source_count == 0) return; /* closed */
   if (!count) s->edges[s->edge_count] = edge;
   if (!count) s->beside[6 * i + 2 * (size_t)axis + !low] = BESIDE_EDGE | (uint32_t)s->edge_count;
   s->edge_count++;
@@ -141,40 +152,43 @@ static void add_well(struct richards *s, size_t i, bool count) {
   }
 }
 
-static void add_faces(struct richards *s, const uint16_t *water, bool count) {
-  s->face_count = s->edge_count = 0;
+static void add_faces(struct richards *s, bool count) {
+  s->face_count = s->edge_count = s->source_count = 0;
   for (size_t i = 0; i < s->count; i++) add_well(s, i, count);
   for (size_t i = 0; i < s->count; i++)
     for (int a = 0; a < 3; a++)
       for (int side = 0; side < 2; side++)
-        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, water, i, a, side == 0, count);
+        if (!(s->lattice->dimensions == 2 && a == 1)) add_face(s, i, a, side == 0, count);
 }
 
-/* The two sites of pair p: those of a face, or of a corner. */
+/* The two rows of pair p: of the sites of a face, or of a corner, or of a site and its pool. */
 static void pair_at(const struct richards *s, size_t p, uint32_t pair[2]) {
   if (p < s->face_count)
     pair[0] = s->faces[p].i, pair[1] = s->faces[p].j;
-  else
+  else if (p < s->face_count + s->corner_count)
     memcpy(pair, s->corners[p - s->face_count], 2 * sizeof *pair);
+  else
+    memcpy(pair, s->pool_pairs[p - s->face_count - s->corner_count], 2 * sizeof *pair);
 }
 
-/* Sets up the matrix: a row for each site, with entries for itself and each neighbouring site, in
+/* Sets up the matrix: a row for each site and pool, with entries for itself and each neighbour, in
  * increasing order. */
 static enum status make_rows(struct richards *s) {
   enum status status = STATUS_OK;
   struct rows *rows = &s->rows;
-  const size_t pairs = s->face_count + s->corner_count;
+  const size_t pairs = s->face_count + s->corner_count + s->pool_pair_count,
+               count = s->count + s->pool_count;
   uint32_t pair[2];
-  TRY(rows_allocate(s->count, s->count + 2 * pairs, rows));
-  for (size_t i = 0; i < s->count; i++) rows->start[i + 1] = 1;
+  TRY(rows_allocate(count, count + 2 * pairs, rows));
+  for (size_t i = 0; i < count; i++) rows->start[i + 1] = 1;
   for (size_t p = 0; p < pairs; p++) {
     pair_at(s, p, pair);
     rows->start[pair[0] + 1]++, rows->start[pair[1] + 1]++;
   }
-  for (size_t i = 0; i < s->count; i++) rows->start[i + 1] += rows->start[i];
-  for (size_t i = 0; i < s->count; i++) rows->column[rows->start[i]] = (uint32_t)i;
+  for (size_t i = 0; i < count; i++) rows->start[i + 1] += rows->start[i];
+  for (size_t i = 0; i < count; i++) rows->column[rows->start[i]] = (uint32_t)i;
   /* end of the entries so far */
-  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows->start[i] + 1;
+  for (size_t i = 0; i < count; i++) rows->diagonal[i] = rows->start[i] + 1;
   for (size_t p = 0; p < pairs; p++) {
     pair_at(s, p, pair);
     for (int side = 0; side < 2; side++) {
@@ -185,11 +199,17 @@ static enum status make_rows(struct richards *s) {
       rows->column[k] = j;
     }
   }
-  for (size_t i = 0; i < s->count; i++) rows->diagonal[i] = rows_entry(rows, i, (uint32_t)i);
+  for (size_t i = 0; i < count; i++) rows->diagonal[i] = rows_entry(rows, i, (uint32_t)i);
   for (size_t f = 0; f < s->face_count; f++) {
     s->faces[f].ij = rows_entry(rows, s->faces[f].i, s->faces[f].j);
     s->faces[f].ji = rows_entry(rows, s->faces[f].j, s->faces[f].i);
     s->faces[f].soils_differ = s->soil[s->faces[f].i] != s->soil[s->faces[f].j];
+  }
+  for (size_t k = 0; k < s->pool_edge_count; k++) {
+    struct richards_pool_edge *at = &s->pool_edges[k];
+    const struct richards_edge *edge = &s->edges[at->edge];
+    at->ij = rows_entry(rows, edge->site, s->count + edge->pool - 1);
+    at->ji = rows_entry(rows, s->count + edge->pool - 1, edge->site);
   }
 cleanup:
   return status;
@@ -213,7 +233,7 @@ static double head_at_start(const struct richards *s, size_t i) {
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s) {
   enum status status = STATUS_OK;
-  uint16_t *of_region = NULL, *water = NULL;
+  uint16_t *of_region = NULL;
   *s = (struct richards){.scene = scene,
                          .lattice = lattice,
                          .spacing = lattice->spacing[0],
@@ -224,14 +244,14 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
     s->changes = s->changes || scene->regions[r].table.count > 0;
   TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
   TRY(find_soils(s, of_region));
-  for (size_t at = 0; at < lattice->count; at++) s->count += lattice->kind[at] == SITE_FLUID;
+  for (size_t at = 0; at < lattice->count; at++) s->count += is_soil(s, at);
   TRY(memory_allocate(&s->site, s->count, sizeof *s->site, "sites of soil"));
   TRY(memory_allocate(&s->number, lattice->count, sizeof *s->number, "sites of soil"));
   TRY(memory_allocate(&s->soil, s->count, sizeof *s->soil, "sites of soil"));
   s->count = 0;
   for (size_t at = 0; at < lattice->count; at++) {
     s->number[at] = SITE_NONE;
-    if (lattice->kind[at] != SITE_FLUID) continue;
+    if (!is_soil(s, at)) continue;
     s->site[s->count] = (uint32_t)at;
     s->number[at] = (uint32_t)s->count++;
   }
@@ -244,25 +264,30 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   }
   TRY(memory_allocate(&s->beside, s->count, 6 * sizeof *s->beside, "faces of sites"));
   memset(s->beside, 0xff, 6 * s->count * sizeof *s->beside);
-  if (!s->full) TRY(open_water_find(scene, lattice, false, &water));
-  add_faces(s, water, true);
+  if (!s->full) {
+    TRY(open_water_find(scene, lattice, false, &s->open));
+    TRY(memory_allocate(&s->basins, scene->region_count, sizeof *s->basins, "free water"));
+    TRY(basin_find(scene, lattice, s->open, s->basins));
+  }
+  add_faces(s, true);
   TRY(memory_allocate(&s->faces, s->face_count, sizeof *s->faces, "faces between sites"));
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
-  add_faces(s, water, false);
+  TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
+  add_faces(s, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
+  TRY(richards_pond_create(s));
   TRY(make_rows(s));
   double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
                              &s->second, &s->residual, &s->term_size, &s->change};
   for (size_t k = 0; k < sizeof arrays / sizeof *arrays; k++)
-    TRY(memory_allocate(arrays[k], s->count, sizeof(double), "water in soil"));
+    TRY(memory_allocate(arrays[k], s->count + s->pool_count, sizeof(double), "water in soil"));
   TRY(memory_allocate(&s->now, s->count, sizeof *s->now, "water in soil"));
   TRY(memory_allocate(&s->from, s->count, sizeof *s->from, "water in soil"));
   TRY(memory_allocate(&s->face_flux, s->face_count, sizeof *s->face_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_flux, s->edge_count, sizeof *s->edge_flux, "fluxes"));
   TRY(memory_allocate(&s->edge_first, s->edge_count, sizeof *s->edge_first, "fluxes"));
-  TRY(richards_pond_create(s));
   if (s->full) TRY(memory_allocate(&s->speed, s->count, sizeof *s->speed, "fluxes"));
   if (s->full) TRY(memory_allocate(&s->limited, s->edge_count, sizeof *s->limited, "fluxes"));
   double **const sums[] = {&s->entered, &s->rained, &s->ran_off};
@@ -275,14 +300,13 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   else
     richards_evaluate(s, 0);
   for (size_t i = 0; i < s->count; i++) s->water[i] = s->now[i].theta;
-  s->start = richards_water(s);
+  s->start = richards_water(s) + richards_pond_volume(s, NULL);
   for (size_t k = 0; k < s->soil_count; k++)
     for (int a = 0; a < 3; a++)
       s->fastest = fmax(s->fastest, s->soils[k].conductivity[a] / s->spacing /
                                         (s->soils[k].theta_s - s->soils[k].theta_r));
   s->next_dt = FIRST_STEP / s->fastest;
 cleanup:
-  memory_free(&water);
   memory_free(&of_region);
   return status;
 }
@@ -293,8 +317,11 @@ void richards_free(struct richards *s) {
   memory_free(&s->site);
   memory_free(&s->number);
   memory_free(&s->soil);
+  memory_free(&s->open);
+  memory_free(&s->basins);
   memory_free(&s->faces);
   memory_free(&s->edges);
+  memory_free(&s->sources);
   rows_free(&s->rows);
   double **const arrays[] = {&s->h,          &s->water,    &s->before,   &s->target,  &s->first,
                              &s->second,     &s->residual, &s->change,   &s->entered, &s->rained,

@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include "sphsolve/darcy/basin.h"
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/darcy/flux.h"
 #include "sphsolve/darcy/rows.h"
@@ -28,12 +29,19 @@ struct richards_face {
 };
 
 enum richards_edge_kind {
-  EDGE_AIR,      /* to the air: lets water out that is under pressure, and rain in */
-  EDGE_HEAD,     /* water outside up to a level, air above it */
+  EDGE_AIR,      /* to the air: lets water out that is under pressure, and what is given in */
+  EDGE_HEAD,     /* water outside up to a level, the same as to the air above it */
   EDGE_PRESSURE, /* a prescribed pressure head */
-  EDGE_FLUX,     /* a prescribed inward flux; if negative, limited by what the soil can give */
+  EDGE_POOL,     /* the same with the level of a body of water (darcy/pond.h) */
+  EDGE_FLUX,     /* given inward fluxes; if negative, limited by what the soil can give */
   EDGE_WELL,     /* in a well: its share of the rate, as far as the pressure yields it */
   EDGE_DRAIN     /* in a drain: the outflow that holds its head, and no inflow */
+};
+
+/* Rain or a given flux on a part of a boundary face. */
+struct richards_source {
+  const struct region *region;
+  double share; /* of the face that the region covers */
 };
 
 /* A boundary face of a site; or, in a well or a drain, its exchange with the site, normal to no
@@ -43,22 +51,48 @@ struct richards_edge {
   uint8_t axis;
   bool low; /* on the low side of its site */
   enum richards_edge_kind kind;
-  const struct region *region; /* its inflow, rain, well or drain; NULL: none */
-  double share; /* share of the face that the region covers; in a well, of its rate */
-  double z;     /* m, of its centre */
+  const struct region *region;   /* what holds a head there, its well or drain; NULL: none */
+  uint32_t source, source_count; /* what is given there: the first of them, and their number */
+  uint32_t pool;                 /* 1 + the number of its free water; 0: none */
+  double share;                  /* of the rate of a well */
+  double z;                      /* m, of its centre */
+};
+
+/* Free water whose level follows from its balance (darcy/pond.h): what rain leaves on one face, or
+ * a body of water. */
+struct richards_pool {
+  const struct region *region; /* of the body's water; NULL: of a face */
+  /* The first of its faces in pool_edges, of the areas of its layers, from the floor up and a
+   * spacing high each but the last, in pool_areas, of the heights of its faces in pool_heights, and
+   * of what it catches in sources, with areas as shares of a face; their numbers. */
+  size_t edge, edge_count, layer, layer_count, height, height_count, source, source_count;
+  double floor, most;     /* m; m^3, above which it runs off */
+  double *volume, before; /* m^3: now, in pool_volumes, and at the start of the step */
+  double from, first;     /* m^3 at the start of the stage; m^3/s in the first stage */
+  double level;           /* m */
+  double share;           /* of faces at its level that is wet */
+  double storage;         /* m^2: change of the volume with the level; INFINITY: it stays */
+};
+
+struct richards_pool_edge {
+  size_t edge, ij, ji; /* entries of the matrix in the row of its site and in that of the pool */
 };
 
 struct richards {
   const struct scene *scene;
   const struct lattice *lattice;
   double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2, along each axis */
-  size_t count, face_count, edge_count, soil_count;
+  size_t count, face_count, edge_count, source_count, soil_count;
   struct retention *soils;
   uint32_t *site;   /* [count]: index in the lattice */
   uint32_t *number; /* [lattice->count]: index of a site here, or SITE_NONE */
   uint16_t *soil;   /* [count]: index of its soil */
+  /* [lattice->count]: open_water_find and basin_find; NULL where soil is full */
+  uint16_t *open;
+  struct basin *basins; /* [regions], likewise */
   struct richards_face *faces;
   struct richards_edge *edges;
+  struct richards_source *sources;
   uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
                      * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
 
@@ -102,9 +136,14 @@ struct richards {
   double *rained, *ran_off; /* [regions]: rain; the part of it that neither went into the soil nor
                                stands on it */
   double seeped;            /* seepage to the air */
-  /* Rain that stands on the soil (darcy/pond.h); else not allocated. [edges]: its depth now, at the
-   * start of the step, and at that of the stage, m; its rate in the first stage, m/s. */
-  double *pond, *pond_before, *pond_from, *pond_first;
+  /* Free water with a level of its own (darcy/pond.h); else not allocated. Pool n has row count + n
+   * of the matrix, and entries with each of `pool_pairs`: a site and that row. */
+  size_t pool_count, pool_edge_count, pool_pair_count;
+  struct richards_pool *pools;
+  struct richards_pool_edge *pool_edges;
+  double *pool_areas, *pool_heights; /* m^2, m */
+  double *pool_volumes;              /* [pools] m^3 */
+  uint32_t (*pool_pairs)[2];
   double stage;   /* s; length of the stage that is solved, 0 between steps */
   double in, out; /* total inward and total outward flow through boundary faces */
 };

@@ -59,7 +59,7 @@ static void assemble(struct richards *s, double dt) {
   struct rows *rows = &s->rows;
   const double scale = dt / s->spacing;
   double *against = s->change; /* overwritten by the solution */
-  memset(rows->value, 0, rows->start[s->count] * sizeof *rows->value);
+  memset(rows->value, 0, rows->start[rows->count] * sizeof *rows->value);
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
   add_diffusion(s, scale, against);
   for (size_t i = 0; i < s->count; i++)
@@ -79,6 +79,7 @@ static void assemble(struct richards *s, double dt) {
     }
   }
   for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] *= 1 + STORAGE_MIN;
+  richards_pond_assemble(s);
 }
 
 /* Head of a site after a Newton step `change`. `diagonal`: of the matrix; `near`: the height over
@@ -175,27 +176,58 @@ static double error_of(const struct richards *s, double dt) {
   return (1 - SDIRK_GAMMA) * dt * most / s->tolerance;
 }
 
+/* Adds what sources have given to an edge, of which `into` went into the soil, m^3.
+ * What is left of rain runs off; of a flux, which may be negative, it did not come. */
+static void add_given(struct richards *s, const struct richards_edge *edge, const double weight[2],
+                      const double time[2], double into) {
+  double covered[2] = {0};
+  for (size_t k = 0; k < edge->source_count; k++) {
+    const struct richards_source *source = &s->sources[edge->source + k];
+    const bool rain = source->region->type == REGION_RAIN;
+    double given = 0;
+    for (int stage = 0; stage < 2; stage++)
+      if (!richards_is_covered(s, edge, time[stage]))
+        given += weight[stage] * richards_source_at(source, time[stage]);
+    (rain ? s->rained : s->entered)[source->region->first] += given;
+    covered[rain] += source->share;
+    into -= given;
+  }
+  const bool rain = covered[1] > 0 && (into < 0 || !(covered[0] > 0));
+  for (size_t k = 0; k < edge->source_count; k++) {
+    const struct richards_source *source = &s->sources[edge->source + k];
+    const double part = into * source->share / covered[rain];
+    if ((source->region->type == REGION_RAIN) != rain) continue;
+    if (rain)
+      s->ran_off[source->region->first] -= part;
+    else
+      s->entered[source->region->first] += part;
+  }
+}
+
 /* Adds the flow through the boundary faces to the balance, with the weights of the stages, `last`
  * that of the second; for rates that are linear in time these are exact. */
 static void update_balance(struct richards *s, double from, double dt, double last) {
   const double area = s->spacing * s->spacing;
+  const double time[2] = {from + SDIRK_GAMMA * dt, from + dt},
+               weight[2] = {area * dt * (1 - last), area * dt * last};
   for (size_t e = 0; e < s->edge_count; e++) {
     const struct richards_edge *edge = &s->edges[e];
-    const double came = area * dt * ((1 - last) * s->edge_first[e] + last * s->edge_flux[e].q);
-    const size_t r = edge->region != NULL ? edge->region->first : 0;
+    const double q[2] = {s->edge_first[e], s->edge_flux[e].q};
+    double came = weight[0] * q[0] + weight[1] * q[1], given = came;
     *(came > 0 ? &s->in : &s->out) += fabs(came);
-    if (edge->region == NULL) {
-      s->seeped -= came;
-    } else if (edge->kind != EDGE_AIR) {
-      s->entered[r] += came;
-    } else {
-      const double fell = area * dt *
-                          ((1 - SDIRK_GAMMA) * richards_rain_at(edge, from + SDIRK_GAMMA * dt) +
-                           SDIRK_GAMMA * richards_rain_at(edge, from + dt));
-      s->rained[r] += fell;
-      s->ran_off[r] += fell - came - area * richards_pond_rise(s, e);
+    if (edge->pool > 0) continue;
+    if (edge->region != NULL) {
+      given = 0;
+      for (int stage = 0; stage < 2 && edge->source_count > 0; stage++)
+        if (!richards_is_covered(s, edge, time[stage])) given += weight[stage] * fmax(q[stage], 0);
+      s->entered[edge->region->first] += came - given;
     }
+    if (edge->source_count > 0)
+      add_given(s, edge, weight, time, given);
+    else if (edge->region == NULL)
+      s->seeped -= came;
   }
+  richards_pond_balance(s, weight, time);
 }
 
 static bool try_step(struct richards *s, double dt) {
@@ -279,8 +311,7 @@ enum status richards_advance(struct richards *s, double until, double *taken) {
     s->water[i] = s->target[i] + SDIRK_GAMMA * dt * s->second[i];
     s->rate = fmax(s->rate, fabs(s->second[i]) / (soil->theta_s - soil->theta_r));
   }
-  for (size_t e = 0; s->pond != NULL && e < s->edge_count; e++)
-    s->rate = fmax(s->rate, fabs(richards_pond_rise(s, e)) / (dt * s->spacing));
+  s->rate = fmax(s->rate, richards_pond_rate(s, dt) / s->spacing);
   richards_pond_end(s);
   s->rate_most = fmax(s->rate_most, s->rate);
   s->time = dt >= left * (1 - 1e-9) ? until : s->time + dt;

@@ -181,8 +181,8 @@ static bool box_holds(const double box[6], const double x[3], int dimensions) {
 /* Kind and region of a point: those of the last region that contains it. Soil is a property of
  * space, water is what fills it: a water region fills its volume, inside or outside soil, and a
  * later porous region does not remove the water. Soil outside water regions is dry unless it is
- * `saturated`; if all soil is saturated by default, it is wet unless the region says `saturated =
- * false`. */
+ * `saturated` or has a curve, which says how wet it is; if all soil is saturated by default, it is
+ * wet unless the region says `saturated = false`. */
 static void classify_point(const struct scene *scene, const double x[3], bool all_saturated,
                            uint8_t *kind, uint16_t *region) {
   bool water = false;
@@ -205,8 +205,10 @@ static void classify_point(const struct scene *scene, const double x[3], bool al
       *kind = SITE_EMPTY;
       break;
     case REGION_POROUS:
-      *kind = water || candidate->saturated || (all_saturated && !candidate->dry) ? SITE_FLUID
-                                                                                  : SITE_EMPTY;
+      *kind = water || candidate->saturated || candidate->retention.given ||
+                      (all_saturated && !candidate->dry)
+                  ? SITE_FLUID
+                  : SITE_EMPTY;
       break;
     case REGION_INFLOW:
     case REGION_WELL:

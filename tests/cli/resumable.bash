@@ -36,6 +36,7 @@ regions = (
   { type = "porous"; box = ["0","0.5 m","1 m","1 m"]; porosity = 0.35; permeability = "1e-4 m/s"; head = "0.3 m";
     van_genuchten = { alpha = "5 1/m"; n = 3.0; }; },
   { type = "rain"; name = "storm"; box = ["0","0.98 m","0.5 m","1 m"]; times = ["0 s","10 min","2 h"]; rate = ["0","2e-5 m/s","0"]; },
+  { type = "water"; box = ["0.6 m","0.8 m","0.8 m","1 m"]; },
   { type = "inflow"; box = ["0.98 m","0","1 m","1 m"]; times = ["0 s","3 h"]; head = ["0.3 m","0.1 m"]; } );
 force = { gravity = ["0","-9.80665 m/s^2"]; };
 gauges = ( { name = "foot"; at = ["0.3 m","0.2 m"]; } );

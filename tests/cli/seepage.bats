@@ -877,6 +877,19 @@ assert moisture["thickness_m"] == 0.2, moisture["thickness_m"]
 told = moisture["water_table"]["level_m"][0]
 assert abs(told / level - 1) < 0.1, (told, level)
 END
+  # with a coarser run levels have a +-, which holds what they differ by; the two are not exchanged
+  sphsolve run "$ROOT/data-samples/scenes/recharge.cfg" --set 'domain.spacing="50 cm"' --set 'scene={ name = "recharge"; }' --set 'output={}' -o coarse -q
+  analyze moisture vadose.hdf coarse.hdf --json > both.json
+  analyze moisture coarse.hdf --json > coarse.json
+  python3 - << 'END'
+import json
+both, coarse = (json.load(open(name))["water_table"] for name in ("both.json", "coarse.json"))
+assert len(both["error95"]) == len(both["level_m"]) and all(0 < e < 0.3 for e in both["error95"]), both
+assert abs(both["level_m"][0] - coarse["level_m"][0]) < 3 * both["error95"][0], (both, coarse)
+assert all(e is None for e in coarse["error95"])
+END
+  run -3 analyze moisture coarse.hdf vadose.hdf
+  [[ "$output" == *"twice its domain.spacing"* ]]
   analyze report vadose.hdf -o vadose.html
   page vadose.html '"moisture" in [s["name"] for s in page["sections"]] and page["headline"]["unit"] == "m\u00b3"' \
     '1 <= len(page["pictures"]["frames"]["times_s"]) <= 6 and page["pictures"]["frames"]["value"] == "saturation"'

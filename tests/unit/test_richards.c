@@ -236,11 +236,11 @@ static void start_box(struct run *run, const char *soil, const char *more) {
 /* Depth of the water on a face under rain, m; all of them have the same. */
 static double pond_depth(const struct run *run) {
   double depth = NAN;
-  for (size_t e = 0; e < run->s.edge_count; e++)
-    if (run->s.edges[e].region != NULL && run->s.edges[e].region->type == REGION_RAIN) {
-      assert_true(isnan(depth) || fabs(run->s.pond[e] - depth) < 1e-12);
-      depth = run->s.pond[e];
-    }
+  for (size_t k = 0; k < run->s.pool_count; k++) {
+    const double own = run->s.pool_volumes[k] / (run->s.spacing * run->s.spacing);
+    assert_true(isnan(depth) || fabs(own - depth) < 1e-12);
+    depth = own;
+  }
   return depth;
 }
 
@@ -303,6 +303,157 @@ static void ponding(void **state) {
     } else {
       assert_true(stood > .03 && fabs(run.s.ran_off[1]) < 1e-12 * run.s.rained[1]);
       assert_true(fabs(soaked - fallen) < 1e-12);
+    }
+    finish(&run);
+  }
+}
+
+/* Rains and given fluxes that meet within a face bring what they do where they meet between two. */
+static void meeting(void **state) {
+  (void)state;
+  for (int within = 0; within < 2; within++) {
+    struct run run;
+    const char *edge = within ? "0.225 m" : "0.2 m";
+    char more[1000];
+    snprintf(
+        more, sizeof more,
+        ", { type = \"rain\"; name = \"a\"; box = [\"0\", \"0.99 m\", \"%s\", \"1 m\"]; rate "
+        "= \"4e-5 m/s\"; }, { type = \"rain\"; name = \"b\"; box = [\"%s\", \"0.99 m\", \"0.4 "
+        "m\", \"1 m\"]; rate = \"%.9g m/s\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 "
+        "cm\", \"%s\"]; flux = \"1e-6 m/s\"; }, { type = \"inflow\"; box = [\"0\", \"%s\", \"1 "
+        "cm\", \"0.4 m\"]; flux = \"-1e-6 m/s\"; }",
+        edge, edge, within ? 8e-6 / .175 : 4e-5, edge, edge);
+    start_box(&run, SAND "head = \"0.3 m\";", more);
+    advance(&run, 1800);
+    const double wide = .05 * 1800, *rained = run.s.rained, *entered = run.s.entered;
+    assert_true(fabs(rained[1] / (wide * 4e-5 * (within ? .225 : .2)) - 1) < 1e-12);
+    assert_true(fabs(rained[2] / (wide * 8e-6) - 1) < 1e-9);
+    assert_true(fabs(entered[3] / (wide * 1e-6 * (within ? .225 : .2)) - 1) < 1e-12);
+    assert_true(fabs(entered[4] / (wide * -1e-6 * (within ? .175 : .2)) - 1) < 1e-12);
+    assert_true(fabs(run.s.ran_off[1]) < 1e-12 * rained[1]);
+    assert_true(water_open(&run.s) < 1e-10);
+    finish(&run);
+  }
+}
+
+static double level_in(const struct run *run, double x, double z) {
+  const double at[3] = {x, 0, z};
+  return richards_level_at(&run->s, at);
+}
+
+/* A body of water over full soil falls as in a permeameter, (d + L) ~ exp(-K t/L), to nothing; the
+ * last of it wets a part of the floor. */
+static void sinking(void **state) {
+  (void)state;
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run;
+    start(&run,
+          "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"0.4 m\", \"1.4 m\"]; spacing = "
+          "\"%s\"; periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0\", "
+          "\"0\", \"0.4 m\", \"1 m\"]; " SAND
+          "head = \"1 m\"; }, { type = \"water\"; box = [\"0\", "
+          "\"1 m\", \"0.4 m\", \"1.3 m\"]; }, { type = \"inflow\"; box = [\"0\", \"0\", \"0.4 m\", "
+          "\"1 cm\"]; pressure_head = \"0 m\"; } );\n" GRAVITY,
+          fine ? "25 mm" : "50 mm");
+    assert_true(fabs(level_in(&run, .2, .5) - 1.3) < 1e-12);
+    for (double t = 500; t <= 2000; t += 500) {
+      advance(&run, t);
+      assert_true(fabs(level_in(&run, .2, .5) - 1.3 * exp(-1e-4 * t)) < 1e-5);
+      assert_true(water_open(&run.s) < 1e-12);
+    }
+    advance(&run, 7200);
+    assert_true(fabs(run.s.pool_volumes[0]) < 1e-15 && run.s.ran_off[1] < 1e-15);
+    assert_true(water_open(&run.s) < 1e-12);
+    finish(&run);
+  }
+}
+
+/* Two bodies of water joined by soil come to one level, and their difference falls as exp(-2 K A
+ * t/(L S)). */
+static void joined(void **state) {
+  (void)state;
+  for (int fine = 0; fine < 2; fine++) {
+    struct run run;
+    start(
+        &run,
+        "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"1 m\", \"1.5 m\"]; spacing = "
+        "\"%s\"; periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0.4 m\", "
+        "\"0\", \"0.6 m\", \"0.5 m\"]; " SAND "head = \"1 m\"; }, { type = \"wall\"; box = [\"0.4 "
+        "m\", \"0.5 m\", \"0.6 m\", \"1.5 m\"]; }, { type = \"water\"; box = [\"0\", \"0\", \"0.4 "
+        "m\", \"1.21 m\"]; }, { type = \"water\"; box = [\"0.6 m\", \"0\", \"1 m\", \"0.81 m\"]; } "
+        ");\n" GRAVITY,
+        fine ? "25 mm" : "50 mm");
+    const double rate = 2 * 1e-4 * .5 / (.2 * .4);
+    for (double t = 200; t <= 2000; t += 600) {
+      advance(&run, t);
+      const double high = level_in(&run, .1, .2), low = level_in(&run, .9, .2);
+      assert_true(fabs(high - low - .4 * exp(-rate * t)) < 1e-4);
+      assert_true(fabs(high + low - 2.02) < 1e-11);
+      assert_true(water_open(&run.s) < 1e-12);
+    }
+    finish(&run);
+  }
+}
+
+/* A flux at the side of a body of water fills it, up to the top of a wall; the rest leaves. */
+static void fed(void **state) {
+  (void)state;
+  struct run run;
+  start(
+      &run,
+      "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"1 m\", \"1 m\"]; spacing = \"5 cm\"; "
+      "periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0.8 m\", \"0\", "
+      "\"1 "
+      "m\", \"0.2 m\"]; " SAND "head = \"0.1 m\"; }, { type = \"wall\"; box = [\"0.4 m\", \"0\", "
+      "\"0.5 m\", \"0.6 m\"]; }, { type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.31 m\"]; "
+      "}, { type = \"inflow\"; box = [\"0\", \"0.1 m\", \"1 cm\", \"0.3 m\"]; flux = \"1e-4 m/s\"; "
+      "} "
+      ");\n" GRAVITY);
+  advance(&run, 1000);
+  assert_true(fabs(level_in(&run, .2, .1) - .31 - 1e-4 * .2 * 1000 / .4) < 1e-12);
+  advance(&run, 10000);
+
+  assert_true(fabs(level_in(&run, .2, .1) - .6) < 1e-12);
+  assert_true(fabs(run.s.ran_off[2] - .05 * (1e-4 * .2 * 10000 - .4 * .29)) < 1e-12);
+  assert_true(water_open(&run.s) < 1e-12);
+  finish(&run);
+}
+
+/* A pit dug in dry soil: its water goes into floor and sides, all of it, and rain on it and on its
+ * bare sides goes the same way, until nothing can take more. */
+static void pit(void **state) {
+  (void)state;
+  for (int storm = 0; storm < 2; storm++) {
+    struct run run;
+    char rain[160] = "";
+    if (storm)
+      snprintf(
+          rain, sizeof rain,
+          ", { type = \"rain\"; name = \"r\"; box = [\"0\", \"1.1 m\", \"1 m\", \"1.2 m\"]; rate "
+          "= \"2e-4 m/s\"; }");
+    start(
+        &run,
+        "scene = { end_time = \"1000 d\"; };\ndomain = { size = [\"1 m\", \"1.2 m\"]; spacing = "
+        "\"5 cm\"; periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0\", "
+        "\"0\", \"1 m\", \"1 m\"]; " SAND "pressure_head = \"-5 m\"; }, { type = \"empty\"; box = "
+        "[\"0.4 m\", \"0.6 m\", \"0.6 m\", \"1 m\"]; }, { type = \"empty\"; box = [\"0.3 m\", "
+        "\"0.8 "
+        "m\", \"0.4 m\", \"1 m\"]; }, { type = \"water\"; box = [\"0.4 m\", \"0.6 m\", \"0.6 m\", "
+        "\"0.75 m\"]; } %s );\n" GRAVITY,
+        rain);
+    const double volume = .2 * .15 * .05;
+    assert_true(fabs(run.s.pool_volumes[0] - volume) < 1e-15);
+    advance(&run, 60);
+    assert_true(run.s.pool_volumes[0] < .9 * volume + storm);
+    assert_true(water_open(&run.s) < 1e-12);
+    advance(&run, storm ? 20000 : 7200);
+    assert_true(water_open(&run.s) < 1e-12);
+    if (!storm) {
+      assert_true(fabs(run.s.pool_volumes[0]) < 1e-15);
+      assert_true(fabs(richards_water(&run.s) - run.s.start) < 1e-12);
+    } else { /* the soil is full in the end, and the water at the top of the domain */
+      assert_true(fabs(level_in(&run, .5, .7) - 1.2) < 1e-9 && run.s.ran_off[3] > 0);
+      assert_true(fabs(run.s.pool_volumes[0] - .05 * (.2 * .4 + .1 * .2 + .2)) < 1e-12);
     }
     finish(&run);
   }
@@ -432,6 +583,64 @@ static void reservoir(void **state) {
   }
   finish(&pool);
   finish(&face);
+}
+
+/* Rain falls on the slope that a drawdown bares, from then on, and into the water before. A gauge
+ * in the water has its level. */
+static void bared(void **state) {
+  (void)state;
+  static const char *const rates[] = {"0 m/s", "2e-6 m/s"};
+  double into[2];
+  for (int rain = 0; rain < 2; rain++) {
+    struct run run;
+    start(&run,
+          "scene = { end_time = \"1000 d\"; };\n"
+          "domain = { size = [\"1 m\", \"1.2 m\"]; spacing = \"5 cm\"; periodic = [false, false]; "
+          "};\nregions = ( { type = \"porous\"; box = [\"0.6 m\", \"0\", \"1 m\", \"1 m\"]; " SAND
+          "head = \"0.8 m\"; }, { type = \"porous\"; box = [\"0.4 m\", \"0\", \"0.6 m\", \"0.5 "
+          "m\"]; " SAND "head = \"0.8 m\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", "
+          "\"1.2 m\"]; times = [\"0 s\", \"1 h\", \"2 h\"]; head = [\"0.8 m\", \"0.8 m\", \"0.2 "
+          "m\"]; }, { type = \"rain\"; name = \"r\"; box = [\"0.4 m\", \"1.1 m\", \"0.6 m\", \"1.2 "
+          "m\"]; rate = \"%s\"; } );\n" GRAVITY,
+          rates[rain]);
+    const double pool[3] = {.2, 0, .1};
+    assert_true(fabs(richards_head_at(&run.s, pool) - .7) < 1e-12);
+    assert_true(fabs(richards_level_at(&run.s, pool) - .8) < 1e-12);
+    advance(&run, 3600);
+    assert_true(run.s.rained[3] == 0); /* on water */
+    advance(&run, 7200);
+    assert_true(fabs(richards_level_at(&run.s, pool) - .2) < 1e-12);
+    const double first = run.s.rained[3], water = run.s.entered[2];
+    /* bare for the last half of that hour */
+    assert_true(fabs(first - rain * .2 * .05 * 2e-6 * 1800) < .05 * 2e-6 * 30);
+    advance(&run, 7200 + 1e6);
+    assert_true(fabs(run.s.rained[3] - first - rain * .2 * .05 * 2.) < 1e-12);
+    assert_true(water_open(&run.s) < 1e-10);
+    into[rain] = run.s.entered[2] - water;
+    finish(&run);
+  }
+  /* All of it comes out into the reservoir in the end, but for what the soil holds of it. */
+  assert_true(into[1] - into[0] < -.9 * .2 * .05 * 2.);
+}
+
+/* A wall thinner than half a spacing on a side of the domain closes what lies behind it. */
+static void walled_side(void **state) {
+  (void)state;
+  for (int k = 0; k < 2; k++) {
+    struct run run;
+    char more[600];
+    snprintf(
+        more, sizeof more,
+        ", { type = \"wall\"; box = [\"0\", \"0\", \"1 mm\", \"%s\"]; }, { type = \"inflow\"; box "
+        "= [\"0\", \"0\", \"1 cm\", \"1 m\"]; head = \"0.9 m\"; }",
+        k == 0 ? "0.5 m" : "0.9 m");
+    start_box(&run, SAND "head = \"0.2 m\";", more);
+    advance(&run, 600);
+    bool below = false;
+    for (size_t e = 0; e < run.s.edge_count; e++) below = below || run.s.edges[e].z < .5;
+    assert_true(!below && (run.s.entered[2] > 0) == (k == 0));
+    finish(&run);
+  }
 }
 
 /* A sheet pile thinner than the spacing holds the water of a reservoir, and a crest that the
@@ -598,11 +807,14 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp), cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),       cmocka_unit_test(rows),      cmocka_unit_test(rain),
-      cmocka_unit_test(fills),        cmocka_unit_test(ditch),     cmocka_unit_test(reservoir),
-      cmocka_unit_test(held_back),    cmocka_unit_test(coarse),    cmocka_unit_test(wells),
-      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),  cmocka_unit_test(too_much),
-      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),     cmocka_unit_test(haverkamp),    cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),     cmocka_unit_test(rows),         cmocka_unit_test(rain),
+      cmocka_unit_test(fills),      cmocka_unit_test(ditch),        cmocka_unit_test(reservoir),
+      cmocka_unit_test(held_back),  cmocka_unit_test(meeting),      cmocka_unit_test(sinking),
+      cmocka_unit_test(joined),     cmocka_unit_test(pit),          cmocka_unit_test(fed),
+      cmocka_unit_test(bared),      cmocka_unit_test(walled_side),  cmocka_unit_test(coarse),
+      cmocka_unit_test(wells),      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),
+      cmocka_unit_test(too_much),   cmocka_unit_test(falling_head), cmocka_unit_test(ponding),
+      cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

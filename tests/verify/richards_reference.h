@@ -39,11 +39,11 @@ struct reference {
   double dz, *h, infiltrated; /* cells from the foot; m */
 };
 
-/* A column whose upper part above `interface` is another soil. `top` m held above, `foot` below
- * unless NAN: closed. */
-static inline void refer(const struct soil *lower, const struct soil *upper, double interface,
-                         double length, int n, double start_head, double top, double foot,
-                         double time, double dt, struct reference *r) {
+/* A column whose upper part above `interface` is another soil. *top m held above, or falling by
+ * what goes in if `falls`; `foot` below unless NAN: closed. */
+static inline void refer_below(const struct soil *lower, const struct soil *upper, double interface,
+                               double length, int n, double start_head, double *water, bool falls,
+                               double foot, double time, double dt, struct reference *r) {
   double *h = malloc((size_t)n * sizeof *h), *old = malloc((size_t)n * sizeof *h),
          *k = malloc((size_t)n * sizeof *h), *a = malloc((size_t)n * sizeof *h),
          *b = malloc((size_t)n * sizeof *h);
@@ -54,6 +54,7 @@ static inline void refer(const struct soil *lower, const struct soil *upper, dou
   dt = time / steps;
 #define SOIL(i) (((i) + .5) * dz > interface ? upper : lower)
   for (int step = 0; step < steps; step++) {
+    const double top = *water;
     double in = 0;
     for (int i = 0; i < n; i++) old[i] = theta_of(SOIL(i), h[i]);
     for (int round = 0; round < 200; round++) {
@@ -88,8 +89,14 @@ static inline void refer(const struct soil *lower, const struct soil *upper, dou
       if (most < 1e-7) break;
     }
     r->infiltrated += in * dt;
+    if (falls) *water -= in * dt;
   }
   free(old), free(k), free(a), free(b);
+}
+static inline void refer(const struct soil *lower, const struct soil *upper, double interface,
+                         double length, int n, double start_head, double top, double foot,
+                         double time, double dt, struct reference *r) {
+  refer_below(lower, upper, interface, length, n, start_head, &top, false, foot, time, dt, r);
 }
 
 /* Rms of the water content against it, by the mean of its cells in each site. */

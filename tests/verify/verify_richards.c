@@ -466,6 +466,40 @@ static void hard(void) {
   }
 }
 
+/* ---- water that sinks into dry soil ---- */
+static void basin(void) {
+  static const struct {
+    const char *name;
+    const struct soil *soil;
+    double time;
+  } cases[] = {{"dry loam", &loam, 7200}, {"dry sand", &sand, 900}, {"dry silt", &silt, 36000}};
+  for (size_t k = 0; k < sizeof cases / sizeof *cases; k++) {
+    struct reference r;
+    double started = clock_seconds(), water = .3;
+    refer_below(cases[k].soil, cases[k].soil, 9, 1, 500, -3, &water, true, NAN, cases[k].time,
+                cases[k].time / 5000, &r);
+    for (int fine = 0; fine < 2; fine++) {
+      struct run run;
+      const double dx = fine ? .025 : .05;
+      char name[120];
+      start(&run,
+            "scene = { end_time = \"1000 d\"; };\ndomain = { size = [\"%g m\", \"1.5 m\"]; spacing "
+            "= \"%g m\"; periodic = [true, false]; };\nregions = ( { type = \"porous\"; box = "
+            "[\"0\", \"0\", \"%g m\", \"1 m\"]; %s }, { type = \"water\"; box = [\"0\", \"1 m\", "
+            "\"%g m\", \"1.3 m\"]; } );\n" GRAVITY,
+            dx, dx, dx, text_of(cases[k].soil, "pressure_head = \"-3 m\""), dx);
+      advance(&run, cases[k].time);
+      snprintf(name, sizeof name, "basin: into %s, m of .3 gone, %g mm", cases[k].name, 1e3 * dx);
+      report(name, .3 - water, .3 - run.s.pool_volumes[0] / (dx * dx), fine ? .005 : .01,
+             passed(started));
+      snprintf(name, sizeof name, "basin: into %s, 1 + water open, %g mm", cases[k].name, 1e3 * dx);
+      report(name, 1, 1 + water_open(&run.s), 1e-10, passed(started));
+      finish(&run), started = clock_seconds();
+    }
+    free(r.h);
+  }
+}
+
 int main(int argc, char **argv) {
   static const struct verify_case cases[] = {{"rest", rest},
                                              {"steady", steady},
@@ -476,6 +510,7 @@ int main(int argc, char **argv) {
                                              {"orders", orders},
                                              {"layers", layers},
                                              {"hard", hard},
+                                             {"basin", basin},
                                              {"recharge", recharge}};
   return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
