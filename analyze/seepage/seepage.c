@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "analyze/analysis.h"
+#include "analyze/run_places.h"
 #include "analyze/seepage/plane_balance.h"
 #include "common/json_number.h"
 #include "common/statistics.h"
