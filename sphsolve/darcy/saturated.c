@@ -7,6 +7,7 @@
 #include "sphsolve/darcy/balance.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/hole.h"
 
 /* The quarters around an edge of the lattice along y: sites by 2 * (high z) + (high x), SITE_NONE
  * where there is none, and their permeabilities xx, zz, xz, m/s. */
@@ -204,6 +205,9 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
     }
   }
   if (open == 2 * QUARTERS) blend_corner(s, corner);
+  for (int q = 0; q < QUARTERS; q++)
+    for (int m = 0; m < 2 && corner->site[q] != SITE_NONE; m++)
+      corner->k[q][m] *= richards_hole_factor(s, corner->site[q], axes[m], !(q >> m & 1));
   /* Out of a quarter, over the area of the whole face, flows
    *   -(k_mm (e_m - h) + k_xz (e_l - h))/d,   l the other axis. */
   for (int q = 0; q < QUARTERS; q++)
@@ -255,8 +259,10 @@ static void add_along_y(struct richards *s) {
     const struct richards_face *face = &s->faces[f];
     const size_t i = face->i, j = face->j;
     if (face->axis != 1) continue;
-    const double ki = part_left(s, i) * s->soils[s->soil[i]].conductivity[1],
-                 kj = part_left(s, j) * s->soils[s->soil[j]].conductivity[1];
+    const double ki = part_left(s, i) * s->soils[s->soil[i]].conductivity[1] *
+                      richards_hole_factor(s, i, 1, true),
+                 kj = part_left(s, j) * s->soils[s->soil[j]].conductivity[1] *
+                      richards_hole_factor(s, j, 1, false);
     const double slope = 2 * ki * kj / (ki + kj) / s->spacing;
     s->face_flux[f].q = slope * (s->h[i] - s->h[j] + s->pull[1] * s->spacing);
     s->rows.value[s->rows.diagonal[i]] += slope, s->rows.value[s->rows.diagonal[j]] += slope;

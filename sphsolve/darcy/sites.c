@@ -10,6 +10,7 @@
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/hole.h"
 #include "sphsolve/darcy/open_water.h"
 #include "sphsolve/darcy/pond.h"
 #include "sphsolve/darcy/saturated.h"
@@ -275,6 +276,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
   add_faces(s, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
+  if (s->full) TRY(richards_holes_create(s));
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
   TRY(richards_pond_create(s));
@@ -331,6 +333,7 @@ void richards_free(struct richards *s) {
   memory_free(&s->beside);
   memory_free(&s->corners);
   memory_free(&s->body);
+  memory_free(&s->outside);
   memory_free(&s->speed);
   memory_free(&s->limited);
   memory_free(&s->now);

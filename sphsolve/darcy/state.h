@@ -123,9 +123,11 @@ struct richards {
   size_t corner_count;
   uint32_t (*corners)[2]; /* sites that share an edge along y, and no face, with i < j */
   uint32_t *body;         /* [count]: the least number of a site that is connected to it */
-  double *speed;          /* [count]: |v| of Forchheimer's term, m/s */
-  uint8_t *limited;       /* [edges]: 0, or 1 and 2 where the least or most flux of its law holds */
-  int iterations;         /* Newton iterations of the last step */
+  float *outside;   /* [count][3][2]: part of the way to the next site that lies in soil, where
+                     * that is in a well or a drain; else half; NULL without any */
+  double *speed;    /* [count]: |v| of Forchheimer's term, m/s */
+  uint8_t *limited; /* [edges]: 0, or 1 and 2 where the least or most flux of its law holds */
+  int iterations;   /* Newton iterations of the last step */
   /* `short_steps`: number of consecutive very short steps */
   int64_t iterations_total, linear_total, refused, short_steps;
   double tolerance; /* of a step's error in water content */

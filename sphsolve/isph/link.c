@@ -120,25 +120,6 @@ static void add(const struct isph_material *of, double share, struct isph_materi
   way->b += share * of->b;
 }
 
-/* Clips the path x + t step, from <= t <= to, to the part that lies in the box; returns whether any
- * is left. */
-static bool clip(const struct isph_box *box, const double x[3], const double step[3], double *from,
-                 double *to) {
-  for (int a = 0; a < 3; a++) {
-    const double low = box->low[a] - x[a], high = box->high[a] - x[a];
-    if (low == -INFINITY && high == INFINITY) continue;
-    if (step[a] == 0) {
-      if (low > 0 || high <= 0) return false;
-      continue;
-    }
-    const double enters = (step[a] > 0 ? low : high) / step[a];
-    const double leaves = (step[a] > 0 ? high : low) / step[a];
-    if (enters > *from) *from = enters;
-    if (leaves < *to) *to = leaves;
-  }
-  return *from < *to;
-}
-
 /* Adds the materials on the path x + t step, from <= t <= to, of the regions before `end`. The last
  * region takes precedence: earlier ones, or water, get what it leaves. */
 static void add_path(const struct isph *s, size_t end, const double x[3], const double step[3],
@@ -151,7 +132,7 @@ static void add_path(const struct isph *s, size_t end, const double x[3], const 
     if (region->is_part && isph_soil_is_far(s, region->box, k, reach, x)) continue;
     const struct isph_box box = isph_soil_image(&s->grounds[k + 1].place, middle);
     double enters = from, leaves = to;
-    if (!clip(&box, x, step, &enters, &leaves)) continue;
+    if (!isph_box_clip(&box, x, step, &enters, &leaves)) continue;
     add(&s->grounds[k + 1].of, leaves - enters, way);
     if (from < enters) add_path(s, k, x, step, from, enters, way);
     from = leaves;

@@ -17,6 +17,7 @@
 #include "sphsolve/isph/enclosed.h"
 #include "sphsolve/isph/mobility.h"
 #include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/well.h"
 #include "sphsolve/isph/window.h"
 
 #define ITERATIONS_MAX 2000
@@ -126,7 +127,9 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
             image * (vi[a] - felt * vw[a]) * across[a] + 0.5 * image * vi[a] * (r[a] - back[a]);
     }
     if (s->porosity_rate != NULL) divergence += s->porosity_rate[i]; /* d eps/dt + div v_D = 0 */
-    if (sources) source -= vol * divergence;
+    double passed = 0;
+    double *into = s->on.wells && isph_wells_take_source(s, i) ? &passed : &source;
+    if (sources) *into -= vol * divergence;
     if (s->on.surface) {
       double coefficient, load;
       const double backed = s->surface[i] > 0 ? isph_reflection_backs(s, i) : 0;
@@ -134,9 +137,9 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       diagonal += coefficient, tied += coefficient;
       source += load;
     }
-    if (s->calm != NULL && sources) source += vol * isph_calm_expansion(s, i);
-    if (s->on.relaxation && sources) source -= vol * relaxation_source(s, i, s->relaxation_time);
-    struct effect_row row = {diagonal, source, tied};
+    if (s->calm != NULL && sources) *into += vol * isph_calm_expansion(s, i);
+    if (s->on.relaxation && sources) *into -= vol * relaxation_source(s, i, s->relaxation_time);
+    struct effect_row row = {diagonal, source, tied, passed};
     for (size_t k = 0; k < s->on.row_count; k++) s->on.rows[k]->row(s, i, &row);
     s->diagonal[i] = row.diagonal > 0 ? row.diagonal : 1;
     s->source[i] = row.source;

@@ -52,6 +52,23 @@ struct isph_box isph_soil_image(const struct isph_soil_place *place, const doubl
   return box;
 }
 
+bool isph_box_clip(const struct isph_box *box, const double x[3], const double step[3],
+                   double *from, double *to) {
+  for (int a = 0; a < 3; a++) {
+    const double low = box->low[a] - x[a], high = box->high[a] - x[a];
+    if (low == -INFINITY && high == INFINITY) continue;
+    if (step[a] == 0) {
+      if (low > 0 || high <= 0) return false;
+      continue;
+    }
+    const double enters = (step[a] > 0 ? low : high) / step[a];
+    const double leaves = (step[a] > 0 ? high : low) / step[a];
+    if (enters > *from) *from = enters;
+    if (leaves < *to) *to = leaves;
+  }
+  return *from < *to;
+}
+
 struct isph_box isph_soil_box(const struct isph *s, size_t k, double ahead, const double x[3]) {
   const struct isph_soil_place place = isph_soil_place(s, k, ahead);
   return isph_soil_image(&place, x);

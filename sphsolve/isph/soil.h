@@ -32,6 +32,10 @@ struct isph_box {
 };
 /* The box's image nearest to x. */
 struct isph_box isph_soil_image(const struct isph_soil_place *place, const double x[3]);
+/* Clips the path x + t step, from <= t <= to, to the part that lies in the box; returns whether any
+ * is left. */
+bool isph_box_clip(const struct isph_box *box, const double x[3], const double step[3],
+                   double *from, double *to);
 /* Whether a box of region k (its own, or its extent) is certainly farther than `reach` from x. */
 bool isph_soil_is_far(const struct isph *s, const double box[6], size_t k, double reach,
                       const double x[3]);

@@ -29,6 +29,7 @@
 #include "sphsolve/isph/pressure.h"
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/wall.h"
+#include "sphsolve/isph/well.h"
 #include "sphsolve/isph/window.h"
 
 /* Adds up g = grad v of particle i, without its correction; along sides with slip, images are
@@ -214,6 +215,7 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       for (int a = 0; a < 3; a++)
         reduced[a] += weight * fall * r[a], own[a] += weight * drop * r[a];
     }
+    if (s->on.wells) isph_wells_gradient(s, i, reduced), isph_wells_gradient(s, i, own);
     for (int a = 0; a < 3; a++) {
       present[a] = fmax(0.5, present[a]);
       reduced[a] /= present[a], flux[a] /= present[a], turn[a] = plain[a] /= present[a];

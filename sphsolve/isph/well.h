@@ -17,10 +17,16 @@ struct isph_well {
 
 /* Outflow at a particle. */
 struct isph_outlet {
-  int32_t well; /* 1 + number of the well or drain that holds the particle; 0: none */
-  bool leaves;  /* whether it is taken at the end of this step */
-  double flow;  /* m^3/s (m^2/s) out of the soil there */
-  double tie;   /* in a drain: outflow over the excess of the pressure over the drain's */
+  int32_t well;   /* 1 + number of the well or drain that its flow goes to; 0: none */
+  int32_t inside; /* 1 + number of the drain that holds the particle; 0: none */
+  bool within;    /* in its region, or half a particle from it: may be taken */
+  bool leaves;    /* whether it is taken at the end of this step */
+  bool gives;     /* to a drain: its pressure is above the drain's */
+  double flow;    /* m^3/s (m^2/s) out of the soil there */
+  double passed;  /* of it what v* brings, in the present solve */
+  double tie;     /* to a drain: outflow over the excess of the pressure over `held` */
+  double held;    /* Pa, the drain's pressure there */
+  double pull[3]; /* gradient of the pressure over that excess, 1/m, by links that are cut */
 };
 
 /* Sets up the wells and drains of the scene; isph_free frees them. */
@@ -32,6 +38,12 @@ bool isph_in_well(const struct isph *s, const double x[3]);
 void isph_wells_begin(struct isph *s, double dt);
 /* Adds the well's or drain's terms to row i of the pressure equation, after all other terms. */
 void isph_wells_row(const struct isph *s, size_t i, struct effect_row *row);
+/* Adds to the gradient of the pressure at particle i what links have more that a drain cuts. */
+void isph_wells_gradient(const struct isph *s, size_t i, double gradient[3]);
+/* Whether what the velocities bring to particle i goes to a drain, and not into its row. */
+static inline bool isph_wells_take_source(const struct isph *s, size_t i) {
+  return s->outlet[i].gives;
+}
 /* After a solve: adds the outflow of drains at the pressure found. */
 void isph_wells_solved(struct isph *s);
 /* Updates which particles of drains give water at the pressure found; returns whether any changed,

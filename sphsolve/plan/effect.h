@@ -31,9 +31,9 @@ struct effect_field {
 };
 
 /* The row of a particle in the pressure equation: sums so far, to which an effect adds. `tied`: the
- * part of the diagonal that fixes the pressure. */
+ * part of the diagonal that fixes the pressure. `passed`: a source that an effect takes itself. */
 struct effect_row {
-  double diagonal, source, tied;
+  double diagonal, source, tied, passed;
 };
 
 struct effect {
