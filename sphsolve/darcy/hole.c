@@ -1,8 +1,8 @@
 /* On the way from a site of soil to one in a well or a drain, only the part t up to the face of the
  * hole resists, and not half of a spacing: k/(t d) between the site's head and the hole's (Gibou,
- * Fedkiw, Cheng, Kang 2002, J. Comput. Phys. 176: second order, and symmetric). With half a spacing,
- * a drain is as wide as the sites in it, and one of 4 spacings takes 9 % too little to 3 % too much,
- * as its centre lies between them. */
+ * Fedkiw, Cheng, Kang 2002, J. Comput. Phys. 176: second order, and symmetric). With half a
+ * spacing, a drain is as wide as the sites in it, and one of 4 spacings takes 9 % too little to 3 %
+ * too much, as its centre lies between them. */
 #include "sphsolve/darcy/hole.h"
 
 #include <math.h>
@@ -64,7 +64,7 @@ enum status richards_holes_create(struct richards *s) {
       if (f >= BESIDE_EDGE) continue;
       const size_t i = s->faces[f].i == j ? s->faces[f].j : s->faces[f].i;
       if (s->soil[i] + 1U == s->soil_count) continue; /* in it as well, or in free water */
-      richards_place(s, j, x); /* from there, as the sides may be periodic */
+      richards_place(s, j, x);                        /* from there, as the sides may be periodic */
       const int axis = end / 2;
       const double step = end % 2 ? -s->spacing : s->spacing;
       x[axis] -= step;

@@ -46,7 +46,8 @@ enum status richards_cost(struct plan *plan, int threads) {
     bool holes = false;
     for (size_t r = 0; r < scene->region_count; r++)
       holes = holes || region_is_sink(&scene->regions[r]);
-    plan->bytes_fluid += (double)sizeof(double) + (holes ? 6.0 * sizeof(float) : 0);
+    plan->bytes_fluid += sizeof(double);
+    if (holes) plan->bytes_fluid += 6 * sizeof(float);
     plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
     snprintf(plan->expected.why, sizeof plan->expected.why,
              "layers between sites are exact; halve the spacing for corners and walls");
