@@ -17,10 +17,11 @@ enum status richards_cost(struct plan *plan, int threads) {
   const double n = (double)lattice->fluid_count;
   enum status status = richards_refuse(&plan->context);
   if (status != STATUS_OK) return status;
-  double longest = 0, faces = 0;
+  double longest = 0, faces = 0, used = 0;
   for (int a = 0; a < 3; a++) {
     longest = fmax(longest, (double)lattice->size[a]);
     faces += lattice->size[a] > 1;
+    used += lattice->size[a] > 1;
   }
   plan->dt = NAN;
   const bool full = domain_is_full(plan->context.scene);
@@ -28,8 +29,12 @@ enum status richards_cost(struct plan *plan, int threads) {
   plan->bytes_fluid = 10 * sizeof(double) + SNAPSHOT_BYTES + 2 * sizeof(struct retention_state) +
                       6 + faces * (double)(sizeof(struct richards_face) + sizeof(struct flux)) +
                       (1 + 2 * faces) * 20 + 9 * sizeof(double) + 6 * sizeof(uint32_t);
-  plan->bytes_method = n * plan->bytes_fluid + 6 * (double)lattice->count;
-  plan->steps = plan->seconds = NAN; /* fronts, levels and rain make steps short for a while */
+  plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
+  plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
+  plan->seconds = plan->steps * n *
+                  (used > 2   ? SECONDS_PER_STEP_3D
+                   : used > 1 ? SECONDS_PER_STEP_2D
+                              : SECONDS_PER_STEP_1D);
   if (full) {
     const struct scene *scene = plan->context.scene;
     double solves = 1, rows = scene->end_time / scene->history_interval;
@@ -41,7 +46,8 @@ enum status richards_cost(struct plan *plan, int threads) {
     bool holes = false;
     for (size_t r = 0; r < scene->region_count; r++)
       holes = holes || region_is_sink(&scene->regions[r]);
-    plan->bytes_fluid += (double)(sizeof(double) + (holes ? 6 * sizeof(float) : 0));
+    plan->bytes_fluid += sizeof(double);
+    if (holes) plan->bytes_fluid += 6 * sizeof(float);
     plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
     snprintf(plan->expected.why, sizeof plan->expected.why,
              "layers between sites are exact; halve the spacing for corners and walls");

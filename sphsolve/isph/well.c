@@ -36,24 +36,6 @@
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/constants.h"
 
-/* c over the row's diagonal within a drain: P - P_d is then a thousandth of the pressure difference
- * to a neighbour. */
-#define DRAIN_COEFFICIENT 1e3
-/* Least part of a path that counts as outside of a drain. */
-#define PATH_LEAST 1e-3
-
-enum status isph_wells_create(struct isph *s) {
-  const struct scene *scene = s->scene;
-  size_t n = 0;
-  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
-    n += region_is_sink(&scene->regions[k]);
-  enum status status = memory_allocate(&s->wells, n, sizeof *s->wells, "wells");
-  if (status != STATUS_OK) return status;
-  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
-    if (region_is_sink(&scene->regions[k])) s->wells[s->well_count++].region = &scene->regions[k];
-  return STATUS_OK;
-}
-
 /* Whether a particle is in a drain, or linked to one. */
 static bool drains(const struct isph_outlet *outlet) {
   return outlet->inside > 0 || outlet->tie > 0;
