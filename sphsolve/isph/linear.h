@@ -18,8 +18,11 @@
  * plain sum a volume-preserving strain E has the divergence E:M. The pressure that removes it
  * pulses by a quarter of its mean, the more the shorter the steps. But only the plain sum, over all
  * the water, equals the flux through its boundary, so that it is used in all other water: with D =
- * M^-1 an inviscid wave (q of .05 at most) grows by 2 % a period, and the pressure in the last void
- * of a box, as it closes, is ten times as high. */
+ * M^-1, but for the surface row, an inviscid wave (q of .05 at most) grows by 2 % a period, and the
+ * pressure in the last void of a box, as it closes, is ten times as high. With D = M^-1 in that row
+ * too a low wave neither grows nor decays, but a steep one on 40 rows grows by .7 % a period, and
+ * the wave is slower by k r0/4, as the surface then moves by what its particles do half a particle
+ * below it. */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINEAR_H
 #define TOSUI_SPHSOLVE_ISPH_LINEAR_H
 
