@@ -17,11 +17,10 @@ enum status richards_cost(struct plan *plan, int threads) {
   const double n = (double)lattice->fluid_count;
   enum status status = richards_refuse(&plan->context);
   if (status != STATUS_OK) return status;
-  double longest = 0, faces = 0, used = 0;
+  double longest = 0, faces = 0;
   for (int a = 0; a < 3; a++) {
     longest = fmax(longest, (double)lattice->size[a]);
     faces += lattice->size[a] > 1;
-    used += lattice->size[a] > 1;
   }
   plan->dt = NAN;
   const bool full = domain_is_full(plan->context.scene);
@@ -29,12 +28,8 @@ enum status richards_cost(struct plan *plan, int threads) {
   plan->bytes_fluid = 10 * sizeof(double) + SNAPSHOT_BYTES + 2 * sizeof(struct retention_state) +
                       6 + faces * (double)(sizeof(struct richards_face) + sizeof(struct flux)) +
                       (1 + 2 * faces) * 20 + 9 * sizeof(double) + 6 * sizeof(uint32_t);
-  plan->bytes_method = n * plan->bytes_fluid + 4 * (double)lattice->count;
-  plan->steps = STEPS_AT_FIRST + STEPS_PER_SITE * longest;
-  plan->seconds = plan->steps * n *
-                  (used > 2   ? SECONDS_PER_STEP_3D
-                   : used > 1 ? SECONDS_PER_STEP_2D
-                              : SECONDS_PER_STEP_1D);
+  plan->bytes_method = n * plan->bytes_fluid + 6 * (double)lattice->count;
+  plan->steps = plan->seconds = NAN; /* fronts, levels and rain make steps short for a while */
   if (full) {
     const struct scene *scene = plan->context.scene;
     double solves = 1, rows = scene->end_time / scene->history_interval;
