@@ -36,12 +36,6 @@
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/constants.h"
 
-/* c over the row's diagonal within a drain: P - P_d is then a thousandth of the pressure difference
- * to a neighbour. */
-#define DRAIN_COEFFICIENT 1e3
-/* Least part of a path that counts as outside of a drain. */
-#define PATH_LEAST 1e-3
-
 enum status isph_wells_create(struct isph *s) {
   const struct scene *scene = s->scene;
   size_t n = 0;
