@@ -36,6 +36,18 @@
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/constants.h"
 
+enum status isph_wells_create(struct isph *s) {
+  const struct scene *scene = s->scene;
+  size_t n = 0;
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
+    n += region_is_sink(&scene->regions[k]);
+  enum status status = memory_allocate(&s->wells, n, sizeof *s->wells, "wells");
+  if (status != STATUS_OK) return status;
+  for (size_t k = 0; k < scene->region_count; k = scene->regions[k].end)
+    if (region_is_sink(&scene->regions[k])) s->wells[s->well_count++].region = &scene->regions[k];
+  return STATUS_OK;
+}
+
 /* Whether a particle is in a drain, or linked to one. */
 static bool drains(const struct isph_outlet *outlet) {
   return outlet->inside > 0 || outlet->tie > 0;
