@@ -25,26 +25,27 @@ uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]) {
 #define ROW_CUTS 4
 
 enum status isph_cells_shape(const struct isph *s, double margin, struct isph_cells *cells) {
-  double wanted = 0.75 * s->scene->isph.support_ratio * s->spacing;
-  double total = ROW_CUTS;
-  for (int a = 0; a < 3; a++) {
-    double beyond = s->periodic[a] || (s->dimensions == 2 && a == 1) ? 0 : margin;
-    double length = s->high[a] - s->low[a] + 2 * beyond;
-    cells->count[a] = (int)fmax(1, floor(length / wanted));
+  const double support = s->scene->isph.support_ratio * s->spacing;
+  double length[3], total = ROW_CUTS;
+  int longest = 2;
+  for (int a = 2; a >= 0; a--) {
+    const double beyond = s->periodic[a] || (s->dimensions == 2 && a == 1) ? 0 : margin;
+    length[a] = s->high[a] - s->low[a] + 2 * beyond;
     cells->origin[a] = s->low[a] - beyond;
-    cells->size[a] = length / cells->count[a];
+    if (isph_uses_axis(s, a) && length[a] > length[longest]) longest = a;
+  }
+  for (int a = 0; a < 3; a++) {
+    /* Ranks divide the domain into layers across its longest axis, and hold those within reach. */
+    const double wanted = (a == longest ? 0.5 : 0.75) * support;
+    cells->count[a] = (int)fmax(1, floor(length[a] / wanted));
+    cells->size[a] = length[a] / cells->count[a];
     total *= cells->count[a];
   }
   if (total > 1e9)
     return FAIL(STATUS_INPUT,
                 "domain: %.2g cells of %.3g m; make the domain smaller or the "
                 "spacing wider",
-                total / ROW_CUTS, wanted);
-  /* Ranks divide the domain into layers across its longest axis, since these have the fewest cells.
-   */
-  int longest = 2;
-  for (int a = 1; a >= 0; a--)
-    if (cells->count[a] > cells->count[longest]) longest = a;
+                total / ROW_CUTS, 0.5 * support);
   const int row = longest != 0 ? 0 : s->dimensions == 2 ? 2 : 1;
   cells->axis[0] = row, cells->axis[1] = 3 - row - longest, cells->axis[2] = longest;
   cells->count[row] *= ROW_CUTS, cells->size[row] /= ROW_CUTS;

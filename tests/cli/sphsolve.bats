@@ -76,7 +76,7 @@ isph = { support_ratio = 6.0; };
 END
   run --separate-stderr "$SPH" run dense.cfg -o dense --quiet
   [ "$status" -ne 0 ]
-  [[ "$stderr" == *"more than 8192 wall particles within the support"* ]]
+  [[ "$stderr" == *"more than 16384 wall particles within the support"* ]]
 }
 
 @test "missing and broken files end with exit code 3 and name the file" {
