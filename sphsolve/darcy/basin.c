@@ -98,6 +98,19 @@ static double find_brim(struct search *s, size_t top) {
   return l->origin[2] + ((double)l->size[2] - 0.5) * l->spacing[2];
 }
 
+/* Follows the water up where another region of it stands on this one. */
+static void rise(struct search *s, size_t *top, double *level) {
+  for (size_t k = 0; k < s->count; k++) {
+    const size_t above = s->found[k] + s->plane;
+    if (s->found[k] / s->plane != *top || above >= s->l->count || s->open[above] != 0 ||
+        !domain_is_water(s->scene, s->l, above) || thin_wall_on_face(s->l, s->found[k], 2))
+      continue;
+    *level = fmax(*level, s->scene->regions[s->l->region[above] - 1].box[5]);
+    flood(s, above, 0, ++*top);
+    k = SIZE_MAX; /* again from the first, as the top has changed */
+  }
+}
+
 static enum status find_one(const struct scene *scene, const struct lattice *l,
                             const struct region *region, uint16_t *open, struct basin *basin) {
   enum status status = STATUS_OK;
@@ -126,6 +139,7 @@ static enum status find_one(const struct scene *scene, const struct lattice *l,
   if (open[seed] != 0) return STATUS_OK;
   TRY(memory_allocate(&s.found, l->count, sizeof *s.found, "free water"));
   flood(&s, seed, 0, top);
+  rise(&s, &top, &basin->level);
   for (size_t k = 0; k < s.count; k++)
     if (!domain_is_water(scene, l, s.found[k])) TRY(not_level(&s, s.found[k]));
   const struct region *other = other_water(&s, 0, top);

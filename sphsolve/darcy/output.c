@@ -98,7 +98,8 @@ double richards_head_at(const struct richards *s, const double point[3]) {
 double richards_level_at(const struct richards *s, const double point[3]) {
   const struct lattice *l = s->lattice;
   double at[3] = {point[0], point[1], l->origin[2]}, below = NAN;
-  const double pull = -s->pull[2];
+  const double pull = -s->pull[2], open = open_level_at(s, point);
+  if (isfinite(open)) return open;
   for (size_t k = 0; k < l->size[2]; k++, at[2] += l->spacing[2]) {
     const double h = richards_head_at(s, at);
     if (isnan(h)) {
@@ -148,7 +149,8 @@ static bool is_source(const struct richards *s, size_t r) {
           (region->type == REGION_WATER && isfinite(richards_pond_level(s, region))));
 }
 
-/* Inward flux through the faces of a region, m^3/s; of a face that it shares, in proportion. */
+/* Inward flux through the faces of a region, m^3/s; of a face that it shares, in proportion to what
+ * is given there. */
 static double flow_of(const struct richards *s, size_t r) {
   double sum = 0;
   for (size_t e = 0; e < s->edge_count; e++) {
@@ -158,8 +160,9 @@ static double flow_of(const struct richards *s, size_t r) {
     double own = 0, all = 0;
     for (size_t k = 0; k < edge->source_count; k++) {
       const struct richards_source *source = &s->sources[edge->source + k];
-      all += source->share;
-      if (source->region->first == r) own += source->share;
+      const double given = richards_source_at(source, s->time);
+      all += given;
+      if (source->region->first == r) own += given;
     }
     if (edge->region != NULL && edge->region->first == r)
       sum += edge->source_count > 0 ? q - rained : q;

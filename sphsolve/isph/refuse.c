@@ -184,12 +184,13 @@ static bool overlap(const struct effect_context *context, const double a[6], con
   return true;
 }
 
-/* Whether a box reaches out of a closed side by more than rounding. */
+/* Whether a box reaches out of the domain by more than rounding; walls do not come in again at
+ * periodic sides. */
 static bool reaches_out(const struct effect_context *context, const double box[6]) {
   const struct scene *scene = context->scene;
   const double near = 1e-6 * context->spacing;
   for (int a = 0; a < 3; a++)
-    if (isph_scene_uses_axis(context, a) && !scene->periodic[a] &&
+    if (isph_scene_uses_axis(context, a) &&
         (box[a] < -near || box[a + 3] > scene->domain_size[a] + near))
       return true;
   return false;
