@@ -459,6 +459,29 @@ static void pit(void **state) {
   }
 }
 
+/* Water that two regions make, one on the other, is one body, whichever comes first; its level is
+ * that of a gauge in it, over soil that is not full. */
+static void stacked(void **state) {
+  (void)state;
+  for (int swapped = 0; swapped < 2; swapped++) {
+    struct run run;
+    static const char *const part[] = {
+        "{ type = \"water\"; box = [\"0.4 m\", \"0.3 m\", \"0.6 m\", \"0.45 m\"]; }",
+        "{ type = \"water\"; box = [\"0.4 m\", \"0.45 m\", \"0.6 m\", \"0.6 m\"]; }"};
+    start(&run,
+          "scene = { end_time = \"1 d\"; };\ndomain = { size = [\"1 m\", \"1 m\"]; spacing = "
+          "\"5 cm\"; periodic = [false, false]; };\nregions = ( { type = \"porous\"; box = [\"0\", "
+          "\"0\", \"1 m\", \"1 m\"]; " SAND
+          "head = \"0.1 m\"; }, { type = \"empty\"; box = [\"0.4 m\", \"0.3 m\", \"0.6 m\", "
+          "\"1 m\"]; }, %s, %s );\n" GRAVITY,
+          part[swapped], part[1 - swapped]);
+    assert_int_equal(run.s.pool_count, 1);
+    assert_true(fabs(run.s.pool_volumes[0] - .2 * .3 * .05) < 1e-12);
+    assert_true(fabs(richards_level_at(&run.s, (double[3]){.5, 0, .45}) - .6) < 1e-9);
+    finish(&run);
+  }
+}
+
 /* Soil takes rain at its rate until it can take no more; the rest runs off, and all is accounted
  * for. The rain covers three faces and a half. */
 static void rain(void **state) {
@@ -807,14 +830,14 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),     cmocka_unit_test(haverkamp),    cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),     cmocka_unit_test(rows),         cmocka_unit_test(rain),
-      cmocka_unit_test(fills),      cmocka_unit_test(ditch),        cmocka_unit_test(reservoir),
-      cmocka_unit_test(held_back),  cmocka_unit_test(meeting),      cmocka_unit_test(sinking),
-      cmocka_unit_test(joined),     cmocka_unit_test(pit),          cmocka_unit_test(fed),
-      cmocka_unit_test(bared),      cmocka_unit_test(walled_side),  cmocka_unit_test(coarse),
-      cmocka_unit_test(wells),      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),
-      cmocka_unit_test(too_much),   cmocka_unit_test(falling_head), cmocka_unit_test(ponding),
-      cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),    cmocka_unit_test(haverkamp),  cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),    cmocka_unit_test(rows),       cmocka_unit_test(rain),
+      cmocka_unit_test(fills),     cmocka_unit_test(ditch),      cmocka_unit_test(reservoir),
+      cmocka_unit_test(held_back), cmocka_unit_test(meeting),    cmocka_unit_test(sinking),
+      cmocka_unit_test(joined),    cmocka_unit_test(pit),        cmocka_unit_test(stacked),
+      cmocka_unit_test(fed),       cmocka_unit_test(bared),      cmocka_unit_test(walled_side),
+      cmocka_unit_test(coarse),    cmocka_unit_test(wells),      cmocka_unit_test(evaporation),
+      cmocka_unit_test(sorption),  cmocka_unit_test(too_much),   cmocka_unit_test(falling_head),
+      cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
