@@ -20,7 +20,8 @@
 #include "sphsolve/isph/sort.h"
 #include "sphsolve/isph/wall.h"
 
-/* Pairs of particle 0 beyond the last of a chunk, for loops over eight at a time. */
+/* Pairs with particle 0, of no weight, beyond the last of a chunk, for loops over eight at a time.
+ */
 #define BEYOND 8
 
 static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on, size_t pairs,
@@ -236,6 +237,7 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     for (; i < g.end; i++) TRY(search(s, chunk, i, &water, &walls));
   }
   memset(chunk->pair + chunk->pair_count, 0, BEYOND * sizeof *chunk->pair);
+  memset(chunk->slope + chunk->pair_count, 0, BEYOND * sizeof *chunk->slope);
 cleanup:
   return status;
 }
