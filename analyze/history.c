@@ -174,7 +174,6 @@ static size_t kind_of(const char *column) {
   static const char *const kinds[] = {
       "head",         "level",  "flux",    "force",  "pressure", "velocity", "water_content",
       "infiltration", "inflow", "entered", "fallen", "ran_off",  "ponded"};
-  if (strcmp(column, "velocity_through_soil") == 0) return 0;
   for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
     const size_t length = strlen(kinds[i]);
     if (strncmp(column, kinds[i], length) == 0 && column[length] == '_' &&

@@ -20,6 +20,8 @@
 #include "sphsolve/isph/place.h"
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/soil.h"
+#include "sphsolve/isph/step.h"
+#include "sphsolve/isph/time_step.h"
 #include "sphsolve/isph/wall.h"
 
 /* Stiffness of grad C on the lattice, in units of the spacing: its change at a particle over the
@@ -127,15 +129,8 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   s->soil_porosity_least = isph_soil_minimum(scene);
   s->support_max =
       scene->isph.support_ratio * s->spacing * pow(s->soil_porosity_least, -1.0 / s->dimensions);
-  for (int a = 0; a < 3; a++) {
-    double length = s->high[a] - s->low[a], support = scene->isph.support_ratio * s->spacing;
-    if (s->periodic[a] && length < support)
-      TRY_FAIL(STATUS_INPUT,
-               "%s: domain.size: %.4g m along the periodic axis %c is less than the "
-               "kernel's support of %.4g m; make the domain wider or the spacing smaller",
-               scene->path, length, "xyz"[a], support);
-    if (s->periodic[a]) s->support_max = fmin(s->support_max, length);
-  }
+  for (int a = 0; a < 3; a++)
+    if (s->periodic[a]) s->support_max = fmin(s->support_max, s->high[a] - s->low[a]);
   isph_images_create(s);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   if (s->on.links) TRY(isph_links_create(s));
@@ -150,6 +145,8 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_refresh(s));
   if (s->on.surface) isph_packing_begin(s);
   ISPH_HOOK(s, start, 0);
+  const char *unused;
+  TRY(isph_project(s, isph_stable_dt(s, &unused)));
   isph_budget_begin(s);
 cleanup:
   return status;

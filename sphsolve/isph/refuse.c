@@ -274,8 +274,22 @@ static enum status check_soils(const struct scene *scene) {
   return STATUS_OK;
 }
 
+/* A particle must not be its own neighbour through a periodic side. */
+static enum status check_periodic(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  for (int a = 0; a < 3; a++)
+    if (isph_scene_uses_axis(context, a) && scene->periodic[a] &&
+        scene->domain_size[a] < context->support)
+      return scene_error(scene, AT_SIZE,
+                         "%.4g m along the periodic axis %c is less than the kernel's support of "
+                         "%.4g m; make the domain wider or the spacing smaller",
+                         scene->domain_size[a], "xyz"[a], context -> support);
+  return STATUS_OK;
+}
+
 enum status isph_refuse(const struct effect_context *context) {
   enum status status = STATUS_OK;
+  TRY(check_periodic(context));
   TRY(check_soils(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));

@@ -339,7 +339,7 @@ static bool changes(struct isph *s) {
   return any;
 }
 
-enum status isph_advance(struct isph *s, double dt) {
+enum status isph_project(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   s->dt = dt;
@@ -381,6 +381,14 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_enclosed_level(s);
   if (s->surface != NULL) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
+cleanup:
+  return status;
+}
+
+enum status isph_advance(struct isph *s, double dt) {
+  enum status status = STATUS_OK;
+  TRY(isph_project(s, dt));
+  double start = clock_seconds();
   correct(s);
   if (s->solve.carries || (s->porosity != NULL && s->surface == NULL)) TRY(project_again(s, dt));
   TRY(ranks_agree(check_finite(s)));

@@ -185,7 +185,7 @@ def judge(number):
     yield row("rms velocity in the last half over a fall through the head, beyond seepage", "at rest, or creeping", max(0, late.max() - seeps) / most, 0, 0.01)
     if hasattr(d, "length"):
         exact = through(d.soils, [d.length / len(d.soils)] * len(d.soils), d.drop)
-        v = h["velocity_through_soil"]
+        v = h["darcy_velocity"][:, 0]
         yield row(f"v through soil over exact ({exact:.3g} m/s), passes {h['time'][-1] * exact / (d.length * d.r0):.3g}", "twice what explain expects",
                   v[len(v) // 2:].mean() / exact, 1, 2 * (foretold["expected_error"] or 0.03))
         yield row("its jump from step to step", JUMP, float(np.abs(np.diff(v[len(v) // 2:])).max() / exact), 0, 0.02)

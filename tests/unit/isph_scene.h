@@ -16,9 +16,11 @@
 #include "sphsolve/isph/method.h"
 #include "sphsolve/scene/scene_read.h"
 #include "sphsolve/isph/create.h"
+#include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
 #include "sphsolve/isph/switches.h"
+#include "sphsolve/solute/walk_random.h"
 
 struct run {
   struct scene scene;
@@ -49,6 +51,18 @@ static inline void start(struct run *run, const char *text) {
                    STATUS_OK);
   assert_int_equal(isph_switches_of(&run->plan, &on), STATUS_OK);
   assert_int_equal(isph_create(&run->scene, &run->lattice, &on, &run->s), STATUS_OK);
+}
+
+/* Moves the particles of a run that has just begun off their places by up to half of 1e-6 of a
+ * spacing, differently for each draw: what follows from that in disordered water is chance. */
+static inline void draw_places(struct run *run, uint32_t draw) {
+  for (size_t i = 0; i < run->s.count; i++) {
+    uint32_t word[4] = {draw, (uint32_t)i};
+    philox4x32(word, 0, 0);
+    for (int a = 0; a < 3; a += 2)
+      run->s.position[i][a] += 1e-6 * run->s.spacing * ((double)random_share(word[a]) - 0.5);
+  }
+  assert_int_equal(isph_refresh(&run->s), STATUS_OK);
 }
 
 static inline void finish(struct run *run) {

@@ -61,26 +61,37 @@ static void two_millimetres_arrive(void **state) {
   finish(&run);
 }
 
-/* A level rises by the integral of a table of rates, and the floor bears it. */
-static void a_level_rises(void **state) {
-  (void)state;
+/* How far the pressure on the floor is above the weight of the water, as a height, m. */
+static double level_error(uint32_t draw) {
   struct run run;
   const double floor[3] = {0.1, 0, 0};
   double pressure = 0;
   start_tank(&run, WATER "{ type = \"rain\"; box = [\"0\", \"0.29 m\", \"0.2 m\", \"0.3 m\"]; "
                          "times = [\"0 s\", \"2 s\", \"2.1 s\"]; "
                          "rate = [\"0\", \"3 cm/s\", \"0\"]; }");
+  draw_places(&run, draw);
   const double mass = mass_of(&run.s), fell = 0.5 * 2.1 * 0.03;
   advance(&run, 4);
   for (int n = 0; n < 20; n++)
     advance(&run, 4 + 0.05 * n), pressure += pressure_at(&run.s, floor) / 20;
   const double *rain = isph_own_numbers(&run.s, "rain");
+  const double level = 0.1 + rain[RAIN_FALLEN] / 200;
   printf("level %g of %g m\n", pressure / 9810, 0.1 + fell);
   assert_true(fabs((rain[RAIN_FALLEN] + rain[RAIN_PENDING]) / (1000 * 0.2 * fell) - 1) < 1e-12);
   assert_true(fabs(mass_of(&run.s) - mass - rain[RAIN_FALLEN]) < 1e-12 * mass);
   assert_true(rain[RAIN_PENDING] < run.s.mass[0]);
-  assert_true(fabs(pressure / 9810 - (0.1 + rain[RAIN_FALLEN] / 200)) < 1e-3);
   finish(&run);
+  return pressure / 9810 - level;
+}
+
+/* A level rises by the integral of a table of rates, and the floor bears it. Drops stir the water
+ * at random: single draws are .2 to 1.1 mm off. */
+static void a_level_rises(void **state) {
+  (void)state;
+  enum { DRAWS = 3 };
+  double error = 0;
+  for (uint32_t draw = 0; draw < DRAWS; draw++) error += level_error(draw) / DRAWS;
+  assert_true(fabs(error) < 1e-3);
 }
 
 /* On soil of conductivity k and depth L over air, rain of 1.5 k stands half of L high: the pond h
