@@ -103,11 +103,17 @@ static void expect_isph(struct plan *plan) {
     if (region->type != REGION_POROUS) continue;
     thinnest = fmin(thinnest, soil_length(&plan->context, region, axis));
   }
-  if (heads == 2 && isfinite(thinnest))
+  if (heads == 2 && isfinite(thinnest)) {
     expect_layer_ends(e, thinnest, plan->context.spacing);
-  else
-    snprintf(e->why, sizeof e->why,
-             "no k is asked for; fronts and surfaces are good to about a spacing");
+    return;
+  }
+  const double porosity = isph_soil_minimum(scene), dx = 1e3 * plan->context.spacing;
+  int n =
+      snprintf(e->why, sizeof e->why,
+               "no k is asked for; fronts and surfaces are good to about a particle, %.3g mm", dx);
+  if (isfinite(thinnest))
+    snprintf(e->why + n, sizeof e->why - (size_t)n, ", in soil of porosity %g %.3g mm", porosity,
+             dx * pow(porosity, -1.0 / plan->context.lattice->dimensions));
 }
 
 /* Warns if water will enter such soil. */

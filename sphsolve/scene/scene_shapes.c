@@ -39,13 +39,17 @@ static enum status check_polygon(struct config *config, config_node *node,
                                  const struct scene *scene, const struct polygon *p) {
   const double slack = 1e-6 * scene->spacing;
   double area = 0;
+  for (int c = 0; c < 2; c++) {
+    double low = INFINITY, high = -INFINITY;
+    for (size_t i = 0; i < p->count; i++)
+      low = fmin(low, p->corner[i][c]), high = fmax(high, p->corner[i][c]);
+    if (!(low >= -slack && high <= scene->domain_size[p->plane[c]] + slack))
+      return config_error(config, node, "%g to %g m in %s lies outside the domain (0 to %g m)", low,
+                          high, scene_axis_names[p->plane[c]], scene->domain_size[p->plane[c]]);
+  }
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
     area += 0.5 * (a[0] * b[1] - a[1] * b[0]);
-    for (int c = 0; c < 2; c++)
-      if (!(a[c] >= -slack && a[c] <= scene->domain_size[p->plane[c]] + slack))
-        return config_error(config, node, "%g m in %s lies outside the domain (0 to %g m)", a[c],
-                            scene_axis_names[p->plane[c]], scene->domain_size[p->plane[c]]);
     for (size_t j = i + 2; j < p->count; j++)
       if (!(i == 0 && j == p->count - 1) && edges_cross(p, i, j))
         return config_error(config, node,
