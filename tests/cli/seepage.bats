@@ -173,7 +173,7 @@ END
     --set 'gauges=({ name = "under"; at = ["0.1 m", "0.05 m"]; }, { name = "beside"; at = ["0.05 m", "0.05 m"]; })' > still.txt
   history_of still
   within "$(last level_beside)" 0.2 1e-2
-  [[ "$(last level_under)" = nan || -z "$(last level_under)" ]]
+  [ "$(last level_under)" = nan ]
   # The plot has no line for a level that is none, and none for y in two dimensions.
   panel() { sed -n "/^set title \"$1\"/,/^unset/p" still/history.gp | grep -o 'title "[a-z]*"$\|title "[a-z]*",' | tr -d ','; }
   [ "$(panel Level)" = 'title "beside"' ]
