@@ -11,6 +11,7 @@
 #include "common/log.h"
 #include "common/memory.h"
 #include "common/statistics.h"
+#include "common/text.h"
 #include "common/units.h"
 
 struct run_history {
@@ -136,7 +137,8 @@ static void write_csv(const struct run *runs, size_t n, FILE *stream) {
       for (size_t c = 0; c < run->column_count; c++) {
         const struct history_column *column = &run->columns[c];
         for (int d = 0; column != time && d < column->components; d++)
-          fprintf(stream, ",%.10g", column->values[i * (size_t)column->components + (size_t)d]);
+          fprintf(stream, ",%.10g",
+                  text_number(column->values[i * (size_t)column->components + (size_t)d]));
       }
       fputc('\n', stream);
     }

@@ -112,7 +112,8 @@ static void print_man(const struct options *options) {
   printf(".SH EXAMPLES\n.nf\n");
   for (const struct option_command *c = table->commands; c->name; c++) printf("%s\n", c->example);
   printf(".fi\n.SH \"EXIT STATUS\"\n0 ok; 1 run failed; 2 wrong usage; 3 bad input; 4 numerical "
-         "failure; 130 interrupted\n");
+         "failure; 130 sphsolve run was interrupted by SIGINT or SIGTERM, and goes on with "
+         "\\-\\-resume\n");
 }
 
 static size_t edit_distance(const char *a, const char *b) {

@@ -1,7 +1,9 @@
-/* Texts of others, shown as what they are: one line, in the order in which it is written. */
+/* Texts of others, shown as what they are: one line, in the order in which it is written; and
+ * numbers that are none. */
 #ifndef TOSUI_COMMON_TEXT_H
 #define TOSUI_COMMON_TEXT_H
 
+#include <math.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -15,5 +17,9 @@ bool text_is_hidden(uint32_t code);
 bool text_is_plain(const char *text);
 /* Puts '?' for such characters and for bytes that are no UTF-8, in place. */
 void text_make_plain(char *text);
+/* A number to be printed: one that is none has one spelling, `nan`, whatever its sign. */
+static inline double text_number(double value) {
+  return isnan(value) ? NAN : value;
+}
 
 #endif

@@ -66,6 +66,9 @@ static enum status check_region(const struct scene *scene, const struct region *
       return FAIL(STATUS_INPUT,
                   "%s:%d: head: without gravity a level has no pressure; give pressure_head",
                   scene->path, region->line);
+    if (region->radiates)
+      return FAIL(STATUS_INPUT, "%s:%d: radiates: method richards has no waves; leave it out",
+                  scene->path, region->line);
     return STATUS_OK;
   case REGION_RAIN:
     if (!(scene->driving[2] < 0))

@@ -30,6 +30,7 @@ struct isph_open_side {
   enum boundary_kind kind;
   const struct region *region;
   double head, flux;  /* at the end of the present step */
+  double given;       /* head or flux that the scene gives; of a head see isph/radiation.h */
   double velocity[3]; /* velocity of its boundary particles if the flux is given */
   int cells[3];       /* columns across the rectangle */
   double pitch[3];    /* widths of the columns; along `axis` the spacing of free water */
@@ -46,6 +47,7 @@ struct isph_column {
   bool dry;           /* above the head: there is air instead of particles */
   double at[3];       /* where its axis meets the side, m */
   double speed;       /* inward pore velocity of the water there, m/s */
+  double water;       /* kernel sum of the water there, of a side of given head */
 };
 
 /* Image of a point x across periodic or reflecting sides: x' = turn x + shift. */

@@ -8,6 +8,7 @@
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/cells.h"
 #include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/radiation.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/sort.h"
 #include "sphsolve/isph/wall.h"
@@ -21,6 +22,12 @@
  * foremost particle becomes water as it crosses the side; a particle that leaves becomes the
  * foremost. So the water always sees the same spacing on both sides, and a given flux is exact in
  * mass. */
+
+/* Whether the head of a side changes in time. Its window is open up to the highest. */
+static bool head_varies(const struct isph_open_side *side) {
+  return side->kind == BOUNDARY_OPEN_HEAD &&
+         (side->region->table.count > 0 || side->region->radiates);
+}
 
 /* Porosity of the soil at a place on a side, taking its edges as sharp; 1 in free water. */
 static double porosity_at(const struct isph *s, const double x[3]) {
@@ -107,28 +114,19 @@ enum status isph_open_create(struct isph *s) {
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_INFLOW) continue;
-    struct isph_open_side side = {.axis = -1};
-    double thinnest = INFINITY, near = 1e-6 * s->spacing;
-    for (int a = 0; a < 3; a++) {
-      side.low[a] = region->box[a], side.high[a] = region->box[a + 3];
-      double width = side.high[a] - side.low[a];
-      bool at_low = side.low[a] <= s->low[a] + near, at_high = side.high[a] >= s->high[a] - near;
-      if (!isph_uses_axis(s, a) || s->periodic[a] || at_low == at_high || width >= thinnest)
-        continue;
-      thinnest = width;
-      side.axis = a;
-      side.inward = at_low ? 1 : -1;
-      side.edge = at_low ? s->low[a] : s->high[a];
-    }
+    struct isph_open_side side = {.region = region};
+    side.axis = isph_window_axis(scene, region, s->spacing, &side.inward);
+    for (int a = 0; a < 3; a++) side.low[a] = region->box[a], side.high[a] = region->box[a + 3];
     if (side.axis < 0)
       TRY_FAIL(STATUS_INPUT,
                "%s:%d: an inflow region is a thin box on one side of the domain that is not "
                "periodic; this box touches none, or two opposite ones",
                scene->path, region->line);
-    side.region = region;
+    side.edge = side.inward > 0 ? s->low[side.axis] : s->high[side.axis];
     side.head = region->head, side.flux = region->flux;
     for (size_t n = 0; n < region->table.count && region->boundary == BOUNDARY_HEAD; n++)
       side.head = fmax(n > 0 ? side.head : -INFINITY, region->table.value[n][0]);
+    if (region->radiates) side.head = INFINITY; /* waves reach as high as the window */
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;
     TRY(split_window(s, &side));
@@ -171,12 +169,13 @@ void isph_apply_tables(struct isph *s, double dt) {
   }
   for (size_t k = 0; k < s->side_count; k++) {
     struct isph_open_side *side = &s->sides[k];
-    if (side->region->table.count == 0) continue;
-    const double value = time_table_at(&side->region->table, t, 0);
+    const struct region *region = side->region;
+    if (region->table.count == 0 && !region->radiates) continue;
+    side->given = region->table.count > 0 ? time_table_at(&region->table, t, 0) : region->head;
     if (side->kind == BOUNDARY_OPEN_HEAD)
-      side->head = value, heads = true;
+      side->head = isph_radiation_head(s, side), heads = true;
     else
-      side->flux = value, side->velocity[side->axis] = value * side->inward;
+      side->flux = side->given, side->velocity[side->axis] = side->flux * side->inward;
   }
   if (heads) isph_wall_move(s, 0);
 }
@@ -185,7 +184,7 @@ void isph_open_update_dry(struct isph *s, bool place) {
   for (size_t c = 0; c < s->column_count; c++) {
     struct isph_column *column = &s->columns[c];
     const struct isph_open_side *side = &s->sides[column->side];
-    if (side->region->table.count == 0 || side->kind != BOUNDARY_OPEN_HEAD) continue;
+    if (!head_varies(side)) continue;
     if (column->first == SIZE_MAX) continue;
     const bool dry = !(isph_window_pressure(s, side, column->at[2]) > 0);
     if (dry == column->dry) continue;
@@ -312,6 +311,7 @@ enum status isph_open_measure(struct isph *s) {
     }
     if (measured[c][0] < INFLOW_KERNEL_SUM) s->column_front[c] = 0;
     column->speed = side->inward * measured[c][1] / porosity;
+    column->water = measured[c][0];
   }
 cleanup:
   memory_free(&measured);

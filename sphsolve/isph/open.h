@@ -9,10 +9,10 @@ enum status isph_open_create(struct isph *s);
 /* Adds the boundary particles of the columns. */
 enum status isph_open_fill(struct isph *s, size_t *capacity);
 /* Applies tables of time for a step from s->time to s->time + dt: walls' mean velocities, heads and
- * fluxes at its end. Does nothing without tables. */
+ * fluxes at its end; and the heads of sides that let waves out. Does nothing without either. */
 void isph_apply_tables(struct isph *s, double dt);
-/* At the end of a step: columns above a varying head become dry, those below wet. Without `place`
- * the columns are already in their places. */
+/* At the end of a step: columns above a head that varies become dry, those below wet. Without
+ * `place` the columns are already in their places. */
 void isph_open_update_dry(struct isph *s, bool place);
 /* Between predictor and pressure: makes the flow at windows normal and uniform. */
 void isph_open_straighten(struct isph *s);

@@ -5,6 +5,25 @@
 
 #include "common/units.h"
 
+int isph_window_axis(const struct scene *scene, const struct region *inflow, double spacing,
+                     double *inward) {
+  const double near = 1e-6 * spacing;
+  double thinnest = INFINITY;
+  int axis = -1;
+  for (int a = 0; a < 3; a++) {
+    const double width = inflow->box[a + 3] - inflow->box[a];
+    const bool at_low = inflow->box[a] <= near,
+               at_high = inflow->box[a + 3] >= scene->domain_size[a] - near;
+    if ((scene->dimensions == 2 && a == 1) || scene->periodic[a] || at_low == at_high ||
+        width >= thinnest)
+      continue;
+    thinnest = width;
+    axis = a;
+    *inward = at_low ? 1 : -1;
+  }
+  return axis;
+}
+
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z) {
   const double *g = s->scene->gravity;
   double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);

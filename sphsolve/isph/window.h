@@ -4,6 +4,11 @@
 
 #include "sphsolve/isph/state.h"
 
+/* The axis across the single side of the domain that the box of an inflow lies on, or -1: it
+ * touches none, or two opposite ones. *inward: +1 on the low side, -1 on the high one. `spacing`:
+ * m. */
+int isph_window_axis(const struct scene *scene, const struct region *inflow, double spacing,
+                     double *inward);
 /* Pressure of a side of given head at height z (m), Pa. */
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 /* The head is prescribed on the side itself, at least half a spacing in front of the boundary

@@ -9,6 +9,7 @@
 
 #include "common/log.h"
 #include "common/memory.h"
+#include "common/text.h"
 #include "common/output_file.h"
 #include "common/provenance.h"
 
@@ -89,7 +90,8 @@ enum status history_file_row(struct history_file *history, size_t index, const d
   size_t n = 0;
   if (index < history->count) return STATUS_OK;
   for (int i = 0; i < history->width; i++)
-    n += (size_t)snprintf(history->line + n, VALUE_WIDTH + 1, i > 0 ? ",%.17g" : "%.17g", row[i]);
+    n += (size_t)snprintf(history->line + n, VALUE_WIDTH + 1, i > 0 ? ",%.17g" : "%.17g",
+                          text_number(row[i]));
   uint64_t hash = hash_bytes(history->line, n);
   n += (size_t)snprintf(history->line + n, 20, ",%016llx\n", (unsigned long long)hash);
   TRY(append(history, history->line, n));

@@ -148,6 +148,7 @@ struct region {
    * through the side, positive inward) */
   enum region_boundary boundary;
   double head, flux;
+  bool radiates; /* it lets waves out: the head is that of the mean (isph/radiation.h) */
   /* A well extracts a rate from soil, m^3/s (m^2/s in 2-D); a drain extracts water above its head,
    * or without a head (BOUNDARY_NONE) above atmospheric pressure. Rain supplies a rate, m/s, to
    * what lies below. All three have a name. */

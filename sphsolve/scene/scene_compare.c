@@ -44,6 +44,7 @@ static void put_region(FILE *stream, const struct region *r, size_t part) {
             v->theta_r, v->l, (int)v->starts_by, v->start);
   if (v->k_n > 0) fprintf(stream, " %.12g %.12g", v->k_alpha, v->k_n);
   if (v->exponential) fprintf(stream, " gardner");
+  if (r->radiates) fprintf(stream, " radiates");
   if (r->ponding > 0) fprintf(stream, " ponding %.12g", r->ponding);
   fprintf(stream, " %d %d %d %s", r->saturated - r->dry, r->slip, (int)r->boundary, r->name);
   for (size_t i = 0; i < r->table.count; i++)

@@ -136,6 +136,7 @@ static enum status read_inflow(struct config *config, config_node *group, const 
   const char *key = flux_given ? "flux" : pressure_given ? "pressure_head" : "head";
   const struct dimension of = flux_given ? DIM_VELOCITY : DIM_LENGTH;
   double *value = flux_given ? &region->flux : &region->head;
+  TRY(keys_read(config, group, "regions[]", 1u << REGION_INFLOW, scene, region));
   if (flux_given + pressure_given + head_given != 1)
     TRY(config_error(config, group,
                      "either head (a length) or flux (a velocity) is wanted; before soil that "
@@ -149,6 +150,10 @@ static enum status read_inflow(struct config *config, config_node *group, const 
   region->boundary = flux_given       ? BOUNDARY_FLUX
                      : pressure_given ? BOUNDARY_PRESSURE
                                       : BOUNDARY_HEAD;
+  if (region->radiates && !head_given)
+    TRY(config_error(config, config_child(group, "radiates"),
+                     "waves leave by a side of given head, whose level they raise and lower; give "
+                     "head, or leave radiates out"));
 cleanup:
   return status;
 }

@@ -313,6 +313,21 @@ END
 }
 @test "isph: rain on water, a roof and soil, the same bits on 1 and 3 ranks" { rain_on 3; }
 
+radiating_on() { # RANKS...
+  cat > radiating.cfg << 'END'
+scene = { method = "isph"; end_time = "0.3 s"; };
+domain = { size = ["0.4 m", "0.3 m"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.4 m", "0.15 m"]; },
+  { type = "porous"; box = ["0.3 m", "0", "0.4 m", "0.05 m"]; porosity = 0.4; grain_size = "5 mm"; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "0.15 m"]; flux = "0.2 m/s"; },
+  { type = "inflow"; box = ["0.39 m", "0", "0.4 m", "0.3 m"]; head = "0.15 m"; radiates = true; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  same_on_ranks radiating "$@"
+}
+@test "isph: a side that lets waves out, the same bits on 1 and 3 ranks" { radiating_on 3; }
+
 calm_on() { # RANKS...
   cat > calm.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };

@@ -6,7 +6,7 @@ resumable_make() {
     sample_model $size ${size%%x*}.hdf
   done
   cp "$ROOT/data-samples/scenes/s06.cfg" s06.cfg
-  # water with a surface, two soils of which one moves, a well and a drain in the other; rain; a gate, a head and a flux that change with time
+  # water with a surface, two soils of which one moves, a well and a drain in the other; rain; a gate, a head that lets waves out and a flux, which change with time
   cat > all.cfg << 'END'
 scene = { method = "isph"; end_time = "0.3 s"; };
 domain = { size = ["0.6 m","0.3 m"]; spacing = "1 cm"; periodic = [false,false]; };
@@ -19,7 +19,7 @@ regions = ( { type = "water"; box = ["0","0","0.6 m","0.15 m"]; }, { type = "wat
   { type = "drain"; name = "foot"; head = "5 cm"; box = ["0.46 m","0.01 m","0.49 m","0.05 m"]; },
   { type = "rain"; box = ["0.35 m","0.29 m","0.6 m","0.3 m"]; times = ["0 s","0.2 s","0.3 s"]; rate = ["2 cm/s","0","1 cm/s"]; },
   { type = "inflow"; box = ["0","0","1 cm","0.1 m"]; times = ["0 s","0.3 s"]; flux = ["0.3 m/s","0.1 m/s"]; },
-  { type = "inflow"; box = ["0.59 m","0","0.6 m","0.3 m"]; times = ["0 s","0.1 s","0.2 s"]; head = ["0.12 m","0.095 m","0.13 m"]; } );
+  { type = "inflow"; box = ["0.59 m","0","0.6 m","0.3 m"]; times = ["0 s","0.1 s","0.2 s"]; head = ["0.12 m","0.095 m","0.13 m"]; radiates = true; } );
 force = { gravity = ["0","-9.81 m/s^2"]; };
 gauges = ( { name = "foot"; at = ["0.3 m","0"]; } );
 planes = ( { name = "mid"; x = "0.4 m"; } );

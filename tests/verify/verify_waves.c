@@ -1,6 +1,7 @@
-/* Waves by method isph: before an absorbing side against the linear equations of long waves; what
- * they keep of their energy, standing and made by a piston. Usage: verify_waves RESULTS.json
- * [CASE...]     all cases, or those whose names start with CASE */
+/* Waves by method isph: before an absorbing side, and one that lets them out, against the linear
+ * equations of long waves; what a channel does between an inflow and such a side; what waves keep
+ * of their energy, standing and made by a piston. Usage: verify_waves RESULTS.json [CASE...] all
+ * cases, or those whose names start with CASE */
 #include "tests/verify/isph_rig.h"
 
 #include "sphsolve/isph/energy.h"
@@ -18,15 +19,20 @@
 #define READ 0.02
 enum { READINGS = 400 };
 
-/* By staggered differences: du/dt = -g d eta/dx - gamma u, d eta/dt = -h du/dx. level [READINGS],
- * m. */
-static void theory(double tank, bool absorbs, double *velocity) {
+/* What is at the far end of the tank: a closed side, with an absorbing region before it or without;
+ * or an open one, whose head is fixed or lets waves out. */
+enum end { CLOSED, ABSORBING, FIXED, RADIATING };
+
+/* By staggered differences: du/dt = -g d eta/dx - gamma u, d eta/dt = -h du/dx; on an open side eta
+ * = 0 or sqrt(h/g) (u - u_m). velocity [READINGS], m/s. */
+static void theory(double tank, enum end end, double *velocity) {
   enum { PER_METRE = 100, MOST = 10 * PER_METRE };
   static double eta[MOST], u[MOST + 1];
   const double g = 9.81, c = sqrt(g * DEPTH), dx = 1.0 / PER_METRE;
   const int n = (int)lround(tank * PER_METRE), probe = (int)lround(PROBE * PER_METRE);
   const int steps = 8;
   const double dt = READ / steps;
+  double mean = 0;
   for (int i = 0; i < n; i++) {
     const double x = (i + .5) * dx;
     eta[i] = x < LENGTH ? HEIGHT : x < 2 * LENGTH ? -HEIGHT : 0;
@@ -36,20 +42,29 @@ static void theory(double tank, bool absorbs, double *velocity) {
     for (int k = 0; k < steps; k++) {
       for (int i = 1; i < n; i++) {
         const double way = fmax(0, (i * dx - EDGE) / (TANK - EDGE));
-        const double half = absorbs ? .5 * dt * 10 * c / (TANK - EDGE) * way * way : 0;
+        const double half = end == ABSORBING ? .5 * dt * 10 * c / (TANK - EDGE) * way * way : 0;
         u[i] = (u[i] * (1 - half) - dt * g * (eta[i] - eta[i - 1]) / dx) / (1 + half);
       }
+      const double raised = end == RADIATING ? sqrt(DEPTH / g) * (u[n] - mean) : 0;
+      if (end >= FIXED) u[n] -= dt * g * (raised - eta[n - 1]) / (dx / 2);
+      mean += dt * c / (4 * tank) * (u[n] - mean);
       for (int i = 0; i < n; i++) eta[i] -= dt * DEPTH * (u[i + 1] - u[i]) / dx;
     }
     velocity[r] = u[probe];
   }
 }
 
-static void measured(double tank, bool absorbs, double dx, double *velocity) {
+static void measured(double tank, enum end end, double dx, double *velocity) {
   struct run run = {0};
-  char side[128] = "";
+  char side[160] = "";
   const double probe[3] = {PROBE, 0, DEPTH / 4};
-  if (absorbs)
+  if (end >= FIXED)
+    snprintf(
+        side, sizeof side,
+        ", { type = \"inflow\"; box = [\"%g m\", \"0\", \"%g m\", \"0.4 m\"]; head = \"%g m\"; "
+        "radiates = %s; }",
+        tank - dx, tank, DEPTH, end == RADIATING ? "true" : "false");
+  if (end == ABSORBING)
     snprintf(side, sizeof side,
              ", { type = \"absorbing\"; box = [\"%g m\", \"0\", \"%g m\", \"%g m\"]; }", EDGE, TANK,
              DEPTH);
@@ -87,19 +102,95 @@ static double apart(const double *a, const double *b) {
  */
 static void absorbing(void) {
   double side[READINGS], far[READINGS];
-  theory(TANK, true, side);
-  theory(LONG, false, far);
+  theory(TANK, ABSORBING, side);
+  theory(LONG, CLOSED, far);
   const double reference = apart(side, far);
   for (int fine = 0; fine < 2; fine++) {
     const double started = clock_seconds(), dx = fine ? .01 : .02;
     char name[96];
-    measured(LONG, false, dx, far);
-    measured(TANK, true, dx, side);
+    measured(LONG, CLOSED, dx, far);
+    measured(TANK, ABSORBING, dx, side);
     snprintf(name, sizeof name, "absorbing side: what comes back, spacing %g mm", 1e3 * dx);
     report(name, reference, apart(side, far), .03, started);
-    measured(TANK, false, dx, side);
+    measured(TANK, CLOSED, dx, side);
     snprintf(name, sizeof name, "closed side: what comes back, spacing %g mm", 1e3 * dx);
     show(name, 1, apart(side, far), started);
+  }
+}
+
+/* The same of an open side that lets waves out, and of one of fixed head, which reflects all; the
+ * long tank ends at such a side too, since water with windows is never calm. */
+static void radiating(void) {
+  double side[READINGS], far[READINGS], reference[2];
+  theory(LONG, CLOSED, far);
+  for (int k = 0; k < 2; k++)
+    theory(TANK, k ? RADIATING : FIXED, side), reference[k] = apart(side, far);
+  for (int fine = 0; fine < 2; fine++) {
+    const double dx = fine ? .01 : .02;
+    char name[96];
+    measured(LONG, FIXED, dx, far);
+    for (int k = 0; k < 2; k++) {
+      const double started = clock_seconds();
+      measured(TANK, k ? RADIATING : FIXED, dx, side);
+      snprintf(name, sizeof name, "side %s: what comes back, spacing %g mm",
+               k ? "that radiates" : "of fixed head", 1e3 * dx);
+      if (k)
+        report(name, reference[k], apart(side, far), .05, started);
+      else
+        show(name, reference[k], apart(side, far), started);
+    }
+  }
+}
+
+/* A channel 2 m long and .15 m deep between an inflow, which starts at once in water at rest, and a
+ * side of given head: how far the heads in it are from that level at most, over it, from `since`
+ * to 30 s; and their mean. */
+static double outlet_heads(double speed, double dx, bool radiates, double *mean) {
+  enum { GAUGES = 3 };
+  const double level = .15, since = 20, until = 30;
+  struct run run = {0};
+  double worst = 0, sum = 0;
+  int reads = 0;
+  start(
+      &run,
+      "scene = { method = \"isph\"; end_time = \"99 s\"; };\n"
+      "domain = { size = [\"2 m\", \"0.3 m\"]; spacing = \"%g m\"; periodic = [false, false]; };\n"
+      "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"2 m\", \"%g m\"]; },\n"
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"%g m\"]; flux = \"%g m/s\"; },\n"
+      "{ type = \"inflow\"; box = [\"1.99 m\", \"0\", \"2 m\", \"0.3 m\"]; head = \"%g m\"; "
+      "radiates = %s; } );\n"
+      "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+      dx, level, level, speed, level, radiates ? "true" : "false");
+  while (run.s.time < until) { /* no step is cut short, after which a pressure is too high */
+    const char *limit;
+    if (isph_advance(&run.s, isph_stable_dt(&run.s, &limit))) give_up();
+    for (int k = 0; k < GAUGES && run.s.time > since; k++, reads++) {
+      const double at[3] = {.2 + .8 * k, 0, level / 3};
+      const double head = at[2] + pressure_at(&run.s, at) / (9.81 * run.s.density);
+      worst = fmax(worst, fabs(head / level - 1)), sum += head;
+    }
+  }
+  finish(&run);
+  *mean = sum / reads;
+  return worst;
+}
+
+static void outlet(void) {
+  for (int n = 0; n < 6; n++) {
+    const double started = clock_seconds(), speed = n < 3 ? .05 : .2, dx = n % 3 == 1 ? .01 : .015;
+    const bool radiates = n % 3 < 2;
+    double mean;
+    char name[96];
+    const double worst = outlet_heads(speed, dx, radiates, &mean);
+    snprintf(name, sizeof name, "%s, %g m/s, spacing %g mm: heads at most off by",
+             radiates ? "outlet that radiates" : "outlet of fixed head", speed, 1e3 * dx);
+    if (radiates)
+      report(name, 0, worst, .02, started);
+    else
+      show(name, 0, worst, started);
+    snprintf(name, sizeof name, "%s, %g m/s, spacing %g mm: their mean over the head",
+             radiates ? "outlet that radiates" : "outlet of fixed head", speed, 1e3 * dx);
+    if (radiates) report(name, 1, mean / .15, .01, started);
   }
 }
 
@@ -189,7 +280,10 @@ static void piston_wave(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {
-      {"absorbing", absorbing}, {"standing", standing}, {"piston", piston_wave}};
+  static const struct verify_case cases[] = {{"absorbing", absorbing},
+                                             {"radiating", radiating},
+                                             {"outlet", outlet},
+                                             {"standing", standing},
+                                             {"piston", piston_wave}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
