@@ -155,9 +155,19 @@ static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   for (int a = 0; a < 3; a++) n[a] *= scale;
 }
 
+/* Whether there is soil at particle i or at a neighbour; if not, C is 0 at all of them. */
+ROW bool is_near_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
+  bool near = s->soil_fraction[i] > 0;
+  if (near) return true;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+    near |= s->soil_fraction[chunk->pair[p] & PAIR_MASK] > 0;
+  return near;
+}
+
 TARGETS static void correct_chunk(struct isph *s, struct isph_chunk *chunk) {
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     double moment[6], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3];
+    if (!is_near_soil(s, chunk, i)) continue;
     ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
     if (s->on.surface && s->surface[i] > 0) {
       for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];
