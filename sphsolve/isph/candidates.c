@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/variants.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/wall.h"
@@ -15,11 +16,6 @@ static bool is_beyond(const struct isph *s, uint32_t entry) {
     if (s->reflects[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
   return false;
 }
-
-/* Longest group, and its longest extent in supports: a longer one shares the work of finding its
- * candidates among more particles, of which each has to look at more candidates. */
-#define GROUP_MOST 8
-#define GROUP_EXTENT 1
 
 struct isph_group isph_group_from(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                                   bool alone) {
@@ -54,7 +50,8 @@ TARGETS static void add_stretch(const struct isph *s, const struct isph_stretch 
   const struct isph_image *image = &s->image[of->code];
   const double turned = image->reflected && isph_sides_hold(s) ? 1 : 0;
   const double *turn = image->turn, *shift = image->shift;
-  for (uint32_t k = of->begin, to = (uint32_t)c->count; k < of->end; k += 8, to += 8) {
+  for (uint32_t k = of->begin, to = (uint32_t)c->count; k < of->end;
+       k += EIGHT_WIDE, to += EIGHT_WIDE) {
     double(*const x)[3] = &s->position[k];
     for (int a = 0; a < 3; a++) {
       const eight at = {x[0][a], x[1][a], x[2][a], x[3][a], x[4][a], x[5][a], x[6][a], x[7][a]};
@@ -63,7 +60,7 @@ TARGETS static void add_stretch(const struct isph *s, const struct isph_stretch 
     const eight volume = EIGHT(s->volume, k);
     EIGHT(c->half, to) = 0.5 * EIGHT(s->support, k);
     EIGHT(c->volume, to) = volume, EIGHT(c->turned, to) = turned * volume;
-    for (uint32_t l = 0; l < 8; l++) c->entry[to + l] = (k + l) | of->code << PAIR_BITS;
+    for (uint32_t l = 0; l < EIGHT_WIDE; l++) c->entry[to + l] = (k + l) | of->code << PAIR_BITS;
   }
   c->count += of->end - of->begin;
 }
@@ -96,7 +93,7 @@ bool isph_find_candidates(const struct isph *s, const struct isph_group *g, bool
       add_walls(s, &near[k], c);
     else
       add_stretch(s, &near[k], c);
-  for (size_t k = c->count; k % 8 != 0; k++) /* none that is found */
+  for (size_t k = c->count; k % EIGHT_WIDE != 0; k++) /* none that is found */
     c->x[0][k] = INFINITY, c->x[1][k] = c->x[2][k] = c->half[k] = 0, c->entry[k] = 0;
   return true;
 }
@@ -117,7 +114,7 @@ static const uint64_t places[256] = {PLACES_64(0u), PLACES_64(64u), PLACES_64(12
 TARGETS size_t isph_choose(const struct isph_candidates *c, const double x[3], double half,
                            uint32_t own, uint16_t *chosen) {
   size_t n = 0;
-  for (size_t k = 0; k < c->count; k += 8) {
+  for (size_t k = 0; k < c->count; k += EIGHT_WIDE) {
     const eight dx = x[0] - EIGHT(c->x[0], k), dy = x[1] - EIGHT(c->x[1], k);
     const eight dz = x[2] - EIGHT(c->x[2], k), support = half + EIGHT(c->half, k);
     const eight_flags near = dx * dx + dy * dy + dz * dz < support * support;

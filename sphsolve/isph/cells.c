@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/kernel.h"
 
@@ -20,10 +21,6 @@ uint32_t isph_cell_of(const struct isph_cells *cells, const double x[3]) {
   return (uint32_t)((at[axis[2]] * n[axis[1]] + at[axis[1]]) * n[axis[0]] + at[axis[0]]);
 }
 
-/* A row is cut into this many cells for each that its width would give: points near a place then
- * lie in short stretches of rows, which cost no more to visit. */
-#define ROW_CUTS 4
-
 enum status isph_cells_shape(const struct isph *s, double margin, struct isph_cells *cells) {
   const double support = s->scene->isph.support_ratio * s->spacing;
   double length[3], total = ROW_CUTS;
@@ -36,7 +33,7 @@ enum status isph_cells_shape(const struct isph *s, double margin, struct isph_ce
   }
   for (int a = 0; a < 3; a++) {
     /* Ranks divide the domain into layers across its longest axis, and hold those within reach. */
-    const double wanted = (a == longest ? 0.5 : 0.75) * support;
+    const double wanted = (a == longest ? CELL_LAYER : CELL_WIDTH) * support;
     cells->count[a] = (int)fmax(1, floor(length[a] / wanted));
     cells->size[a] = length[a] / cells->count[a];
     total *= cells->count[a];
@@ -45,7 +42,7 @@ enum status isph_cells_shape(const struct isph *s, double margin, struct isph_ce
     return FAIL(STATUS_INPUT,
                 "domain: %.2g cells of %.3g m; make the domain smaller or the "
                 "spacing wider",
-                total / ROW_CUTS, 0.5 * support);
+                total / ROW_CUTS, CELL_LAYER * support);
   const int row = longest != 0 ? 0 : s->dimensions == 2 ? 2 : 1;
   cells->axis[0] = row, cells->axis[1] = 3 - row - longest, cells->axis[2] = longest;
   cells->count[row] *= ROW_CUTS, cells->size[row] /= ROW_CUTS;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "common/variants.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/ranks.h"
 
 /* Sum over blocks of fixed size, added in their order: it is the same to the bit for any number of
@@ -23,8 +24,7 @@ double isph_dot(struct isph *s, const double *a, const double *b) {
   return total;
 }
 
-#define LANES 4   /* sums of a row that do not wait for each other */
-#define AHEAD 256 /* pairs from here that are asked of the memory now */
+#define LANES 4 /* sums of a row that do not wait for each other */
 
 TARGETS static void multiply_rows(const struct isph *s, const struct isph_chunk *chunk,
                                   const double *restrict x, double *restrict y) {
@@ -34,8 +34,8 @@ TARGETS static void multiply_rows(const struct isph *s, const struct isph_chunk 
     const size_t n = s->pair_number[i], whole = n - n % LANES;
     double sum[LANES] = {0};
     for (size_t p = 0; p < n; p += 64 / sizeof *pair) { /* the lines of rows a few further on */
-      __builtin_prefetch(pair + p + AHEAD);
-      __builtin_prefetch(a + p + AHEAD);
+      __builtin_prefetch(pair + p + PAIRS_AHEAD);
+      __builtin_prefetch(a + p + PAIRS_AHEAD);
     }
     for (size_t p = 0; p < whole; p += LANES)
       for (size_t k = 0; k < LANES; k++) sum[k] += (double)a[p + k] * x[pair[p + k] & PAIR_MASK];

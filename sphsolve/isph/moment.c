@@ -92,9 +92,9 @@ ROW void correct_eight(enum isph_images images, const struct isph *s, struct isp
   typedef float eight_floats __attribute__((vector_size(32), aligned(4), may_alias));
   eight_floats *slope = (eight_floats *)&chunk->slope[p], before = *slope;
   const float *own = s->moment_defect[i];
-  uint32_t j[8];
+  uint32_t j[EIGHT_WIDE];
   eight r[3], rr[6], along = {0};
-  for (size_t l = 0; l < 8; l++) j[l] = chunk->pair[p + l] & PAIR_MASK;
+  for (size_t l = 0; l < EIGHT_WIDE; l++) j[l] = chunk->pair[p + l] & PAIR_MASK;
   isph_separation_eight(images, s, i, &chunk->pair[p], j, r);
   rr[0] = r[0] * r[0], rr[1] = r[0] * r[1], rr[2] = r[0] * r[2];
   rr[3] = r[1] * r[1], rr[4] = r[1] * r[2], rr[5] = r[2] * r[2];
@@ -116,11 +116,12 @@ ROW void correct_eight(enum isph_images images, const struct isph *s, struct isp
  * of the gradient sum. */
 ROW void correct_slopes(enum isph_images images, const struct isph *s, struct isph_chunk *chunk,
                         size_t i, double moment[6], double change[3]) {
-  static const double counts[16] = {1, 1, 1, 1, 1, 1, 1, 1};
+  static const double counts[2 * EIGHT_WIDE] = {1, 1, 1, 1, 1, 1, 1, 1};
   eight sums[6] = {{0}}, changed[3] = {{0}};
   const size_t first = s->pair_first[i], number = s->pair_number[i];
-  for (size_t k = 0; k < number; k += 8) {
-    const eight here = *(const eight *)&counts[number - k < 8 ? 8 - (number - k) : 0];
+  for (size_t k = 0; k < number; k += EIGHT_WIDE) {
+    const size_t beyond = number - k < EIGHT_WIDE ? EIGHT_WIDE - (number - k) : 0;
+    const eight here = *(const eight *)&counts[beyond];
     correct_eight(images, s, chunk, i, first + k, here, sums, changed);
   }
   for (int a = 0; a < 3; a++) change[a] = EIGHT_SUM(changed[a]);
@@ -155,9 +156,19 @@ static void limit_closure(struct isph *s, size_t i, const double moment[6]) {
   for (int a = 0; a < 3; a++) n[a] *= scale;
 }
 
+/* Whether there is soil at particle i or at a neighbour; if not, C is 0 at all of them. */
+ROW bool is_near_soil(const struct isph *s, const struct isph_chunk *chunk, size_t i) {
+  bool near = s->soil_fraction[i] > 0;
+  if (near) return true;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
+    near |= s->soil_fraction[chunk->pair[p] & PAIR_MASK] > 0;
+  return near;
+}
+
 TARGETS static void correct_chunk(struct isph *s, struct isph_chunk *chunk) {
   for (size_t i = chunk->begin; i < chunk->end; i++) {
     double moment[6], inverse[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, change[3];
+    if (!is_near_soil(s, chunk, i)) continue;
     ISPH_ROW(s, i, correct_slopes, s, chunk, i, moment, change);
     if (s->on.surface && s->surface[i] > 0) {
       for (int a = 0; a < 3; a++) s->gradient_sum[i][a] += change[a];

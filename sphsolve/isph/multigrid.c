@@ -7,7 +7,6 @@
 #include "sphsolve/isph/levels.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/isph/mobility.h"
 
 struct isph_multigrid {
   struct levels levels;
@@ -123,19 +122,9 @@ static void gather(const struct isph *s, const double *value, double *nodes) {
  * that water for an error of the soil's pressure. */
 static void find_mobilities(const struct isph *s, double cell, double *value) {
 #pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    const struct isph_chunk *chunk = &s->chunks[c];
-    for (size_t i = chunk->begin; i < chunk->end; i++) {
-      const bool mixed = s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && s->on.surface;
-      const size_t pairs = mixed ? s->pair_number[i] : 0;
-      double sum = 0, whole = 0;
-      for (size_t p = s->pair_first[i], n = p + pairs; p < n; p++) {
-        const size_t j = chunk->pair[p] & PAIR_MASK;
-        const double weight = s->volume[j] * (double)chunk->slope[p];
-        sum += weight * isph_mobility_between(s, chunk, p, i, j), whole += weight;
-      }
-      value[i] = (whole > 0 ? sum / whole : s->mobility[i]) * s->volume[i] / cell;
-    }
+  for (size_t i = s->local.begin; i < s->local.end; i++) {
+    const bool mixed = s->on.links ? s->ground[i] == GROUND_MIXED : s->on.soil && s->on.surface;
+    value[i] = (mixed ? s->pair_mobility[i] : s->mobility[i]) * s->volume[i] / cell;
   }
 }
 

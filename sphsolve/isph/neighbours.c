@@ -20,9 +20,9 @@
 #include "sphsolve/isph/sort.h"
 #include "sphsolve/isph/wall.h"
 
-/* Pairs with particle 0, of no weight, beyond the last of a chunk, for loops over eight at a time.
- */
-#define BEYOND 8
+/* Beyond the last pair of a chunk are pairs with particle 0, of no weight, for loops over eight at
+ * a time. */
+#define BEYOND EIGHT_WIDE
 
 static enum status grow(struct isph_chunk *chunk, const struct isph_switches *on, size_t pairs,
                         size_t walls) {

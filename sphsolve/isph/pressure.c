@@ -22,11 +22,12 @@
 
 #define ITERATIONS_MAX 2000
 
-/* Finds the coefficients of row i; returns the sum of a_ij (x_i - x_j) in `way`. */
+/* Finds the coefficients of row i and returns their sum; sets `way` to the sum of a_ij (x_i - x_j),
+ * and `whole` to what the coefficients would sum up to with mobilities of 1. */
 ROW double assemble_pairs(enum isph_images images, const struct isph *s,
-                          const struct isph_chunk *chunk, size_t i, four *way) {
+                          const struct isph_chunk *chunk, size_t i, four *way, double *whole) {
   four sum = {0}, r, fall;
-  double diagonal = 0;
+  double diagonal = 0, weights = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
     const double weight = 2 * s->volume[i] * s->volume[j] * (double)chunk->slope[p];
@@ -34,10 +35,10 @@ ROW double assemble_pairs(enum isph_images images, const struct isph *s,
     isph_separation_four(images, s, i, entry, &r);
     isph_fall_way(images, s, i, entry, &r, &fall);
     chunk->matrix[p] = a;
-    diagonal += (double)a;
+    diagonal += (double)a, weights += weight;
     sum += (double)a * fall;
   }
-  *way = sum;
+  *way = sum, *whole = weights;
   return diagonal;
 }
 
@@ -82,13 +83,14 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
     double ki = s->mobility[i], vol = s->volume[i];
     double d[6] = {1, 0, 0, 1, 0, 1};
     const bool strains = isph_strain_turn(s, i, d);
-    double diagonal = 0, divergence = 0;
+    double diagonal = 0, divergence = 0, whole = 0;
     four way = {0};
     if (again) /* the matrix is that of the first solve */
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++)
         diagonal += (double)chunk->matrix[p];
     else
-      ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way);
+      ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way, &whole);
+    if (!again && s->pair_mobility != NULL) s->pair_mobility[i] = whole > 0 ? diagonal / whole : ki;
     double source = rho * FOUR_DOT(way, f);
     if (sources) ISPH_ROW(s, i, divergence = pairs_divergence, s, chunk, i, v, d);
     const bool linked = s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED;

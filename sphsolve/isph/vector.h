@@ -10,7 +10,9 @@ typedef double four __attribute__((vector_size(4 * sizeof(double)), aligned(8), 
 
 /* Eight numbers that are processed at once: those from array[k] on, and those of eight particles j;
  * their sum is in a fixed order on any machine. */
-typedef double eight __attribute__((vector_size(8 * sizeof(double)), aligned(8), may_alias));
+#define EIGHT_WIDE 8
+typedef double eight
+    __attribute__((vector_size(EIGHT_WIDE * sizeof(double)), aligned(8), may_alias));
 #define EIGHT(array, k) (*(eight *)&(array)[k])
 #define EIGHT_OF(array, j, component)                                                              \
   ((eight){(array)[(j)[0]] component, (array)[(j)[1]] component, (array)[(j)[2]] component,        \

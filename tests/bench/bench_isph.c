@@ -6,6 +6,7 @@
  *   bench_isph OUT.json [tank|box]     up to BENCH_LARGEST particles (1e6) */
 #include <time.h>
 
+#include "common/threads.h"
 #include "tests/verify/isph_rig.h"
 
 struct measure {
@@ -93,7 +94,9 @@ static void box(void) {
   sizes(false);
 }
 
+/* Threads wait as those of the program: processor seconds of threads that spin are no work. */
 int main(int argc, char **argv) {
+  threads_wait_asleep(argv);
   static const struct verify_case cases[] = {{"tank", tank}, {"box", box}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
