@@ -3,6 +3,7 @@
 #include <math.h>
 
 #include "sphsolve/darcy/edges.h"
+#include "sphsolve/darcy/hole.h"
 #include "sphsolve/darcy/pond.h"
 
 void richards_place(const struct richards *s, size_t i, double x[3]) {
@@ -53,6 +54,7 @@ void richards_evaluate(struct richards *s, double time) {
       flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
                    &s->face_flux[f]);
   }
+  richards_holes_flux(s, time);
   richards_edge_fluxes(s, time);
   richards_pond_fluxes(s, time);
 }

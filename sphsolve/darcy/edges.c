@@ -37,7 +37,9 @@ void richards_flux_from_head(const struct richards *s, const struct richards_edg
   const struct retention *soil = &s->soils[s->soil[edge->site]];
   struct retention_state outside;
   retention_at(soil, head, &outside);
-  flux_in_soil(soil->conductivity[edge->axis], 0.5 * s->spacing,
+  /* what goes through the face of a drain is in it (darcy/hole.c) */
+  const double part = edge->kind == EDGE_DRAIN ? HOLE_PART_LEAST : 0.5;
+  flux_in_soil(soil->conductivity[edge->axis], part * s->spacing,
                edge->low ? s->pull[edge->axis] : -s->pull[edge->axis], &outside,
                &s->now[edge->site], flux);
 }

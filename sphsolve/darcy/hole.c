@@ -2,13 +2,17 @@
  * hole resists, and not half of a spacing: k/(t d) between the site's head and the hole's (Gibou,
  * Fedkiw, Cheng, Kang 2002, J. Comput. Phys. 176: second order, and symmetric). With half a
  * spacing, a drain is as wide as the sites in it, and one of 4 spacings takes 9 % too little to 3 %
- * too much, as its centre lies between them. */
+ * too much, as its centre lies between them.
+ *
+ * In soil that need not be full the face of a drain is one of seepage (Neuman 1973): water goes
+ * into the drain where its pressure is above that of the drain, and none comes back. The site in it
+ * takes that, and what comes from outside of the soil, such as rain, and gives it to the drain.
+ * Wells take their rate from their sites. */
 #include "sphsolve/darcy/hole.h"
 
 #include <math.h>
 
 #include "common/memory.h"
-#include "sphsolve/darcy/balance.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
 #include "sphsolve/darcy/edges.h"
@@ -47,30 +51,91 @@ static double part_outside(const struct richards *s, const struct region *hole, 
   return fmax(HOLE_PART_LEAST, least);
 }
 
-enum status richards_holes_create(struct richards *s) {
-  bool any = false;
-  for (size_t e = 0; e < s->edge_count; e++) any = any || !richards_is_face(&s->edges[e]);
-  if (!any) return STATUS_OK;
+/* The well or drain of each site, 1 + its edge; 0: none. */
+static enum status find_holes(const struct richards *s, uint32_t **hole) {
+  const enum status status = memory_allocate(hole, s->count, sizeof **hole, "wells");
+  for (size_t e = 0; e < s->edge_count && status == STATUS_OK; e++)
+    if (!richards_is_face(&s->edges[e]) && (s->full || s->edges[e].kind == EDGE_DRAIN))
+      (*hole)[s->edges[e].site] = (uint32_t)e + 1;
+  return status;
+}
+
+/* Whether face f leads from soil into a hole. The way is looked at from the site in the hole, as
+ * the sides may be periodic. */
+static bool cut_at(const struct richards *s, const uint32_t *hole, size_t f,
+                   struct richards_cut *cut) {
+  const struct richards_face *face = &s->faces[f];
+  const bool high = hole[face->i] == 0;
+  const uint32_t i = high ? face->i : face->j, j = high ? face->j : face->i;
+  double x[3];
+  if (hole[j] == 0 || hole[i] > 0) return false;
+  if (s->full && s->soil[i] + 1U == s->soil_count) return false; /* free water */
+  *cut = (struct richards_cut){.face = (uint32_t)f, .edge = hole[j] - 1, .high = high};
+  domain_place(s->lattice, s->site[j], x);
+  const double step = high ? s->spacing : -s->spacing;
+  x[face->axis] -= step;
+  cut->part = part_outside(s, s->edges[cut->edge].region, x, face->axis, step);
+  cut->z = x[2] + (face->axis == 2 ? cut->part * step : 0);
+  return true;
+}
+
+static enum status find_outside(struct richards *s, const uint32_t *hole) {
   const enum status status =
       memory_allocate(&s->outside, 6 * s->count, sizeof *s->outside, "faces of wells");
-  if (status != STATUS_OK) return status;
-  for (size_t n = 0; n < 6 * s->count; n++) s->outside[n] = 0.5F;
-  for (size_t e = 0; e < s->edge_count; e++) {
-    const struct richards_edge *edge = &s->edges[e];
-    if (richards_is_face(edge)) continue;
-    for (int end = 0; end < 6; end++) {
-      const uint32_t j = edge->site, f = s->beside[6 * j + (size_t)end];
-      double x[3];
-      if (f >= BESIDE_EDGE) continue;
-      const size_t i = s->faces[f].i == j ? s->faces[f].j : s->faces[f].i;
-      if (s->soil[i] + 1U == s->soil_count) continue; /* in it as well, or in free water */
-      richards_place(s, j, x);                        /* from there, as the sides may be periodic */
-      const int axis = end / 2;
-      const double step = end % 2 ? -s->spacing : s->spacing;
-      x[axis] -= step;
-      s->outside[6 * i + 2 * (size_t)axis + (step > 0)] =
-          (float)part_outside(s, edge->region, x, axis, step);
-    }
+  struct richards_cut cut;
+  for (size_t n = 0; n < 6 * s->count && status == STATUS_OK; n++) s->outside[n] = 0.5F;
+  for (size_t f = 0; f < s->face_count && status == STATUS_OK; f++)
+    if (cut_at(s, hole, f, &cut))
+      s->outside[6 * (size_t)(cut.high ? s->faces[f].i : s->faces[f].j) +
+                 2 * (size_t)s->faces[f].axis + cut.high] = (float)cut.part;
+  return status;
+}
+
+static enum status find_cuts(struct richards *s, const uint32_t *hole) {
+  struct richards_cut cut;
+  for (size_t f = 0; f < s->face_count; f++) s->cut_count += cut_at(s, hole, f, &cut);
+  const enum status status =
+      memory_allocate(&s->cuts, s->cut_count, sizeof *s->cuts, "faces of drains");
+  s->cut_count = 0;
+  for (size_t f = 0; f < s->face_count && status == STATUS_OK; f++)
+    if (cut_at(s, hole, f, &cut)) s->cuts[s->cut_count++] = cut;
+  return status;
+}
+
+enum status richards_holes_create(struct richards *s) {
+  enum status status = STATUS_OK;
+  uint32_t *hole = NULL;
+  bool any = false;
+  for (size_t e = 0; e < s->edge_count; e++) any = any || !richards_is_face(&s->edges[e]);
+  if (!any) return status;
+  TRY(find_holes(s, &hole));
+  TRY(s->full ? find_outside(s, hole) : find_cuts(s, hole));
+cleanup:
+  memory_free(&hole);
+  return status;
+}
+
+/* The flux through the face of a drain: from the site i in the soil, through the part of the way up
+ * to there, where water stands at the drain's pressure or, above its level, in the air. */
+static void flux_to_drain(const struct richards *s, const struct richards_cut *cut, double time,
+                          struct flux *flux) {
+  const struct richards_face *face = &s->faces[cut->face];
+  const uint32_t i = cut->high ? face->i : face->j;
+  const struct retention *soil = &s->soils[s->soil[i]];
+  struct richards_edge edge = s->edges[cut->edge];
+  struct retention_state at_face;
+  edge.z = cut->z;
+  retention_at(soil, richards_law_at(s, &edge, time).head, &at_face);
+  flux_in_soil(soil->conductivity[face->axis], cut->part * s->spacing,
+               cut->high ? s->pull[face->axis] : -s->pull[face->axis], &s->now[i], &at_face, flux);
+  if (!(flux->q > 0)) *flux = (struct flux){0};
+}
+
+void richards_holes_flux(struct richards *s, double time) {
+  for (size_t n = 0; n < s->cut_count; n++) {
+    struct flux out;
+    flux_to_drain(s, &s->cuts[n], time, &out);
+    s->face_flux[s->cuts[n].face] =
+        s->cuts[n].high ? (struct flux){out.q, out.di, 0} : (struct flux){-out.q, 0, -out.di};
   }
-  return STATUS_OK;
 }

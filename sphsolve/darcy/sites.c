@@ -276,7 +276,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
   add_faces(s, false);
   s->turned = s->turned || (s->full && s->soil_count > 2);
-  if (s->full) TRY(richards_holes_create(s));
+  TRY(richards_holes_create(s));
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
   TRY(richards_pond_create(s));
@@ -334,6 +334,7 @@ void richards_free(struct richards *s) {
   memory_free(&s->corners);
   memory_free(&s->body);
   memory_free(&s->outside);
+  memory_free(&s->cuts);
   memory_free(&s->speed);
   memory_free(&s->limited);
   memory_free(&s->now);

@@ -58,6 +58,13 @@ struct richards_edge {
   double z;                      /* m, of its centre */
 };
 
+/* A face that leads from soil into a drain (darcy/hole.c). */
+struct richards_cut {
+  uint32_t face, edge; /* that of the site in the drain */
+  bool high;           /* it is that at the face's high end */
+  double part, z; /* of the way between the two sites that lies in soil; m, of the drain's face */
+};
+
 /* Free water whose level follows from its balance (darcy/pond.h): what rain leaves on one face, or
  * a body of water. */
 struct richards_pool {
@@ -93,6 +100,8 @@ struct richards {
   struct richards_face *faces;
   struct richards_edge *edges;
   struct richards_source *sources;
+  struct richards_cut *cuts; /* in soil that need not be full; NULL without drains */
+  size_t cut_count;
   uint32_t *beside; /* [count][3][2]: the face at the low and at the high end of a site along each
                      * axis; or the edge there, with BESIDE_EDGE; or SITE_NONE, which is closed */
 

@@ -33,6 +33,7 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/mobility.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/side_image.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/constants.h"
 
@@ -101,11 +102,42 @@ static double path_outside(const struct isph *s, const struct region *drain, con
   return fmax(PATH_LEAST, least);
 }
 
+/* Adds the images of a link of mobility a_ij over its slope (side_image.h): the way to each leads
+ * through the drain, or through the drain's image where that is what it meets first. */
+static void cut_images(const struct isph *s, const struct region *drain, size_t i, size_t j,
+                       const double r[3], double each, struct isph_outlet *outlet, double *load) {
+  struct isph_side_image images[SIDE_IMAGES];
+  const size_t n = isph_side_images(s, i, j, r, images);
+  const double *xi = s->position[i], *f = s->force;
+  for (size_t k = 0; k < n; k++) {
+    const struct isph_side_image *image = &images[k];
+    double step[3], from[3], back[3], fall = 0;
+    for (int a = 0; a < 3; a++) {
+      step[a] = -image->r[a], back[a] = image->turned[a] ? image->r[a] : step[a];
+      from[a] = image->turned[a] ? 2 * image->plane[a] - xi[a] : xi[a];
+    }
+    const double part = fmin(path_outside(s, drain, xi, step), path_outside(s, drain, from, back));
+    const double a = each * image->slope;
+    double face = xi[2] - part * image->r[2];
+    for (int c = 0; c < 3; c++) {
+      if (!image->turned[c]) continue;
+      double to = part * image->r[c];
+      if (fabs(to) > fabs(xi[c] - image->plane[c])) to = 2 * (xi[c] - image->plane[c]) - to;
+      if (c == 2) face = xi[2] - to;
+      fall += s->density * f[c] * (to / part - r[c]);
+    }
+    outlet->tie += a * (1 / part - 1);
+    *load +=
+        a * (drain_pressure(s, drain, face) / part + fall - drain_pressure(s, drain, xi[2] - r[2]));
+  }
+}
+
 /* Sums up the links of a particle outside that are cut by a drain: what they carry beyond plain
  * ones is tie (P_i - held). */
 static void cut_links(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                       struct isph_outlet *outlet) {
   const double *xi = s->position[i];
+  const bool beside = isph_has_side_images(s, i);
   double load = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const size_t j = chunk->pair[p] & PAIR_MASK;
@@ -116,12 +148,15 @@ static void cut_links(const struct isph *s, const struct isph_chunk *chunk, size
     isph_separation(s, xi, s->position, chunk->pair[p], r);
     const double part = path_outside(s, drain, xi, (double[3]){-r[0], -r[1], -r[2]});
     const double weight = s->volume[j] * (double)chunk->slope[p], more = 1 / part - 1;
-    const double a = 2 * s->volume[i] * weight * isph_mobility_between(s, chunk, p, i, j);
+    const double mobility = isph_mobility_between(s, chunk, p, i, j);
+    const double a = 2 * s->volume[i] * weight * mobility;
     outlet->well = well;
     outlet->tie += a * more;
     load += a * (drain_pressure(s, drain, xi[2] - part * r[2]) / part -
                  drain_pressure(s, drain, xi[2] - r[2]));
     for (int c = 0; c < 3; c++) outlet->pull[c] += weight * more * r[c];
+    if (beside)
+      cut_images(s, drain, i, j, r, 2 * s->volume[i] * s->volume[j] * mobility, outlet, &load);
   }
   if (outlet->tie > 0) outlet->held = load / outlet->tie;
 }

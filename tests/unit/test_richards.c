@@ -756,6 +756,32 @@ static void wells(void **state) {
   }
 }
 
+/* Soil over a drain as wide, whose face lies anywhere between two lattice points: Darcy's flux
+ * through what is above it, where the drain holds the air's pressure or a level over its face. */
+static void drain_below(void **state) {
+  (void)state;
+  for (int n = 0; n < 6; n++) {
+    struct run run;
+    const double face = n % 3 == 0 ? .33 : n % 3 == 1 ? .3 : .269, head = n < 3 ? 0 : .6;
+    start(&run,
+          "scene = { end_time = \"1000 d\"; };\n"
+          "domain = { size = [\"0.2 m\", \"1 m\"]; spacing = \"10 cm\"; periodic = [true, "
+          "false]; };\n"
+          "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"1 m\"]; " SAND
+          "head = \"1 m\"; }, { type = \"inflow\"; box = [\"0\", \"0.99 m\", \"0.2 m\", \"1 m\"]; "
+          "pressure_head = \"0.5 m\"; }, { type = \"drain\"; name = \"d\"; box = [\"0\", \"0\", "
+          "\"0.2 m\", \"%g m\"]; head = \"%g m\"; } );\n" GRAVITY,
+          face, head);
+    advance(&run, 1e5);
+    double out = 0;
+    for (size_t e = 0; e < run.s.edge_count; e++)
+      if (run.s.edges[e].kind == EDGE_DRAIN) out -= .5 * run.s.edge_flux[e].q; /* two columns */
+    assert_true(fabs(out / (1e-4 * (1.5 - fmax(head, face)) / (1 - face)) - 1) < 1e-7);
+    assert_true(water_open(&run.s) < 1e-10);
+    finish(&run);
+  }
+}
+
 /* What evaporates is what is asked for while the soil can give it, and less then, for ever. */
 static void evaporation(void **state) {
   (void)state;
@@ -830,14 +856,14 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),    cmocka_unit_test(haverkamp),  cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),    cmocka_unit_test(rows),       cmocka_unit_test(rain),
-      cmocka_unit_test(fills),     cmocka_unit_test(ditch),      cmocka_unit_test(reservoir),
-      cmocka_unit_test(held_back), cmocka_unit_test(meeting),    cmocka_unit_test(sinking),
-      cmocka_unit_test(joined),    cmocka_unit_test(pit),        cmocka_unit_test(stacked),
-      cmocka_unit_test(fed),       cmocka_unit_test(bared),      cmocka_unit_test(walled_side),
-      cmocka_unit_test(coarse),    cmocka_unit_test(wells),      cmocka_unit_test(evaporation),
-      cmocka_unit_test(sorption),  cmocka_unit_test(too_much),   cmocka_unit_test(falling_head),
-      cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner)};
+      cmocka_unit_test(curves),    cmocka_unit_test(haverkamp),   cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),    cmocka_unit_test(rows),        cmocka_unit_test(rain),
+      cmocka_unit_test(fills),     cmocka_unit_test(ditch),       cmocka_unit_test(reservoir),
+      cmocka_unit_test(held_back), cmocka_unit_test(meeting),     cmocka_unit_test(sinking),
+      cmocka_unit_test(joined),    cmocka_unit_test(pit),         cmocka_unit_test(stacked),
+      cmocka_unit_test(fed),       cmocka_unit_test(bared),       cmocka_unit_test(walled_side),
+      cmocka_unit_test(coarse),    cmocka_unit_test(wells),       cmocka_unit_test(evaporation),
+      cmocka_unit_test(sorption),  cmocka_unit_test(too_much),    cmocka_unit_test(falling_head),
+      cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner), cmocka_unit_test(drain_below)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,6 +7,7 @@
 
 #include <cmocka.h>
 
+#include "sphsolve/isph/side_image.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
@@ -164,12 +165,53 @@ static void threads_agree_and_a_state_comes_back(void **state) {
   same_on_threads_and_back(begin_drain, 0.04, 10, 15, read_drain);
 }
 
+/* What the row of the particle nearest to a place weighs along x. */
+static double weight_along(const struct isph *s, double x, double z) {
+  size_t i = 0;
+  double sum = 0;
+  for (size_t k = 0; k < s->count; k++)
+    if (hypot(s->position[k][0] - x, s->position[k][2] - z) <
+        hypot(s->position[i][0] - x, s->position[i][2] - z))
+      i = k;
+  const struct isph_chunk *chunk = s->chunks;
+  while (i >= chunk->end) chunk++;
+  for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
+    const size_t j = chunk->pair[p] & PAIR_MASK;
+    double r[3], slope = (double)chunk->slope[p];
+    for (int a = 0; a < 3; a++) r[a] = s->position[i][a] - s->position[j][a];
+    if (isph_has_side_images(s, i)) slope += isph_side_slope(s, i, j, r);
+    sum += s->volume[j] * slope * r[0] * r[0];
+  }
+  return sum;
+}
+
+/* Beside a closed side and at the other a row has the weight of one inside. */
+static void rows_at_sides_weigh_as_inside(void **state) {
+  (void)state;
+  struct run run;
+  start(
+      &run,
+      "scene = { name = \"sides\"; method = \"isph\"; end_time = \"60 s\"; }; domain = { size = "
+      "[\"1 m\", \"1 m\"]; spacing = \"40 mm\"; periodic = [false, false]; }; regions = ( { type = "
+      "\"porous\"; box = [\"0\", \"0\", \"1 m\", \"1 m\"]; porosity = 0.4; permeability = \"1e-2 "
+      "m/s\"; }, { type = \"inflow\"; box = [\"0\", \"0\", \"25 mm\", \"1 m\"]; head = \"0.5 m\"; "
+      "} "
+      ");");
+  march(&run, 0.04);
+  const double inside = weight_along(&run.s, .5, .5);
+  assert_true(fabs(weight_along(&run.s, .5, 0) / inside - 1) < .01);
+  assert_true(fabs(weight_along(&run.s, .5, 1) / inside - 1) < .01);
+  assert_true(fabs(weight_along(&run.s, .8, .1) / inside - 1) < .01);
+  finish(&run);
+}
+
 int main(void) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(a_drain_takes_what_its_head_asks_for),
                                      cmocka_unit_test(a_drain_of_four_spacings_takes_as_much),
                                      cmocka_unit_test(a_well_takes_its_rate_and_draws_down),
                                      cmocka_unit_test(a_rate_that_soil_does_not_bring_is_told),
                                      cmocka_unit_test(a_drain_never_gives),
-                                     cmocka_unit_test(threads_agree_and_a_state_comes_back)};
+                                     cmocka_unit_test(threads_agree_and_a_state_comes_back),
+                                     cmocka_unit_test(rows_at_sides_weigh_as_inside)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }

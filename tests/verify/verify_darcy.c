@@ -343,14 +343,22 @@ static void drains(void) {
   }
 }
 
-/* A drain of 4 spacings across in a square of side w between four heads, its centre anywhere on the
- * lattice: 2 pi k H/ln(1.0787 w/(2 r)) (Balcerzak, Raynor 1961), which half a spacing off the
- * middle changes by under .1 %. */
+/* A drain of 1 to 4 spacings across in a square of side w between four heads, its centre anywhere
+ * on the lattice: 2 pi k H/ln(1.0787 w/(2 r)) (Balcerzak, Raynor 1961), which half a spacing off
+ * the middle changes by under .1 %. */
 static void narrow_drains(void) {
-  static const double centres[][2] = {{0, 0}, {.5, .5}, {.5, 0}, {.25, .25}, {.4, .1}, {.07, .31}};
-  for (int n = 0; n < 12; n++) {
-    const double started = clock_seconds(), dx = n % 2 ? .01 : .02, *off = centres[n / 2];
-    const double exact = 2 * M_PI * 1e-3 * .5 / log(1.0787 * .25 / (2 * dx));
+  static const struct {
+    double dx, wide, off[2], bound;
+  } cases[] = {{.02, 4, {0, 0}, .01},     {.01, 4, {0, 0}, .01},     {.02, 4, {.5, .5}, .01},
+               {.01, 4, {.5, .5}, .01},   {.02, 4, {.5, 0}, .01},    {.01, 4, {.5, 0}, .01},
+               {.02, 4, {.25, .25}, .01}, {.01, 4, {.25, .25}, .01}, {.02, 4, {.4, .1}, .01},
+               {.01, 4, {.4, .1}, .01},   {.02, 4, {.07, .31}, .01}, {.01, 4, {.07, .31}, .01},
+               {.01, 2, {0, 0}, .02},     {.01, 2, {.5, .5}, .02},   {.01, 2, {.25, .25}, .02},
+               {.01, 2, {.07, .31}, .02}, {.01, 1, {.5, .5}, .05},   {.01, 1, {.4, .1}, .05},
+               {.01, 1, {.25, .25}, .05}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    const double started = clock_seconds(), dx = cases[n].dx, wide = cases[n].wide;
+    const double *off = cases[n].off, exact = 2 * M_PI * 1e-3 * .5 / log(1.0787 * .5 / (wide * dx));
     struct run run;
     char name[96];
     start(
@@ -365,10 +373,10 @@ static void narrow_drains(void) {
         "m\"; },\n{ type = \"inflow\"; box = [\"10 mm\", \".49 m\", \".49 m\", \"0.5 m\"]; head = "
         "\"0.5 m\"; },\n{ type = \"drain\"; name = \"pipe\"; centre = [\"%.9g m\", \"%.9g m\"]; "
         "radius = \"%g m\"; } );\n",
-        dx, .25 + off[0] * dx, .25 + off[1] * dx, 2 * dx);
-    snprintf(name, sizeof name, "drain of 4 spacings, %g mm, centre off by (%g, %g)", 1e3 * dx,
-             off[0], off[1]);
-    report(name, exact, flow_in(&run.s), .01, passed(started));
+        dx, .25 + off[0] * dx, .25 + off[1] * dx, .5 * wide * dx);
+    snprintf(name, sizeof name, "drain of %g spacings, %g mm, centre off by (%g, %g)", wide,
+             1e3 * dx, off[0], off[1]);
+    report(name, exact, flow_in(&run.s), cases[n].bound, passed(started));
     finish(&run);
   }
 }

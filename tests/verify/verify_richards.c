@@ -500,6 +500,90 @@ static void basin(void) {
   }
 }
 
+/* What drain number `region` takes, m^2/s for each m along y. */
+static double drained(const struct run *run, size_t region) {
+  double sum = 0;
+  for (size_t e = 0; e < run->s.edge_count; e++)
+    if (run->s.edges[e].region == &run->scene.regions[region]) sum -= run->s.edge_flux[e].q;
+  return sum * run->s.spacing;
+}
+
+/* A drain of 1 to 4 spacings across in a square of full soil of side w between four heads, its
+ * centre anywhere on the lattice: 2 pi k H/ln(1.0787 w/(2 r)) (Balcerzak, Raynor 1961), which half
+ * a spacing off the middle changes by under .1 %. */
+static void narrow_drains(void) {
+  static const struct {
+    double wide, off[2], bound;
+  } cases[] = {{4, {0, 0}, .01},     {4, {.5, .5}, .01},   {4, {.5, 0}, .01},  {4, {.25, .25}, .01},
+               {4, {.4, .1}, .01},   {4, {.07, .31}, .01}, {2, {0, 0}, .02},   {2, {.5, .5}, .02},
+               {2, {.25, .25}, .02}, {2, {.07, .31}, .02}, {1, {.5, .5}, .05}, {1, {.4, .1}, .05},
+               {1, {.25, .25}, .05}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    const double started = clock_seconds(), dx = .01, wide = cases[n].wide, *off = cases[n].off;
+    const double exact = 2 * M_PI * sand.k * .5 / log(1.0787 * .5 / (wide * dx));
+    struct run run;
+    char name[96];
+    start(&run,
+          "scene = { end_time = \"1000 d\"; };\n"
+          "domain = { size = [\"0.5 m\", \"0.5 m\"]; spacing = \"%g m\"; periodic = [false, "
+          "false]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.5 m\", \"0.5 "
+          "m\"]; %s },\n"
+          "{ type = \"inflow\"; box = [\"0\", \"0\", \"5 mm\", \"0.5 m\"]; pressure_head = \"0.5 "
+          "m\"; },\n{ type = \"inflow\"; box = [\".495 m\", \"0\", \".5 m\", \"0.5 m\"]; "
+          "pressure_head = \"0.5 m\"; },\n{ type = \"inflow\"; box = [\"5 mm\", \"0\", \".495 m\", "
+          "\"5 mm\"]; pressure_head = \"0.5 m\"; },\n{ type = \"inflow\"; box = [\"5 mm\", \".495 "
+          "m\", \".495 m\", \"0.5 m\"]; pressure_head = \"0.5 m\"; },\n{ type = \"drain\"; name = "
+          "\"pipe\"; centre = [\"%.9g m\", \"%.9g m\"]; radius = \"%g m\"; } );\n",
+          dx, text_of(&sand, "pressure_head = \"0.5 m\""), .25 + off[0] * dx, .25 + off[1] * dx,
+          .5 * wide * dx);
+    advance(&run, 1e4);
+    snprintf(name, sizeof name, "drain of %g spacings, centre off by (%g, %g)", wide, off[0],
+             off[1]);
+    report(name, exact, drained(&run, 5), cases[n].bound, passed(started));
+    finish(&run);
+  }
+}
+
+/* Rain of a tenth of K on .4 m of soil with a drain of the air's pressure in its middle: the level
+ * of the water beside the closed side, and what is drained until it is steady. */
+static void rain_to_drain(double dx, const double centre[2], double *level, double *taken) {
+  struct run run;
+  const double beside[3] = {.03, 0, .05};
+  start(&run,
+        "scene = { end_time = \"1000 d\"; };\n"
+        "domain = { size = [\"0.4 m\", \"0.4 m\"]; spacing = \"%.12g m\"; periodic = [false, "
+        "false]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.4 "
+        "m\"]; %s },\n{ type = \"drain\"; name = \"pipe\"; centre = [\"%.9g m\", \"%.9g m\"]; "
+        "radius = \"4 cm\"; },\n{ type = \"rain\"; box = [\"0\", \"0.399 m\", \"0.4 m\", \"0.4 "
+        "m\"]; rate = \"%g m/s\"; } );\n" GRAVITY,
+        dx, text_of(&sand, "head = \"0.2 m\""), centre[0], centre[1], .1 * sand.k);
+  advance(&run, 600);
+  *taken = -run.s.entered[1] / run.s.spacing;
+  advance(&run, 4000);
+  *level = richards_level_at(&run.s, beside);
+  finish(&run);
+}
+
+/* A drain of 4 spacings across with the water table at it, its centre anywhere on the lattice,
+ * against a lattice three times finer. */
+static void drains_at_table(void) {
+  static const double centres[][2] = {{0, 0}, {.5, .5}, {.25, .65}, {.43, .17}};
+  for (int n = 0; n < 4; n++) {
+    const double started = clock_seconds(), dx = .02;
+    const double centre[2] = {.2 + centres[n][0] * dx, .16 + centres[n][1] * dx};
+    double level[2], taken[2];
+    char name[96];
+    rain_to_drain(dx, centre, &level[0], &taken[0]);
+    rain_to_drain(dx / 3, centre, &level[1], &taken[1]);
+    snprintf(name, sizeof name, "drain of 4 spacings at a water table, off by (%g, %g): level",
+             centres[n][0], centres[n][1]);
+    report(name, level[1], level[0], .1 * dx / level[1], passed(started));
+    snprintf(name, sizeof name, "drain of 4 spacings at a water table, off by (%g, %g): taken",
+             centres[n][0], centres[n][1]);
+    report(name, taken[1], taken[0], .03, passed(started));
+  }
+}
+
 int main(int argc, char **argv) {
   static const struct verify_case cases[] = {{"rest", rest},
                                              {"steady", steady},
@@ -511,6 +595,8 @@ int main(int argc, char **argv) {
                                              {"layers", layers},
                                              {"hard", hard},
                                              {"basin", basin},
-                                             {"recharge", recharge}};
+                                             {"recharge", recharge},
+                                             {"narrow", narrow_drains},
+                                             {"table", drains_at_table}};
   return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }

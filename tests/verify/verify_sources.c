@@ -139,6 +139,70 @@ static void narrow_drain(void) {
   }
 }
 
+/* The window of `narrow` in the floor. */
+static const char *floor_window(char depth[2][20]) {
+  static char text[200];
+  snprintf(text, sizeof text,
+           "{ type = \"inflow\"; box = [\"10 mm\", %s \"0\", \"0.49 m\", %s \"10 mm\"]; head = "
+           "\"0.5 m\"; },\n",
+           depth[0], depth[1]);
+  return text;
+}
+
+/* Drains that end at closed sides, which mirror them: a pipe of 4 spacings across between two of
+ * them, and half a drain of 8 on the floor; with heads on the other sides, in part of the square of
+ * `narrow` and by its formula. */
+static void drains_at_sides(void) {
+  static const struct {
+    int deep; /* spacings between the sides; 0: on the floor */
+    double dx, off;
+  } cases[] = {{6, .05, 0}, {6, .025, 0}, {4, .025, .3}, {0, .0125, 0}, {0, .0125, .3}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    struct run run = {0};
+    const double started = clock_seconds(), dx = cases[n].dx, deep = cases[n].deep * dx;
+    const bool pipe = deep > 0;
+    const double low = pipe ? 0 : .25, radius = (pipe ? 2 : 4) * dx, x = .25 + cases[n].off * dx;
+    const double exact = 2 * M_PI * 1e-3 * .5 / log(1.0787 * .25 / radius) * (pipe ? deep : .5);
+    char name[96], depth[2][20] = {"", ""}, hole[2000];
+    size_t at = 0;
+    if (pipe) snprintf(depth[0], 20, "\"0\","), snprintf(depth[1], 20, "\"%g m\",", deep);
+    if (pipe)
+      snprintf(hole, sizeof hole, "centre = [\"%.9g m\", \"0.25 m\"]; radius = \"%g m\"", x,
+               radius);
+    for (int c = 0; c <= 32 && !pipe; c++) {
+      const double turn = M_PI * c / 32, z = c % 32 == 0 ? 0 : radius * sin(turn);
+      at += (size_t)snprintf(hole + at, sizeof hole - at, "%s\"%.9g m\", \"%.9g m\"%s",
+                             c == 0 ? "corners = [" : ", ", x + radius * cos(turn), z,
+                             c == 32 ? "]" : "");
+    }
+    start(&run,
+          "scene = { method = \"isph\"; end_time = \"60 s\"; };\n"
+          "domain = { size = [\"0.5 m\", %s \"%g m\"]; spacing = \"%g m\"; periodic = [false, %s "
+          "false]; };\nregions = ( { type = \"porous\"; box = [\"0\", %s \"0\", \"0.5 m\", %s "
+          "\"%g m\"]; porosity = 0.4; permeability = \"1e-3 m/s\"; },\n"
+          "{ type = \"inflow\"; box = [\"0\", %s \"0\", \"10 mm\", %s \"%g m\"]; head = \"0.5 m\"; "
+          "},\n"
+          "{ type = \"inflow\"; box = [\"0.49 m\", %s \"0\", \"0.5 m\", %s \"%g m\"]; head = \"0.5 "
+          "m\"; },\n"
+          "{ type = \"inflow\"; box = [\"10 mm\", %s \"%g m\", \"0.49 m\", %s \"%g m\"]; head = "
+          "\"0.5 m\"; },\n"
+          "%s { type = \"drain\"; %s; } );\nisph = { wall = { slip = true; }; };\n",
+          depth[1], .5 - low, dx, pipe ? "false," : "", depth[0], depth[1], .5 - low, depth[0],
+          depth[1], .5 - low, depth[0], depth[1], .5 - low, depth[0], .49 - low, depth[1], .5 - low,
+          pipe ? floor_window(depth) : "", hole);
+    const double flow = flow_between(&run, 4, pipe ? 5 : 8);
+    if (pipe)
+      snprintf(name, sizeof name,
+               "pipe of 4 spacings between closed sides, %d apart, %g mm, off by %g", cases[n].deep,
+               1e3 * dx, cases[n].off);
+    else
+      snprintf(name, sizeof name, "half a drain of 8 spacings on the floor, %g mm, off by %g",
+               1e3 * dx, cases[n].off);
+    report(name, exact, flow, .02 * exact, started);
+    finish(&run);
+  }
+}
+
 /* A wall of circular section, 4 spacings across, in the middle of a square of soil with heads on
  * two sides: the conductivity of a square array of insulating cylinders of area fraction c, k
  * (1 - 2 c/(1 + c - .305827 c^4/(1 - 1.402958 c^8) - .013362 c^8)) (Perrins, McKenzie, McPhedran
@@ -322,9 +386,9 @@ static void zones(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {{"recharge", recharge},   {"drain", drained_square},
-                                             {"narrow", narrow_drain}, {"cylinder", cylinder},
-                                             {"well", pumped_square},  {"strip", drained_strip},
-                                             {"ditch", ditch},         {"zones", zones}};
+  static const struct verify_case cases[] = {
+      {"recharge", recharge},     {"drain", drained_square}, {"narrow", narrow_drain},
+      {"sides", drains_at_sides}, {"cylinder", cylinder},    {"well", pumped_square},
+      {"strip", drained_strip},   {"ditch", ditch},          {"zones", zones}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
