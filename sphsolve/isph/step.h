@@ -4,8 +4,8 @@
 
 #include "sphsolve/isph/state.h"
 
-/* Finds the pressure in a step of length dt, s, from a fresh state. Nothing moves: the pressure
- * with which a run starts is that of its first step. Collective. */
+/* The first part of a step of length dt, s, from a fresh state, up to its pressure: nothing has
+ * moved yet. Collective. */
 enum status isph_project(struct isph *s, double dt);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
