@@ -6,7 +6,6 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/budget.h"
-#include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
@@ -21,8 +20,6 @@
 #include "sphsolve/isph/place.h"
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/soil.h"
-#include "sphsolve/isph/step.h"
-#include "sphsolve/isph/time_step.h"
 #include "sphsolve/isph/wall.h"
 
 /* Stiffness of grad C on the lattice, in units of the spacing: its change at a particle over the
@@ -104,25 +101,6 @@ cleanup:
   return status;
 }
 
-/* The pressure at the start is that in the first step. All else that the step has changed, such as
- * fields of effects, is taken back. */
-static enum status find_first_pressure(struct isph *s) {
-  enum status status = STATUS_OK;
-  struct isph_copy copy = {0};
-  double *pressure = NULL, dt = s->scene->isph.dt;
-  const char *unused;
-  TRY(memory_allocate(&pressure, s->count, sizeof *pressure, "the first pressure"));
-  TRY(isph_copy_state(s, &copy));
-  TRY(isph_project(s, isnan(dt) ? isph_stable_dt(s, &unused) : dt));
-  if (s->count > 0) memcpy(pressure, s->pressure, s->count * sizeof *pressure);
-  TRY(isph_restore_state(s, &copy));
-  if (s->count > 0) memcpy(s->pressure, pressure, s->count * sizeof *pressure);
-cleanup:
-  isph_copy_free(&copy);
-  memory_free(&pressure);
-  return status;
-}
-
 enum status isph_create(const struct scene *scene, const struct lattice *lattice,
                         const struct isph_switches *switches, struct isph *s) {
   enum status status = STATUS_OK;
@@ -165,7 +143,6 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_refresh(s));
   if (s->on.surface) isph_packing_begin(s);
   ISPH_HOOK(s, start, 0);
-  TRY(find_first_pressure(s));
   isph_budget_begin(s);
 cleanup:
   return status;

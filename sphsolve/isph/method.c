@@ -11,6 +11,7 @@
 #include "common/units.h"
 #include "sphsolve/isph/budget.h"
 #include "sphsolve/isph/constants.h"
+#include "sphsolve/isph/copy.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/watch.h"
@@ -30,6 +31,29 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
+/* The pressure at the start, of the first row and snapshot, is that in the first step. All else
+ * that the step has changed is taken back. If it fails, the run goes on: its first step fails as
+ * well, and is then tried with a shorter dt. */
+static enum status find_first_pressure(struct isph *s, double dt, struct isph_copy *copy) {
+  enum status status = STATUS_OK;
+  double *pressure = NULL;
+  struct isph_ending ending = s->ending;
+  const char *unused;
+  if (isnan(dt)) dt = isph_stable_dt(s, &unused);
+  TRY(memory_allocate(&pressure, s->count, sizeof *pressure, "the first pressure"));
+  TRY(isph_copy_state(s, copy));
+  status = isph_project(s, isph_dt_to_end(&ending, s->scene->end_time - s->time, dt));
+  const bool found = status == STATUS_OK;
+  if (!found && status != STATUS_NUMERIC) goto cleanup;
+  if (!found) error_clear();
+  if (found && s->count > 0) memcpy(pressure, s->pressure, s->count * sizeof *pressure);
+  TRY(isph_restore_state(s, copy));
+  if (found && s->count > 0) memcpy(s->pressure, pressure, s->count * sizeof *pressure);
+cleanup:
+  memory_free(&pressure);
+  return status;
+}
+
 static enum status march(struct isph *s, const struct plan *plan, struct isph_copy *copy,
                          struct recorder *recorder, struct run_result *result) {
   enum status status = STATUS_OK;
@@ -41,6 +65,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
   if (isnan(row_interval)) row_interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, row_interval) : 0;
   result->status = "end_time";
+  if (s->step == 0) TRY(find_first_pressure(s, fixed_dt, copy));
   for (;;) {
     bool last = s->time >= scene->end_time * (1 - 1e-12);
     double velocity[3];

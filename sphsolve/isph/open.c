@@ -123,9 +123,8 @@ enum status isph_open_create(struct isph *s) {
                "periodic; this box touches none, or two opposite ones",
                scene->path, region->line);
     side.edge = side.inward > 0 ? s->low[side.axis] : s->high[side.axis];
-    side.head = region->head, side.flux = region->flux;
-    for (size_t n = 0; n < region->table.count && region->boundary == BOUNDARY_HEAD; n++)
-      side.head = fmax(n > 0 ? side.head : -INFINITY, region->table.value[n][0]);
+    side.head = region->boundary == BOUNDARY_HEAD ? isph_window_highest(region) : region->head;
+    side.flux = region->flux;
     if (region->radiates) side.head = INFINITY; /* waves reach as high as the window */
     if (region->boundary == BOUNDARY_FLUX) side.velocity[side.axis] = side.flux * side.inward;
     side.kind = region->boundary == BOUNDARY_FLUX ? BOUNDARY_OPEN_FLUX : BOUNDARY_OPEN_HEAD;

@@ -78,7 +78,7 @@ static bool is_beside_void(const struct isph *s, const struct isph_chunk *chunk,
 
 void isph_packing_begin(struct isph *s) {
   const double *f = s->force, force = sqrt(dot(f, f));
-  double *depth = s->work[0]; /* INFINITY: not on a level top */
+  double top = -INFINITY, *depth = s->work[0]; /* INFINITY: not on a level top */
   for (size_t i = 0; i < s->count; i++) {
     const double size = s->size[i];
     depth[i] = s->surface[i] > 0 && force > 0 ? depth_of(s, i, size) / size : INFINITY;
@@ -87,14 +87,19 @@ void isph_packing_begin(struct isph *s) {
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *m = s->gradient_sum[i], up = force > 0 ? -dot(m, f) / force : 0;
-      const double uneven = s->kernel_sum[i] - 1;
+      const double uneven = s->kernel_sum[i] - 1, size = s->size[i];
       const bool level = isfinite(depth[i]);
       const double kept = level ? uneven : fmax(-PACKING_MOST, fmin(PACKING_MOST, uneven));
       s->packing[i][0] = is_beside_void(s, &s->chunks[c], i, depth) ? 0 : (float)kept;
       for (int a = 0; a < 3; a++)
         s->packing[i][1 + a] = level ? (float)(m[a] + up * f[a] / force) : 0;
       s->packing[i][4] = level ? (float)(2 * depth[i] - 1) : 0;
+      const double to_top = s->surface[i] > 0 ? isph_packing_depth(s, i, size) : 0;
+      top = fmax(top, force * to_top - dot(f, s->position[i]));
     }
+  top = ranks_max(top);
+  for (size_t i = s->local.begin; i < s->local.end; i++)
+    s->pressure[i] = s->density * (top + dot(f, s->position[i]));
 }
 
 void isph_packing_fade(struct isph *s, size_t i, const double step[3]) {

@@ -20,7 +20,8 @@
 
 #include "sphsolve/isph/state.h"
 
-/* Finds what the particles keep. */
+/* Finds what the particles keep, and as a first pressure the weight of still water up to the
+ * highest particle. Collective. */
 void isph_packing_begin(struct isph *s);
 /* Particle i has moved by `step`, m. */
 void isph_packing_fade(struct isph *s, size_t i, const double step[3]);

@@ -46,6 +46,7 @@ static enum status check_viscosity(const struct plan *plan,
   const double ratio = plan->steps / steps_at(plan, speeds, INFINITY) / VISCOUS_RATIO;
   const double viscous =
       DT_VISCOSITY * context->spacing * context->spacing / context->kinematic_viscosity;
+  if (!isnan(plan->dt)) return STATUS_OK; /* as the scene says */
   if (!(plan->steps > VISCOUS_STEPS && ratio > 1 && viscous <= plan->dt_limit)) return STATUS_OK;
   return scene_error(context->scene, AT_VISCOSITY,
                      "this viscosity allows no step above %g s, %g spacing^2/nu, and asks for %.2g "

@@ -1,5 +1,6 @@
 #include "sphsolve/isph/radiation.h"
 
+#include "common/log.h"
 #include "sphsolve/isph/own.h"
 
 size_t isph_radiation_count(const struct scene *scene) {
@@ -60,6 +61,12 @@ void isph_radiation_follow(struct isph *s, double dt) {
     const double period = 4 * length / sqrt(-s->scene->gravity[2] * depth);
     const double now = outflow_of(s, last);
     numbers[RADIATION_NOW] = now;
+    if (numbers[RADIATION_FAST] == 0 && now > sqrt(-s->scene->gravity[2] * depth)) {
+      numbers[RADIATION_FAST] = 1;
+      log_warning("%s:%d: t = %.4g s: %.3g m/s leave by this side, faster than waves come against "
+                  "it, so that radiates does not hold its head; where that lasts, leave the key out",
+                  s->scene->path, last->line, s->time, now);
+    }
     if (s->step == 0) numbers[RADIATION_MEAN] = now;
     numbers[RADIATION_MEAN] -= expm1(-dt / period) * (now - numbers[RADIATION_MEAN]);
   }

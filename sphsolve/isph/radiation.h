@@ -27,6 +27,7 @@
 enum {
   RADIATION_NOW,  /* u, m/s */
   RADIATION_MEAN, /* u_m, m/s */
+  RADIATION_FAST, /* 1: u has been above c, of which the run was warned */
   RADIATION_NUMBERS
 };
 

@@ -7,6 +7,7 @@
 #include "common/log.h"
 #include "sphsolve/isph/effects/rain.h"
 #include "sphsolve/isph/speed_forecast.h"
+#include "sphsolve/isph/window.h"
 
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
@@ -274,6 +275,34 @@ static enum status check_soils(const struct scene *scene) {
   return STATUS_OK;
 }
 
+/* A window lies before water or soil. Behind a wall its water would come and go inside the wall. */
+static enum status check_windows(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const struct lattice *l = context->lattice;
+  for (size_t r = 0; r < scene->region_count && l->region != NULL; r++) {
+    const struct region *inflow = &scene->regions[r];
+    double inward = 0;
+    if (inflow->type != REGION_INFLOW) continue;
+    const int axis = isph_window_axis(scene, inflow, context->spacing, &inward);
+    size_t site = 0;
+    for (size_t k = 0; k < l->size[2] && axis >= 0; k++)
+      for (size_t j = 0; j < l->size[1]; j++)
+        for (size_t i = 0; i < l->size[0]; i++, site++) {
+          const size_t at[3] = {i, j, k};
+          if (l->kind[site] != SITE_WALL || l->region[site] == 0 ||
+              !isph_window_has_site(l, inflow, axis, inward, at))
+            continue;
+          const struct region *wall = &scene->regions[l->region[site] - 1];
+          if (isph_region_speed(scene, wall) > 0) continue;
+          return FAIL(STATUS_INPUT,
+                      "%s:%d: this side lies behind the wall of line %d in part, inside which its "
+                      "water would come and go; let the box end where the wall begins",
+                      scene->path, inflow->line, wall->line);
+        }
+  }
+  return STATUS_OK;
+}
+
 /* A particle must not be its own neighbour through a periodic side. */
 static enum status check_periodic(const struct effect_context *context) {
   const struct scene *scene = context->scene;
@@ -293,6 +322,7 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_soils(context->scene));
   TRY(check_end(context));
   TRY(check_walls(context));
+  TRY(check_windows(context));
   for (size_t k = 0; isph_effects[k] != NULL; k++)
     if (isph_effects[k]->refuse != NULL) TRY(isph_effects[k]->refuse(context));
   TRY(check_heads(context->scene));

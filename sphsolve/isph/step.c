@@ -381,6 +381,9 @@ enum status isph_project(struct isph *s, double dt) {
   isph_enclosed_level(s);
   if (s->surface != NULL) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
+  correct(s);
+  if (s->solve.carries || (s->porosity != NULL && s->surface == NULL)) TRY(project_again(s, dt));
+  s->seconds_correct += clock_seconds() - start;
 cleanup:
   return status;
 }
@@ -389,8 +392,6 @@ enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
   TRY(isph_project(s, dt));
   double start = clock_seconds();
-  correct(s);
-  if (s->solve.carries || (s->porosity != NULL && s->surface == NULL)) TRY(project_again(s, dt));
   TRY(ranks_agree(check_finite(s)));
   ISPH_HOOK(s, corrected, dt);
   isph_budget_forces(s, dt);

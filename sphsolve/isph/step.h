@@ -4,8 +4,8 @@
 
 #include "sphsolve/isph/state.h"
 
-/* The first part of a step of length dt, s, from a fresh state, up to its pressure: nothing has
- * moved yet. Collective. */
+/* The first part of a step of length dt, s, from a fresh state: its pressure and velocities.
+ * Nothing has moved yet. Collective. */
 enum status isph_project(struct isph *s, double dt);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);

@@ -24,6 +24,23 @@ int isph_window_axis(const struct scene *scene, const struct region *inflow, dou
   return axis;
 }
 
+double isph_window_highest(const struct region *inflow) {
+  double head = inflow->table.count > 0 ? -INFINITY : inflow->head;
+  for (size_t n = 0; n < inflow->table.count; n++) head = fmax(head, inflow->table.value[n][0]);
+  return head;
+}
+
+bool isph_window_has_site(const struct lattice *lattice, const struct region *inflow, int axis,
+                          double inward, const size_t at[3]) {
+  if (at[axis] != (inward > 0 ? 0 : lattice->size[axis] - 1)) return false;
+  for (int a = 0; a < 3; a++) {
+    const double x = lattice->origin[a] + (double)at[a] * lattice->spacing[a];
+    if (a == axis || (lattice->dimensions == 2 && a == 1)) continue;
+    if (!(x > inflow->box[a] && x < inflow->box[a + 3])) return false;
+  }
+  return true;
+}
+
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z) {
   const double *g = s->scene->gravity;
   double strength = sqrt(g[0] * g[0] + g[1] * g[1] + g[2] * g[2]);

@@ -9,6 +9,11 @@
  * m. */
 int isph_window_axis(const struct scene *scene, const struct region *inflow, double spacing,
                      double *inward);
+/* The highest head, m, that a region of given head has. */
+double isph_window_highest(const struct region *inflow);
+/* Whether a lattice's site is the first before a window of an inflow across an axis. */
+bool isph_window_has_site(const struct lattice *lattice, const struct region *inflow, int axis,
+                          double inward, const size_t at[3]);
 /* Pressure of a side of given head at height z (m), Pa. */
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 /* The head is prescribed on the side itself, at least half a spacing in front of the boundary

@@ -31,6 +31,44 @@ taken() { # END REGION
   awk -F, 'NR == 1 { for (i = 1; i <= NF; i++) at[$i] = i } END { exit !($at["velocity_rms"] < 1e-3) }' two/history.csv
 }
 
+@test "a run starts with the pressure of its first step: between heads, over soil, before a wall that moves" {
+  start() { # name, size, regions, more
+    cat > $1.cfg << END
+scene = { name = "$1"; method = "isph"; end_time = "50 ms"; };
+domain = { size = [$2]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( $3 );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+gauges = ( { name = "a"; at = ["0.1 m", "0"]; }, { name = "b"; at = ["0.3 m", "0"]; } );
+$4
+END
+    sphsolve run $1.cfg -o $1 > $1.txt
+  }
+  start heads '"0.4 m", "0.1 m"' '{ type = "porous"; box = ["0", "0", "0.4 m", "0.1 m"]; porosity = 0.4; permeability = "1e-4 m/s"; },
+    { type = "water"; box = ["0", "0", "0.4 m", "0.1 m"]; }, { type = "inflow"; box = ["0", "0", "1 cm", "0.1 m"]; head = "0.5 m"; },
+    { type = "inflow"; box = ["39 cm", "0", "40 cm", "0.1 m"]; head = "0.3 m"; }'
+  start still '"0.4 m", "0.3 m"' '{ type = "water"; box = ["0", "0", "0.4 m", "0.2 m"]; },
+    { type = "porous"; box = ["0", "0", "0.2 m", "0.093 m"]; porosity = 0.3; permeability = "1e-2 m/s"; }'
+  start piston '"0.4 m", "0.3 m"' '{ type = "water"; box = ["0.05 m", "0", "0.4 m", "0.15 m"]; },
+    { type = "wall"; box = ["0", "0", "0.05 m", "0.3 m"]; velocity = ["5 cm/s", "0"]; }' 'isph = { dt = "1 ms"; }; output = { history_interval = "1 ms"; };'
+  /usr/bin/python3 - << 'END'
+import h5py
+
+
+def heads(name):
+    history = h5py.File(name + ".hdf")["history"]
+    return [history["head_" + gauge][:] for gauge in "ab"]
+
+
+for head, exact in zip(heads("heads"), (0.45, 0.35)):
+    assert abs(head[0] - exact) < 0.02 * 0.2, head
+for head in heads("still"):
+    assert abs(head[0] - 0.2) < 2e-4, head
+for head in heads("piston"):  # 1 ms later, nothing has moved by more than .05 mm
+    assert abs(head[0] / head[1] - 1) < 0.02 and head[0] > 0.16, head
+END
+}
+
 @test "inflows: room for what comes in, and a row at least" {
   corner='{ type = "inflow"; box = ["0", "0.2 m", "0.01 m", "0.3 m"]; flux = "0.1 m/s"; }'
   taken 1s "$WATER, $corner"

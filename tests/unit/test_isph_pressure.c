@@ -13,7 +13,6 @@
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/moment.h"
-#include "sphsolve/isph/vector.h"
 #include "sphsolve/isph/refresh.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
@@ -482,37 +481,12 @@ static void edges_of_walls_are_passed_unnoticed(void **state) {
   assert_true(worst < .02);
 }
 
-/* Soil between heads of .5 and .3 m: before its first step the water has the pressure with which it
- * will flow, as the history and the first snapshot show it. */
-static void a_run_starts_with_the_pressure_of_its_flow(void **state) {
-  (void)state;
-  struct run run;
-  start(&run, "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-              "domain = { size = [\"0.4 m\", \"0.1 m\"]; spacing = \"1 cm\"; periodic = [false, "
-              "false]; };\n"
-              "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; "
-              "porosity = 0.4; permeability = \"1e-4 m/s\"; },\n"
-              "{ type = \"water\"; box = [\"0\", \"0\", \"0.4 m\", \"0.1 m\"]; },\n"
-              "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 cm\", \"0.1 m\"]; head = \"0.5 m\"; "
-              "},\n"
-              "{ type = \"inflow\"; box = [\"39 cm\", \"0\", \"40 cm\", \"0.1 m\"]; head = \"0.3 "
-              "m\"; } );\n"
-              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
-  for (int k = 1; k < 4; k++)
-    assert_true(fabs(pressure_at(&run.s, (double[3]){.1 * k, 0, 0}) / (9810 * (.5 - .05 * k)) - 1) <
-                .02);
-  for (size_t i = 0; i < run.s.count; i++)
-    assert_true(dot(run.s.velocity[i], run.s.velocity[i]) == 0);
-  finish(&run);
-}
-
 int main(void) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(soils_that_differ_much_stay_still),
       cmocka_unit_test(a_squeezed_sheet_is_a_surface),
       cmocka_unit_test(the_least_moment_is_found),
       cmocka_unit_test(full_water_is_still),
-      cmocka_unit_test(a_run_starts_with_the_pressure_of_its_flow),
       cmocka_unit_test(pressure_does_not_alternate),
       cmocka_unit_test(a_plate_does_not_press_on_clay),
       cmocka_unit_test(windows_come_and_go_unnoticed),

@@ -25,13 +25,8 @@ static inline double radiation_bed(const struct effect_context *context,
       for (size_t i = 0; i < l->size[0]; i++, site++) {
         const size_t at[3] = {i, j, k};
         const size_t r = l->region != NULL ? l->region[site] : 0;
-        bool before = at[axis] == (inward > 0 ? 0 : l->size[axis] - 1);
-        for (int a = 0; a < 3; a++) {
-          const double x = l->origin[a] + (double)at[a] * l->spacing[a];
-          before = before && (a == axis || !isph_scene_uses_axis(context, a) ||
-                              (x > inflow->box[a] && x < inflow->box[a + 3]));
-        }
-        if (!before || l->kind[site] == SITE_WALL) continue;
+        if (l->kind[site] == SITE_WALL || !isph_window_has_site(l, inflow, axis, inward, at))
+          continue;
         if (r > 0 && context->scene->regions[r - 1].type == REGION_POROUS) continue;
         bed = fmin(bed, l->origin[2] + ((double)k - 0.5) * l->spacing[2]);
       }
@@ -78,11 +73,14 @@ static inline enum status isph_refuse_radiation(const struct effect_context *con
                   "%s:%d: radiates: there is soil or wall before all of this side, and no wave in "
                   "it; leave the key out",
                   scene->path, region->line);
-    if (!(region->head > bed))
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: radiates: its head of %g m is not above the bed there, at %g m, so that "
-                  "no wave gets there; raise it, or leave the key out",
-                  scene->path, region->line, region->head, bed);
+    const double head = isph_window_highest(region);
+    if (!(head > bed))
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: radiates: its head of %g m is not above the lowest free water that the "
+          "box lies before, at %g m, so that no wave gets there; raise it, or leave the key "
+          "out",
+          scene->path, region->line, head, bed);
   }
   return STATUS_OK;
 }
