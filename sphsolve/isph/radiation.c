@@ -63,9 +63,10 @@ void isph_radiation_follow(struct isph *s, double dt) {
     numbers[RADIATION_NOW] = now;
     if (numbers[RADIATION_FAST] == 0 && now > sqrt(-s->scene->gravity[2] * depth)) {
       numbers[RADIATION_FAST] = 1;
-      log_warning("%s:%d: t = %.4g s: %.3g m/s leave by this side, faster than waves come against "
-                  "it, so that radiates does not hold its head; where that lasts, leave the key out",
-                  s->scene->path, last->line, s->time, now);
+      log_warning(
+          "%s:%d: t = %.4g s: %.3g m/s leave by this side, faster than waves come against "
+          "it, so that radiates does not hold its head; where that lasts, leave the key out",
+          s->scene->path, last->line, s->time, now);
     }
     if (s->step == 0) numbers[RADIATION_MEAN] = now;
     numbers[RADIATION_MEAN] -= expm1(-dt / period) * (now - numbers[RADIATION_MEAN]);
