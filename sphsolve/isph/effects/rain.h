@@ -167,6 +167,25 @@ static inline void isph_rain_columns(struct history_columns *columns, const void
   }
 }
 
+/* Whether there is a place without water at the top of a rain's box. */
+static inline bool rain_has_room(const struct effect_context *context, const struct region *rain) {
+  const struct lattice *l = context->lattice;
+  const double *box = rain->box;
+  size_t site = 0;
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0]; i++, site++) {
+        const double x[3] = {l->origin[0] + (double)i * l->spacing[0],
+                             l->origin[1] + (double)j * l->spacing[1],
+                             l->origin[2] + (double)k * l->spacing[2]};
+        if (l->kind[site] == SITE_EMPTY && x[0] > box[0] && x[0] < box[3] &&
+            (l->dimensions == 2 || (x[1] > box[1] && x[1] < box[4])) && x[2] < box[5] &&
+            x[2] > box[5] - 1.5 * l->spacing[2])
+          return true;
+      }
+  return false;
+}
+
 /* The top of a rain's box must be free of walls, since rain falls from there. */
 static inline enum status rain_check_top(const struct effect_context *context,
                                          const struct region *rain) {
@@ -219,6 +238,11 @@ static inline enum status isph_refuse_rain(const struct effect_context *context)
                   "%s:%d: rain brings %g m of water by scene.end_time, on its area less than one "
                   "particle; use a domain.spacing below %.3g m or a longer scene.end_time",
                   scene->path, rain->line, brings, pow(brings * area, 1.0 / scene->dimensions));
+    if (!rain_has_room(context, rain))
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: rain falls from the top of its box, at z = %g m, and there is water all "
+                  "over; let the box reach above the water",
+                  scene->path, rain->line, rain->box[5]);
     const enum status status = rain_check_top(context, rain);
     if (status != STATUS_OK) return status;
   }
