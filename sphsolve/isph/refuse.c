@@ -232,6 +232,42 @@ static enum status check_moving_walls(const struct effect_context *context) {
   return STATUS_OK;
 }
 
+/* Whether water touches a wall, of a region or several, on the low or high side of an axis. */
+static bool touches_water(const struct lattice *l, const struct region *wall, int axis, int end) {
+  size_t site = 0;
+  for (size_t k = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0]; i++, site++) {
+        const size_t at[3] = {i, j, k};
+        if (l->region[site] > wall->first && l->region[site] <= wall->end &&
+            is_wet(l, at, axis, end))
+          return true;
+      }
+  return false;
+}
+
+/* A piston in a domain full of water, out of which there is no way, would press it together. */
+static enum status check_pistons(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  if (context->has_surface || context->has_inflow || context->lattice->region == NULL)
+    return STATUS_OK;
+  for (size_t r = 0; r < scene->region_count; r++)
+    if (region_is_sink(&scene->regions[r])) return STATUS_OK;
+  for (size_t w = 0; w < scene->region_count; w = scene->regions[w].end) {
+    const struct region *wall = &scene->regions[w];
+    for (int a = 0; a < 3 && wall->type == REGION_WALL; a++)
+      if (isph_scene_uses_axis(context, a) && !scene->periodic[a] && wall->velocity[a] != 0 &&
+          touches_water(context->lattice, wall, a, -1) !=
+              touches_water(context->lattice, wall, a, 1))
+        return FAIL(STATUS_INPUT,
+                    "%s:%d: this wall moves in %c with water on one side alone, and the domain is "
+                    "full: leave room above the water, or give it a way out, an inflow region of "
+                    "given head",
+                    scene->path, wall->line, "xyz"[a]);
+  }
+  return STATUS_OK;
+}
+
 /* A run without an end time ends when its flow is steady. Water with a surface never comes quite to
  * rest, and if nothing drives the water there is no velocity that could become steady. */
 static enum status check_end(const struct effect_context *context) {
@@ -330,6 +366,7 @@ enum status isph_refuse(const struct effect_context *context) {
     TRY(check_inflows(context));
     TRY(check_moving_soil(context));
     TRY(check_moving_walls(context));
+    TRY(check_pistons(context));
   }
 cleanup:
   return status;
