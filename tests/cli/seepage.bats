@@ -277,7 +277,7 @@ END
     --set scene.method=isph --set 'scene.end_time="60 s"' --set 'effects.shifting="off"' -o flung --quiet
   [ "$status" -eq 4 ]
   last=${lines[-1]}
-  [[ "$last" == *"where forces, heads and walls give "*" m/s at most, in free water, after 3 halvings"* ]]
+  [[ "$last" == *"where forces, heads and walls give "*" m/s at most, in free water"*", after 3 halvings"* ]]
   [[ "$last" == *"without shifting particles clump"* ]]
   [[ "$last" =~ \(now\ ([0-9.e-]+)\ s\) ]]
   awk -v dt="${BASH_REMATCH[1]}" 'BEGIN { exit !(dt > 1e-9) }'
