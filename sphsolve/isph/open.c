@@ -115,13 +115,10 @@ enum status isph_open_create(struct isph *s) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_INFLOW) continue;
     struct isph_open_side side = {.region = region};
-    side.axis = isph_window_axis(scene, region, s->spacing, &side.inward);
+    bool at_low = false;
+    side.axis = scene_inflow_axis(scene, region, &at_low);
+    side.inward = at_low ? 1 : -1;
     for (int a = 0; a < 3; a++) side.low[a] = region->box[a], side.high[a] = region->box[a + 3];
-    if (side.axis < 0)
-      TRY_FAIL(STATUS_INPUT,
-               "%s:%d: an inflow region is a thin box on one side of the domain that is not "
-               "periodic; this box touches none, or two opposite ones",
-               scene->path, region->line);
     side.edge = side.inward > 0 ? s->low[side.axis] : s->high[side.axis];
     side.head = region->boundary == BOUNDARY_HEAD ? isph_window_highest(region) : region->head;
     side.flux = region->flux;

@@ -317,16 +317,16 @@ static enum status check_windows(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
   for (size_t r = 0; r < scene->region_count && l->region != NULL; r++) {
     const struct region *inflow = &scene->regions[r];
-    double inward = 0;
+    bool at_low = false;
     if (inflow->type != REGION_INFLOW) continue;
-    const int axis = isph_window_axis(scene, inflow, context->spacing, &inward);
+    const int axis = scene_inflow_axis(scene, inflow, &at_low);
     size_t site = 0;
-    for (size_t k = 0; k < l->size[2] && axis >= 0; k++)
+    for (size_t k = 0; k < l->size[2]; k++)
       for (size_t j = 0; j < l->size[1]; j++)
         for (size_t i = 0; i < l->size[0]; i++, site++) {
           const size_t at[3] = {i, j, k};
           if (l->kind[site] != SITE_WALL || l->region[site] == 0 ||
-              !isph_window_has_site(l, inflow, axis, inward, at))
+              !isph_window_has_site(l, inflow, axis, at_low, at))
             continue;
           const struct region *wall = &scene->regions[l->region[site] - 1];
           if (isph_region_speed(scene, wall) > 0) continue;

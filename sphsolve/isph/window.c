@@ -5,25 +5,6 @@
 
 #include "common/units.h"
 
-int isph_window_axis(const struct scene *scene, const struct region *inflow, double spacing,
-                     double *inward) {
-  const double near = 1e-6 * spacing;
-  double thinnest = INFINITY;
-  int axis = -1;
-  for (int a = 0; a < 3; a++) {
-    const double width = inflow->box[a + 3] - inflow->box[a];
-    const bool at_low = inflow->box[a] <= near,
-               at_high = inflow->box[a + 3] >= scene->domain_size[a] - near;
-    if ((scene->dimensions == 2 && a == 1) || scene->periodic[a] || at_low == at_high ||
-        width >= thinnest)
-      continue;
-    thinnest = width;
-    axis = a;
-    *inward = at_low ? 1 : -1;
-  }
-  return axis;
-}
-
 double isph_window_highest(const struct region *inflow) {
   double head = inflow->table.count > 0 ? -INFINITY : inflow->head;
   for (size_t n = 0; n < inflow->table.count; n++) head = fmax(head, inflow->table.value[n][0]);
@@ -31,8 +12,8 @@ double isph_window_highest(const struct region *inflow) {
 }
 
 bool isph_window_has_site(const struct lattice *lattice, const struct region *inflow, int axis,
-                          double inward, const size_t at[3]) {
-  if (at[axis] != (inward > 0 ? 0 : lattice->size[axis] - 1)) return false;
+                          bool at_low, const size_t at[3]) {
+  if (at[axis] != (at_low ? 0 : lattice->size[axis] - 1)) return false;
   for (int a = 0; a < 3; a++) {
     const double x = lattice->origin[a] + (double)at[a] * lattice->spacing[a];
     if (a == axis || (lattice->dimensions == 2 && a == 1)) continue;

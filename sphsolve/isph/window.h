@@ -4,16 +4,11 @@
 
 #include "sphsolve/isph/state.h"
 
-/* The axis across the single side of the domain that the box of an inflow lies on, or -1: it
- * touches none, or two opposite ones. *inward: +1 on the low side, -1 on the high one. `spacing`:
- * m. */
-int isph_window_axis(const struct scene *scene, const struct region *inflow, double spacing,
-                     double *inward);
 /* The highest head, m, that a region of given head has. */
 double isph_window_highest(const struct region *inflow);
 /* Whether a lattice's site is the first before a window of an inflow across an axis. */
 bool isph_window_has_site(const struct lattice *lattice, const struct region *inflow, int axis,
-                          double inward, const size_t at[3]);
+                          bool at_low, const size_t at[3]);
 /* Pressure of a side of given head at height z (m), Pa. */
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 /* The head is prescribed on the side itself, at least half a spacing in front of the boundary

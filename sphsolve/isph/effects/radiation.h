@@ -16,7 +16,7 @@
 /* The lowest place, m, at which free water can be before an inflow's window across an axis;
  * INFINITY: there is soil or wall before all of it. */
 static inline double radiation_bed(const struct effect_context *context,
-                                   const struct region *inflow, int axis, double inward) {
+                                   const struct region *inflow, int axis, bool at_low) {
   const struct lattice *l = context->lattice;
   double bed = INFINITY;
   size_t site = 0;
@@ -25,7 +25,7 @@ static inline double radiation_bed(const struct effect_context *context,
       for (size_t i = 0; i < l->size[0]; i++, site++) {
         const size_t at[3] = {i, j, k};
         const size_t r = l->region != NULL ? l->region[site] : 0;
-        if (l->kind[site] == SITE_WALL || !isph_window_has_site(l, inflow, axis, inward, at))
+        if (l->kind[site] == SITE_WALL || !isph_window_has_site(l, inflow, axis, at_low, at))
           continue;
         if (r > 0 && context->scene->regions[r - 1].type == REGION_POROUS) continue;
         bed = fmin(bed, l->origin[2] + ((double)k - 0.5) * l->spacing[2]);
@@ -47,7 +47,7 @@ static inline enum status isph_refuse_radiation(const struct effect_context *con
   const double *g = scene->gravity;
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
-    double inward = 0;
+    bool at_low = false;
     if (!region->radiates) continue;
     if (!(g[2] < 0) || g[0] != 0 || g[1] != 0)
       return FAIL(STATUS_INPUT,
@@ -60,14 +60,13 @@ static inline enum status isph_refuse_radiation(const struct effect_context *con
           "%s:%d: radiates: water fills the domain, so there are no waves to let out; leave "
           "room above it, or the key out",
           scene->path, region->line);
-    const int axis = isph_window_axis(scene, region, context->spacing, &inward);
-    if (axis < 0) continue; /* no side at all: isph_open_create tells of it */
+    const int axis = scene_inflow_axis(scene, region, &at_low);
     if (axis == 2)
       return FAIL(STATUS_INPUT,
                   "%s:%d: radiates: waves leave by an upright side, and this one lies in the floor "
                   "or the top; leave the key out",
                   scene->path, region->line);
-    const double bed = radiation_bed(context, region, axis, inward);
+    const double bed = radiation_bed(context, region, axis, at_low);
     if (!isfinite(bed))
       return FAIL(STATUS_INPUT,
                   "%s:%d: radiates: there is soil or wall before all of this side, and no wave in "
