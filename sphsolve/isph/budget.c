@@ -87,7 +87,8 @@ static void sum_stored(const struct isph *s, double momentum[3], double *energy)
 }
 
 void isph_budget_begin(struct isph *s) {
-  const bool walls = s->boundary_count > 0 || s->reflects[0] || s->reflects[1] || s->reflects[2];
+  bool walls = s->boundary_count > 0;
+  for (int a = 0; a < 3; a++) walls = walls || s->reflects[a][0] || s->reflects[a][1];
   uint32_t on = s->on.budget | 1u << BUDGET_TIME_STEP;
   memset(&s->budget, 0, sizeof s->budget);
   if (dot(s->force, s->force) > 0) on |= 1u << BUDGET_FORCE;

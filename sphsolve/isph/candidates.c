@@ -13,7 +13,8 @@
 static bool is_beyond(const struct isph *s, uint32_t entry) {
   const double *x = s->boundary_position[entry & PAIR_MASK];
   for (int a = 0; a < 3; a++)
-    if (s->reflects[a] && (x[a] < s->low[a] || x[a] > s->high[a])) return true;
+    if ((s->reflects[a][0] && x[a] < s->low[a]) || (s->reflects[a][1] && x[a] > s->high[a]))
+      return true;
   return false;
 }
 

@@ -87,9 +87,10 @@ size_t isph_cells_collect(const struct isph *s, const struct isph_cells *cells, 
   const int x0 = cells->axis[0], b = cells->axis[1], c = cells->axis[2];
   int from[3], to[3];
   for (int a = 0; a < 3; a++) {
-    const bool images = s->periodic[a] || s->reflects[a];
-    from[a] = images && low[a] - reach < s->low[a] ? -1 : 0;
-    to[a] = images && high[a] + reach > s->high[a] ? 1 : 0;
+    const bool below = s->periodic[a] || s->reflects[a][0];
+    const bool above = s->periodic[a] || s->reflects[a][1];
+    from[a] = below && low[a] - reach < s->low[a] ? -1 : 0;
+    to[a] = above && high[a] + reach > s->high[a] ? 1 : 0;
   }
   for (int sz = from[2]; sz <= to[2]; sz++)
     for (int sy = from[1]; sy <= to[1]; sy++)
@@ -145,13 +146,15 @@ enum status isph_probe(const struct isph *s, const double x[3], double support, 
                 s->time);
   for (size_t k = 0; k < n; k++)
     for (uint32_t j = near[k].begin; j < near[k].end; j++) {
-      double r[3];
-      isph_separation(s, x, s->position, j | near[k].code << PAIR_BITS, r);
+      const uint32_t entry = j | near[k].code << PAIR_BITS;
+      double r[3], turned[3];
+      isph_separation(s, x, s->position, entry, r);
       if (dot(r, r) >= he * he) continue;
       isph_kernel(s->scene->isph.kernel, s->dimensions, sqrt(dot(r, r)), he, &w, &slope);
       w *= s->kernel_w * s->volume[j];
       *kernel_sum += w;
-      for (int a = 0; a < 3; a++) velocity[a] += w * s->velocity[j][a];
+      isph_turn(IMAGES_REFLECTED, s, entry, s->velocity[j], turned);
+      for (int a = 0; a < 3; a++) velocity[a] += w * turned[a];
     }
   if (*kernel_sum > 0)
     for (int a = 0; a < 3; a++) velocity[a] /= *kernel_sum;

@@ -129,11 +129,11 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
       scene->isph.support_ratio * s->spacing * pow(s->soil_porosity_least, -1.0 / s->dimensions);
   for (int a = 0; a < 3; a++)
     if (s->periodic[a]) s->support_max = fmin(s->support_max, s->high[a] - s->low[a]);
-  isph_images_create(s);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   if (s->on.links) TRY(isph_links_create(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
+  isph_images_create(s);
   if (s->on.wells) TRY(isph_wells_create(s));
   for (size_t k = 0; k < s->on.active_count; k++)
     TRY(memory_allocate(&s->own_numbers[k], isph_own_count(s, k), sizeof **s->own_numbers,

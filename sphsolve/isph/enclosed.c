@@ -139,7 +139,7 @@ static double top_pressure(const struct isph *s, size_t i) {
   for (int a = 0; a < 3; a++) {
     const double *x = s->position[i], half = 0.5 * s->spacing;
     const double under = s->force[a] > 0 ? x[a] - s->low[a] : s->high[a] - x[a];
-    depth += fabs(s->force[a]) * (s->reflects[a] ? fmin(half, under) : half);
+    depth += fabs(s->force[a]) * (s->reflects[a][s->force[a] < 0] ? fmin(half, under) : half);
   }
   return s->density * depth;
 }

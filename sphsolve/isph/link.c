@@ -7,6 +7,7 @@
 #include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/soil.h"
 
@@ -162,10 +163,10 @@ ROW void link_pairs(enum isph_images images, const struct isph *s, struct isph_c
     struct isph_material way = {0};
     double r[3];
     isph_separation_at(images, s, xi, s->position, chunk->pair[p], r);
-    if (ground == GROUND_MIXED)
-      add_path(s, s->scene->region_count, xi, (double[3]){-r[0], -r[1], -r[2]}, 0, 1, &way);
-    else
-      way = s->grounds[ground].of;
+    if (ground != GROUND_MIXED) way = s->grounds[ground].of;
+    struct isph_leg leg = isph_first_leg(xi, r);
+    while (ground == GROUND_MIXED && isph_next_leg(&s->image[chunk->pair[p] >> PAIR_BITS], &leg))
+      add_path(s, s->scene->region_count, leg.start, leg.step, leg.from, leg.to, &way);
     const double speed = way.b > 0 ? 0.5 * (own + SPEEDS(s)[j]) : 0;
     const double resistance = way.inertia / dt + way.a + 2 * way.b * speed;
     chunk->mobility[p] = (float)(1 / (s->density * resistance));

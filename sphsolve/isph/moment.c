@@ -92,16 +92,21 @@ ROW void correct_eight(enum isph_images images, const struct isph *s, struct isp
   typedef float eight_floats __attribute__((vector_size(32), aligned(4), may_alias));
   eight_floats *slope = (eight_floats *)&chunk->slope[p], before = *slope;
   const float *own = s->moment_defect[i];
-  uint32_t j[EIGHT_WIDE];
-  eight r[3], rr[6], along = {0};
+  uint32_t j[EIGHT_WIDE], code[EIGHT_WIDE];
+  eight r[3], rr[6], turn[3], along = {0};
   for (size_t l = 0; l < EIGHT_WIDE; l++) j[l] = chunk->pair[p + l] & PAIR_MASK;
+  for (size_t l = 0; l < EIGHT_WIDE; l++) code[l] = chunk->pair[p + l] >> PAIR_BITS;
+  for (int a = 0; a < 3 && images == IMAGES_REFLECTED; a++)
+    turn[a] = EIGHT_OF(s->image, code, .turn[a]);
   isph_separation_eight(images, s, i, &chunk->pair[p], j, r);
   rr[0] = r[0] * r[0], rr[1] = r[0] * r[1], rr[2] = r[0] * r[2];
   rr[3] = r[1] * r[1], rr[4] = r[1] * r[2], rr[5] = r[2] * r[2];
-  for (int k = 0; k < 6; k++) {
-    const eight both = (double)own[k] + EIGHT_OF(s->moment_defect, j, [k]);
-    along += (k == 0 || k == 3 || k == 5 ? 1 : 2) * both * rr[k];
-  }
+  for (int a = 0, k = 0; a < 3; a++)
+    for (int b = a; b < 3; b++, k++) {
+      eight other = EIGHT_OF(s->moment_defect, j, [k]);
+      if (images == IMAGES_REFLECTED && a != b) other *= turn[a] * turn[b];
+      along += (a == b ? 1 : 2) * ((double)own[k] + other) * rr[k];
+    }
   const eight square = rr[0] + rr[3] + rr[5], least = square + 1e-300; /* no pair: 0 / 0 */
   const eight factor = 1 + counts * (0.5 * along / least);
   *slope = before * __builtin_convertvector(factor, eight_floats);

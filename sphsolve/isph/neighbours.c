@@ -130,7 +130,9 @@ static enum isph_images images_near(const struct isph *s, const double x[3], dou
   enum isph_images images = IMAGES_NONE;
   for (int a = 0; a < 3; a++) {
     if (x[a] - reach >= s->low[a] && x[a] + reach <= s->high[a]) continue;
-    if (s->reflects[a]) return IMAGES_REFLECTED;
+    if ((s->reflects[a][0] && x[a] - reach < s->low[a]) ||
+        (s->reflects[a][1] && x[a] + reach > s->high[a]))
+      return IMAGES_REFLECTED;
     if (s->periodic[a]) images = IMAGES_PERIODIC;
   }
   return images;

@@ -12,7 +12,6 @@
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
-#include "sphsolve/isph/side_image.h"
 #include "sphsolve/isph/linear.h"
 #include "sphsolve/isph/symmetric.h"
 #include "sphsolve/isph/enclosed.h"
@@ -27,15 +26,12 @@
  * and `whole` to what the coefficients would sum up to with mobilities of 1. */
 ROW double assemble_pairs(enum isph_images images, const struct isph *s,
                           const struct isph_chunk *chunk, size_t i, four *way, double *whole) {
-  const bool beside = isph_has_side_images(s, i);
   four sum = {0}, r, fall;
   double diagonal = 0, weights = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
-    double slope = (double)chunk->slope[p];
     isph_separation_four(images, s, i, entry, &r);
-    if (beside) slope += isph_side_slope(s, i, j, (double[3]){r[0], r[1], r[2]});
-    const double weight = 2 * s->volume[i] * s->volume[j] * slope;
+    const double weight = 2 * s->volume[i] * s->volume[j] * (double)chunk->slope[p];
     const float a = (float)(weight * isph_mobility_between(s, chunk, p, i, j));
     isph_fall_way(images, s, i, entry, &r, &fall);
     chunk->matrix[p] = a;
@@ -72,7 +68,6 @@ ROW double pairs_divergence(enum isph_images images, const struct isph *s,
 /* Assembles the rows i of a chunk,
  *   sum_j a_ij [ P_i - P_j - rho f.(x_i - x_j) ] + c_i [ P_i - rho f.(x_i - x_s) ] = -V_i source,
  *   a_ij = 2 V_i V_j k_ij slope_ij,  k_ij of isph_mobility_between,
- * slope_ij with that of j's images behind closed sides (side_image.h).
  * The driving force f enters through its potential, with the coefficients of the pressure itself: P
  * = rho f.x + constant solves the rows exactly on any arrangement of particles and for any
  * porosity, so that water at rest stays at rest. Walls have no pressure pairs (Neumann condition);
@@ -106,7 +101,7 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       double r[3], slope = chunk->wall_slope[p];
       isph_separation(s, xi, s->boundary_position, entry, r);
       if (s->boundary_kind[j] == BOUNDARY_OPEN_HEAD) {
-        double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
+        double side[3], stretch = isph_window_stretch(s, xi, entry, r, side);
         const double a = 2 * vol * isph_wall_volume(s, j) * ki * slope * stretch;
         diagonal += a, tied += a;
         source += a * (held * s->boundary_pressure[j] +

@@ -27,7 +27,7 @@ double isph_reflection_backs(const struct isph *s, size_t i) {
   const double size = s->size[i];
   double before = 1;
   for (int a = 0; a < 3; a++) {
-    if (!s->reflects[a]) continue;
+    if (!s->reflects[a][0]) continue; /* nor does the other side */
     const double *x = s->position[i], near = fmin(x[a] - s->low[a], s->high[a] - x[a]) / size;
     const double at = fmax(0, near) * BEHIND_STEPS;
     if (!(at < BEHIND - 1)) continue;
@@ -37,22 +37,47 @@ double isph_reflection_backs(const struct isph *s, size_t i) {
   return fmin(1, (1 - before) / s->behind[BEHIND_STEPS / 2]);
 }
 
+static bool has_window(const struct isph *s, int a, bool high) {
+  bool any = false;
+  for (size_t k = 0; k < s->side_count; k++)
+    any = any || (s->sides[k].axis == a && (s->sides[k].inward < 0) == high);
+  return any;
+}
+
 void isph_images_create(struct isph *s) {
   for (int k = 0; k < BEHIND; k++) s->behind[k] = behind_at(s, (double)k / BEHIND_STEPS);
+  const bool soil = s->on.soil && !s->on.surface, free = !s->on.soil && !s->on.open_sides;
   for (int a = 0; a < 3; a++)
-    s->reflects[a] = !s->periodic[a] && isph_uses_axis(s, a) && !s->on.open_sides && !s->on.soil &&
-                     s->high[a] - s->low[a] >= s->support_max;
+    for (int high = 0; high < 2; high++)
+      s->reflects[a][high] = (soil || free) && !s->periodic[a] && isph_uses_axis(s, a) &&
+                             s->high[a] - s->low[a] >= s->support_max && !has_window(s, a, high);
   for (int code = 0; code < 27; code++) {
     const int step[3] = {code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
     struct isph_image *image = &s->image[code];
     for (int a = 0; a < 3; a++) {
-      const bool turned = s->reflects[a] && step[a] != 0;
+      const bool turned = step[a] != 0 && s->reflects[a][step[a] > 0];
       image->turn[a] = turned ? -1 : 1;
       image->reflected = image->reflected || turned;
       if (s->periodic[a]) image->shift[a] = step[a] * (s->high[a] - s->low[a]);
       if (turned) image->shift[a] = 2 * (step[a] < 0 ? s->low[a] : s->high[a]);
     }
   }
+}
+
+bool isph_next_leg(const struct isph_image *image, struct isph_leg *leg) {
+  if (leg->to == 1) return false;
+  if (leg->crossed > 0) {
+    const int a = leg->crossed - 1;
+    leg->start[a] = image->shift[a] - leg->start[a], leg->step[a] = -leg->step[a];
+    leg->turned[a] = true;
+  }
+  leg->from = leg->to, leg->to = 1, leg->crossed = 0;
+  for (int a = 0; a < 3; a++) {
+    if (image->turn[a] > 0 || leg->turned[a]) continue;
+    const double at = (0.5 * image->shift[a] - leg->start[a]) / leg->step[a];
+    if (at < leg->to) leg->to = fmax(leg->from, at), leg->crossed = a + 1;
+  }
+  return true;
 }
 
 double isph_reflection_gap(const struct isph *s, size_t i, uint32_t entry, const double r[3]) {

@@ -12,8 +12,10 @@
  *
  * Friction at no-slip sides is treated as at all other walls (step.c, viscous); along sides with
  * slip, images are neighbours like others. There is no image beyond a gap (isph_reflection_part).
- * Sides reflect if the domain is at least a support wide, so that one image is enough, and in
- * scenes without soil and windows. */
+ * In soil rows beside a side that does not reflect have four fifths of their weight along it: to a
+ * drain that ends there, the soil is a fifth of a particle thinner.
+ * Sides without a window reflect if the domain is at least a support wide, so that one image is
+ * enough: of free water if there are no windows at all, and in scenes of soil without a surface. */
 #ifndef TOSUI_SPHSOLVE_ISPH_REFLECTION_H
 #define TOSUI_SPHSOLVE_ISPH_REFLECTION_H
 
@@ -36,6 +38,20 @@ double isph_reflection_gap(const struct isph *s, size_t i, uint32_t entry, const
 /* Distance of the image from the sides over that of particle i, like that of isph_wall_mirror. */
 double isph_reflection_ratio(const struct isph *s, const double xi[3], uint32_t entry,
                              const double r[3]);
+
+/* The way x + t step, t = 0 .. 1, from a particle to an image of another, as light takes it: the
+ * part of it within the domain, up to the first side, and so on from there to the other particle
+ * itself. */
+struct isph_leg {
+  double start[3], step[3], from, to; /* start + t step, from <= t <= to */
+  bool turned[3];
+  int crossed; /* 1 + the axis of the side at its end; 0: none */
+};
+static inline struct isph_leg isph_first_leg(const double x[3], const double r[3]) {
+  return (struct isph_leg){.start = {x[0], x[1], x[2]}, .step = {-r[0], -r[1], -r[2]}};
+}
+/* Goes on to the next leg of the way; false after the last. */
+bool isph_next_leg(const struct isph_image *image, struct isph_leg *leg);
 
 /* Degree, 0 .. 1, to which reflecting sides back particle i; 1 where it touches one. From the share
  * of sum V slope that would lie behind the sides if the water there were a lattice. */

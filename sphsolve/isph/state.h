@@ -139,7 +139,7 @@ struct isph {
   double spacing, thickness; /* m; thickness: of a 2-D scene, 1 in 3-D */
   double low[3], high[3];    /* the domain */
   bool periodic[3];
-  bool reflects[3];      /* whether the sides across an axis reflect: isph/reflection.h */
+  bool reflects[3][2];   /* low and high side of each axis: isph/reflection.h */
   double behind[BEHIND]; /* table of isph_reflection_backs, in steps of 1/BEHIND_STEPS of a size */
   struct isph_image image[27];         /* by code: x + 3 y + 9 z, each 0 .. 2 */
   double kernel_w, kernel_slope;       /* normalise the lattice sums of V W and V slope r^2 to 1 */

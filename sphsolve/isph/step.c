@@ -208,7 +208,7 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
               s->soil_fraction[i] * (1 - mirror[symmetric_diagonal[a]]) * weight * r[a] * r[a];
         continue;
       }
-      double side[3], stretch = isph_window_stretch(s, xi, j, r, side);
+      double side[3], stretch = isph_window_stretch(s, xi, entry, r, side);
       double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p] * stretch;
       double drop = pressure - held * s->boundary_pressure[j];
       double fall = drop - rho * (f[0] * side[0] + f[1] * side[1] + f[2] * side[2]);

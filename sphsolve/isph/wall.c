@@ -20,9 +20,9 @@ enum status isph_wall_fill_tank(struct isph *s, size_t *capacity) {
   for (int a = 0; a < 3; a++) {
     n[a] = (int)fmax(1, round((s->high[a] - s->low[a]) / s->spacing));
     pitch[a] = (s->high[a] - s->low[a]) / n[a];
-    bool closed = !s->periodic[a] && isph_uses_axis(s, a) && !s->reflects[a];
-    from[a] = closed ? -isph_boundary_layers(s) : 0;
-    to[a] = closed ? n[a] + isph_boundary_layers(s) : n[a];
+    const int layers = s->periodic[a] || !isph_uses_axis(s, a) ? 0 : isph_boundary_layers(s);
+    from[a] = s->reflects[a][0] ? 0 : -layers;
+    to[a] = n[a] + (s->reflects[a][1] ? 0 : layers);
   }
   for (int k = from[2]; k < to[2]; k++)
     for (int j = from[1]; j < to[1]; j++)

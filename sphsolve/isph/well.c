@@ -33,7 +33,7 @@
 #include "sphsolve/isph/images.h"
 #include "sphsolve/isph/mobility.h"
 #include "sphsolve/isph/ranks.h"
-#include "sphsolve/isph/side_image.h"
+#include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/constants.h"
 
@@ -88,75 +88,54 @@ static double drain_pressure(const struct isph *s, const struct region *drain, d
   return fmax(0, s->density * strength * (head - z));
 }
 
-/* The part t of the path x + t step, 0 <= t <= 1, up to a drain; 1 if it does not enter it. */
-static double path_outside(const struct isph *s, const struct region *drain, const double x[3],
-                           const double step[3]) {
-  const double middle[3] = {x[0] + 0.5 * step[0], x[1] + 0.5 * step[1], x[2] + 0.5 * step[2]};
+/* The part t of the way x - t r, 0 <= t <= 1, to an image up to a drain, 1 if it does not enter it;
+ * `face`: where that is. */
+static double path_outside(const struct isph *s, const struct region *drain,
+                           const struct isph_image *image, const double x[3], const double r[3],
+                           double face[3]) {
+  struct isph_leg leg = isph_first_leg(x, r);
   double least = 1;
-  for (size_t k = drain->first; k < drain->end; k++) {
-    if (isph_soil_is_far(s, s->scene->regions[k].box, k, s->support_max, x)) continue;
-    const struct isph_box box = isph_soil_box(s, k, 0, middle);
-    double from = 0, to = 1;
-    if (isph_box_clip(&box, x, step, &from, &to)) least = fmin(least, from);
-  }
-  return fmax(PATH_LEAST, least);
-}
-
-/* Adds the images of a link of mobility a_ij over its slope (side_image.h): the way to each leads
- * through the drain, or through the drain's image where that is what it meets first. */
-static void cut_images(const struct isph *s, const struct region *drain, size_t i, size_t j,
-                       const double r[3], double each, struct isph_outlet *outlet, double *load) {
-  struct isph_side_image images[SIDE_IMAGES];
-  const size_t n = isph_side_images(s, i, j, r, images);
-  const double *xi = s->position[i], *f = s->force;
-  for (size_t k = 0; k < n; k++) {
-    const struct isph_side_image *image = &images[k];
-    double step[3], from[3], back[3], fall = 0;
-    for (int a = 0; a < 3; a++) {
-      step[a] = -image->r[a], back[a] = image->turned[a] ? image->r[a] : step[a];
-      from[a] = image->turned[a] ? 2 * image->plane[a] - xi[a] : xi[a];
+  while (least == 1 && isph_next_leg(image, &leg)) {
+    const double *at = leg.start, *step = leg.step;
+    const double middle[3] = {at[0] + 0.5 * step[0], at[1] + 0.5 * step[1], at[2] + 0.5 * step[2]};
+    for (size_t k = drain->first; k < drain->end; k++) {
+      if (isph_soil_is_far(s, s->scene->regions[k].box, k, s->support_max, at)) continue;
+      const struct isph_box box = isph_soil_box(s, k, 0, middle);
+      double from = leg.from, to = leg.to;
+      if (isph_box_clip(&box, at, step, &from, &to)) least = fmin(least, from);
     }
-    const double part = fmin(path_outside(s, drain, xi, step), path_outside(s, drain, from, back));
-    const double a = each * image->slope;
-    double face = xi[2] - part * image->r[2];
-    for (int c = 0; c < 3; c++) {
-      if (!image->turned[c]) continue;
-      double to = part * image->r[c];
-      if (fabs(to) > fabs(xi[c] - image->plane[c])) to = 2 * (xi[c] - image->plane[c]) - to;
-      if (c == 2) face = xi[2] - to;
-      fall += s->density * f[c] * (to / part - r[c]);
-    }
-    outlet->tie += a * (1 / part - 1);
-    *load +=
-        a * (drain_pressure(s, drain, face) / part + fall - drain_pressure(s, drain, xi[2] - r[2]));
+    least = fmax(PATH_LEAST, least);
+    for (int a = 0; a < 3; a++) face[a] = at[a] + least * step[a];
   }
+  return least;
 }
 
 /* Sums up the links of a particle outside that are cut by a drain: what they carry beyond plain
- * ones is tie (P_i - held). */
+ * ones, a_ij [ P_i - P_d(x_j) - rho f.(x_i - x_j) ], is tie (P_i - held). */
 static void cut_links(const struct isph *s, const struct isph_chunk *chunk, size_t i,
                       struct isph_outlet *outlet) {
-  const double *xi = s->position[i];
-  const bool beside = isph_has_side_images(s, i);
+  const double *xi = s->position[i], rho = s->density;
   double load = 0;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    const size_t j = chunk->pair[p] & PAIR_MASK;
+    const uint32_t entry = chunk->pair[p], j = entry & PAIR_MASK;
     const int32_t well = s->outlet[j].inside;
     if (well == 0 || (outlet->tie > 0 && well != outlet->well)) continue;
     const struct region *drain = s->wells[well - 1].region;
-    double r[3];
-    isph_separation(s, xi, s->position, chunk->pair[p], r);
-    const double part = path_outside(s, drain, xi, (double[3]){-r[0], -r[1], -r[2]});
+    const struct isph_image *image = &s->image[entry >> PAIR_BITS];
+    double r[3], face[3] = {0}, fall = 0, whole = 0;
+    isph_separation(s, xi, s->position, entry, r);
+    const double part = path_outside(s, drain, image, xi, r, face);
+    for (int c = 0; c < 3; c++) {
+      const double straight = image->turn[c] < 0 ? xi[c] - s->position[j][c] : r[c];
+      fall += rho * s->force[c] * (xi[c] - face[c]), whole += rho * s->force[c] * straight;
+    }
     const double weight = s->volume[j] * (double)chunk->slope[p], more = 1 / part - 1;
-    const double mobility = isph_mobility_between(s, chunk, p, i, j);
-    const double a = 2 * s->volume[i] * weight * mobility;
+    const double a = 2 * s->volume[i] * weight * isph_mobility_between(s, chunk, p, i, j);
     outlet->well = well;
     outlet->tie += a * more;
-    load += a * (drain_pressure(s, drain, xi[2] - part * r[2]) / part -
-                 drain_pressure(s, drain, xi[2] - r[2]));
+    load += a * ((drain_pressure(s, drain, face[2]) + fall) / part -
+                 (drain_pressure(s, drain, s->position[j][2]) + whole));
     for (int c = 0; c < 3; c++) outlet->pull[c] += weight * more * r[c];
-    if (beside)
-      cut_images(s, drain, i, j, r, 2 * s->volume[i] * s->volume[j] * mobility, outlet, &load);
   }
   if (outlet->tie > 0) outlet->held = load / outlet->tie;
 }

@@ -29,12 +29,14 @@ double isph_window_pressure(const struct isph *s, const struct isph_open_side *s
   return fmax(0, s->density * strength * (side->head - z));
 }
 
-double isph_window_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
-                           double to_side[3]) {
+double isph_window_stretch(const struct isph *s, const double xi[3], uint32_t entry,
+                           const double r[3], double to_side[3]) {
+  const size_t j = entry & PAIR_MASK;
+  const double *turn = s->image[entry >> PAIR_BITS].turn;
   const struct isph_open_side *side = &s->sides[s->boundary_box[j]];
   int n = side->axis;
   double depth = side->inward > 0 ? xi[n] - s->low[n] : s->high[n] - xi[n];
-  memcpy(to_side, r, 3 * sizeof *r);
+  for (int a = 0; a < 3; a++) to_side[a] = turn[a] < 0 ? xi[a] - s->boundary_position[j][a] : r[a];
   to_side[n] = depth * side->inward;
   return 1 + fmax(0, fabs(r[n]) - depth) / fmax(depth, 0.25 * s->spacing);
 }

@@ -13,10 +13,10 @@ bool isph_window_has_site(const struct lattice *lattice, const struct region *in
 double isph_window_pressure(const struct isph *s, const struct isph_open_side *side, double z);
 /* The head is prescribed on the side itself, at least half a spacing in front of the boundary
  * particles. Their pressure is the linear extrapolation from the particle through the side, so that
- * a pair counts 1 + d_j/d_i times with the difference to the side, which is returned. `r`: from
- * boundary particle j; `to_side`: from its foot on the side. */
-double isph_window_stretch(const struct isph *s, const double xi[3], size_t j, const double r[3],
-                           double to_side[3]);
+ * a pair counts 1 + d_j/d_i times with the difference to the side, which is returned. `r`: from the
+ * boundary particle, or its image; `to_side`: from the particle's own foot on the side. */
+double isph_window_stretch(const struct isph *s, const double xi[3], uint32_t entry,
+                           const double r[3], double to_side[3]);
 /* The open side through which x has left the domain, or -1. */
 int isph_window_behind(const struct isph *s, const double x[3]);
 /* Distance of x in front of a window, m; INFINITY if it is not in front of it. */

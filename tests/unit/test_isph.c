@@ -336,7 +336,8 @@ static size_t count_near(const struct isph *s, size_t i, double (*x)[3], size_t 
   for (uint32_t code = 0; code < 27; code++) {
     const int at[3] = {(int)code % 3 - 1, (int)code / 3 % 3 - 1, (int)code / 9 - 1};
     bool exists = true;
-    for (int a = 0; a < 3; a++) exists = exists && (at[a] == 0 || s->periodic[a] || s->reflects[a]);
+    for (int a = 0; a < 3; a++)
+      exists = exists && (at[a] == 0 || s->periodic[a] || s->reflects[a][at[a] > 0]);
     for (size_t j = 0; j < n && exists; j++) {
       const double reach = walls ? s->support[i] : 0.5 * (s->support[i] + s->support[j]);
       double r[3];

@@ -7,7 +7,7 @@
 
 #include <cmocka.h>
 
-#include "sphsolve/isph/side_image.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/well.h"
 #include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
@@ -176,11 +176,9 @@ static double weight_along(const struct isph *s, double x, double z) {
   const struct isph_chunk *chunk = s->chunks;
   while (i >= chunk->end) chunk++;
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
-    const size_t j = chunk->pair[p] & PAIR_MASK;
-    double r[3], slope = (double)chunk->slope[p];
-    for (int a = 0; a < 3; a++) r[a] = s->position[i][a] - s->position[j][a];
-    if (isph_has_side_images(s, i)) slope += isph_side_slope(s, i, j, r);
-    sum += s->volume[j] * slope * r[0] * r[0];
+    double r[3];
+    isph_separation(s, s->position[i], s->position, chunk->pair[p], r);
+    sum += s->volume[chunk->pair[p] & PAIR_MASK] * (double)chunk->slope[p] * r[0] * r[0];
   }
   return sum;
 }
