@@ -1032,3 +1032,18 @@ END
   sphsolve run lid.cfg --set 'regions.[0].velocity=["0", "0.5 m/s"]' -o low 2> told.txt > /dev/null
   run ! grep -q "strikes the top" told.txt
 }
+
+@test "a head of 1000 m on shallow water: the first step is as short as the water needs, none is taken back" {
+  cd "$BATS_FILE_TMPDIR"
+  cat > jet.cfg <<'END'
+scene = { name = "jet"; method = "isph"; end_time = "1 ms"; };
+domain = { size = ["0.4 m", "0.4 m"]; spacing = "2 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.4 m", "0.2 m"]; },
+ { type = "inflow"; box = ["0", "0", "2 cm", "0.2 m"]; head = "1000 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+END
+  run --separate-stderr sphsolve run jet.cfg -o jet --quiet
+  [ $status -eq 0 ]
+  [ -z "$stderr" ]
+}
