@@ -96,8 +96,6 @@ cleanup:
   return status;
 }
 
-#define SECONDS_MAX (30.0 * 86400.0) /* longest acceptable time, s */
-
 void recommend_print(const struct plan *plan, const struct recommendation *r) {
   const struct scene *scene = plan->context.scene;
   const char *method = plan->context.method->name;

@@ -36,13 +36,17 @@ static bool is_finest(const struct cascade *c, double spacing) {
   return c->fixed > 0 ? c->tried == c->fixed : spacing <= 1.01 * c->plan->context.spacing;
 }
 
+void cascade_skip(struct cascade *c) {
+  c->tried++;
+  c->left_tried = c->left;
+  c->counted = c->uncertainty.level_count;
+}
+
 static enum status add(struct cascade *c, const struct lattice *lattice, double spacing, double k,
                        const struct stokes_solver *from, double seconds) {
   enum status status = STATUS_OK;
   struct uncertainty *u = &c->uncertainty;
-  c->tried++;
-  c->left_tried = c->left;
-  c->counted = u->level_count;
+  cascade_skip(c);
   const double critical = critical_width_error(c, lattice, spacing, from->dissipating);
   if (!(k > 0.0) || (critical >= 1.0 && !is_finest(c, spacing))) return STATUS_OK;
   u->levels[u->level_count++] = (struct error_level){.spacing = spacing,
@@ -117,8 +121,9 @@ enum status cascade_measure(const struct scene *scene, const struct plan *plan,
     bool is_base;
     TRY(cascade_lattice(&c, spacing, &lattice, &is_base));
     const double started = clock_processor_seconds();
-    double k;
-    status = cascade_solve(&c, &lattice, &c.coarse, &cascade_part_goal, true, &k);
+    double k = 0.0;
+    if (lattice_holds_fluid(&lattice))
+      status = cascade_solve(&c, &lattice, &c.coarse, &cascade_part_goal, true, &k);
     if (status == STATUS_OK)
       status = add(&c, &lattice, spacing, k, &c.coarse, clock_processor_seconds() - started);
     if (is_base) k_base = k;

@@ -9,6 +9,8 @@
  * solution is not changed. */
 enum status cascade_add(struct cascade *cascade, const struct lattice *lattice, double spacing,
                         struct stokes_solver *solver, double seconds);
+/* Goes on to the next lattice: on this one no site of a wall is left, and it has no k. */
+void cascade_skip(struct cascade *cascade);
 /* To be called after the last lattice. Computes the effect of the sides if a time limit was given
  * (it takes as long as several coarse lattices, which are solved first), and the effect of the scan
  * if the third lattice was the last. */

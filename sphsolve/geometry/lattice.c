@@ -409,6 +409,10 @@ static size_t count_differences(const uint8_t *a, const uint8_t *b, size_t n) {
   return unlike;
 }
 
+bool lattice_holds_fluid(const struct lattice *lattice) {
+  return lattice->wall_count > 0 || lattice->cut != NULL || lattice->micro_porosity != NULL;
+}
+
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]) {
   const size_t *n = lattice->size, rows = n[1] * n[2];
   size_t x = 0, y = 0, z = 0;

@@ -81,6 +81,8 @@ enum status lattice_spill_regions(struct lattice *lattice, const char *beside,
                                   struct lattice_spill *spill);
 enum status lattice_restore(struct lattice *lattice, struct lattice_spill *spill);
 
+/* Whether anything holds back a fluid: walls, those between sites too, or soil. */
+bool lattice_holds_fluid(const struct lattice *lattice);
 /* Number of faces between sites of different kind, by the axis normal to them; periodic. */
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);
 

@@ -5,6 +5,7 @@
 
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/wall.h"
 #include "sphsolve/isph/window.h"
 #include "sphsolve/isph/constants.h"
 
@@ -68,22 +69,27 @@ static bool is_open(const struct isph *s, size_t i, const struct isph_image *ima
   return false;
 }
 
-/* Separation of the point from an image of particle i, the nearest one along periodic axes, in
- * units of its support. Particles with r < 1 count. */
-static double scaled_separation(const struct isph *s, size_t i, const struct isph_image *image,
-                                const double point[3], double r[3]) {
-  double square = 0;
+/* r = x - point, to the nearest image along periodic axes. */
+static void separation(const struct isph *s, const double x[3], const double point[3],
+                       double r[3]) {
   for (int a = 0; a < 3; a++) {
-    const double x = s->position[i][a];
-    r[a] = (image->turn[a] < 0 ? image->shift[a] - x : x) - point[a];
-    if (s->dimensions == 2 && a == 1) r[a] = 0;
+    r[a] = s->dimensions == 2 && a == 1 ? 0 : x[a] - point[a];
     if (s->periodic[a]) {
-      double length = s->high[a] - s->low[a];
+      const double length = s->high[a] - s->low[a];
       r[a] -= length * round(r[a] / length);
     }
-    r[a] /= s->support[i];
-    square += r[a] * r[a];
   }
+}
+
+/* Separation of the point from an image of particle i, in units of its support. Particles with r <
+ * 1 count. */
+static double scaled_separation(const struct isph *s, size_t i, const struct isph_image *image,
+                                const double point[3], double r[3]) {
+  double square = 0, x[3];
+  for (int a = 0; a < 3; a++)
+    x[a] = image->turn[a] < 0 ? image->shift[a] - s->position[i][a] : s->position[i][a];
+  separation(s, x, point, r);
+  for (int a = 0; a < 3; a++) r[a] /= s->support[i], square += r[a] * r[a];
   return sqrt(square);
 }
 
@@ -147,7 +153,15 @@ bool isph_has_head(const struct isph *s) {
   return g[0] != 0 || g[1] != 0 || g[2] != 0;
 }
 
-#define LEVEL_REACH 0.75 /* in particle sizes; a gauge between two columns uses both */
+#define LEVELS SUMS /* places at which the kernel sum for a level is found */
+
+/* Whether an image is that of the water under a lid of the domain. */
+static bool is_lid(const struct isph_image *image, const double at[3], const double up[3]) {
+  bool lid = false;
+  for (int a = 0; a < 3; a++)
+    lid = lid || (image->turn[a] < 0 && up[a] * (0.5 * image->shift[a] - at[a]) > 0);
+  return lid;
+}
 
 /* Whether the point at that height over the gauge lies at the underside of a wall, or in one. */
 static bool is_covered(const struct isph *s, const double point[3], const double up[3],
@@ -165,27 +179,90 @@ static bool is_covered(const struct isph *s, const double point[3], const double
   return false;
 }
 
-/* Height of the highest water above or below the gauge, against gravity: half a particle above the
- * outermost particle whose distance from the vertical through the gauge is within LEVEL_REACH of
- * its size. NAN if there is none, or if the water ends at the underside of a wall. */
-static double level_at(const struct isph *s, const double point[3], const double up[3]) {
-  double most = -INFINITY;
+/* Height of the top of particle i if its distance from the vertical through the gauge is within
+ * LEVEL_REACH of its size, and it is no spray; else -INFINITY. */
+static double top_of(const struct isph *s, size_t i, const double point[3], const double up[3]) {
+  double r[3], along = 0, square = 0, height = 0, size = pow(s->volume[i], 1.0 / s->dimensions);
+  separation(s, s->position[i], point, r);
+  for (int a = 0; a < 3; a++)
+    along += r[a] * up[a], square += r[a] * r[a], height += s->position[i][a] * up[a];
+  const bool counts =
+      square - along * along <= pow(LEVEL_REACH * size, 2) && s->kernel_sum[i] >= LEVEL_KERNEL_SUM;
+  return counts ? height + 0.5 * size : -INFINITY;
+}
+
+/* The largest of these, and the support of the particle that has it. */
+static double highest_top(const struct isph *s, const double point[3], const double up[3],
+                          double *support) {
+  double most = -INFINITY, found = 0;
 #pragma omp parallel for schedule(static) reduction(max : most)
   for (size_t c = 0; c < s->chunk_count; c++)
-    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double r[3], along = 0, square = 0, height = 0, size = pow(s->volume[i], 1.0 / s->dimensions);
-      scaled_separation(s, i, &s->image[IMAGE_NONE], point, r);
-      for (int a = 0; a < 3; a++) {
-        r[a] *= s->support[i];
-        along += r[a] * up[a], square += r[a] * r[a], height += s->position[i][a] * up[a];
-      }
-      if (square - along * along > pow(LEVEL_REACH * size, 2) ||
-          s->kernel_sum[i] < LEVEL_KERNEL_SUM)
-        continue;
-      most = fmax(most, height + 0.5 * size);
-    }
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      most = fmax(most, top_of(s, i, point, up));
   most = ranks_max(most);
-  return isfinite(most) && !is_covered(s, point, up, most) ? most : NAN;
+#pragma omp parallel for schedule(static) reduction(max : found)
+  for (size_t c = 0; c < s->chunk_count; c++)
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      if (top_of(s, i, point, up) >= most) found = fmax(found, s->support[i]);
+  *support = ranks_max(found);
+  return most;
+}
+
+/* Adds V W of a particle at r from the highest place to the sums at all LEVELS places, `step` below
+ * each other along -up. A wall counts as water where it is below the place. */
+static void add_to_levels(const struct isph *s, const double r[3], double support, double volume,
+                          const double up[3], double step, bool wall, double sum[LEVELS]) {
+  double along = 0, square = 0;
+  for (int a = 0; a < 3; a++) along += r[a] * up[a], square += r[a] * r[a];
+  const double across = square - along * along, half = 0.5 * pow(volume, 1.0 / s->dimensions);
+  if (across >= support * support) return;
+  for (int k = 0; k < LEVELS; k++) {
+    const double above = along + k * step, length = sqrt(across + above * above);
+    double w, slope, part = 1;
+    if (length >= support) continue;
+    isph_kernel(s->scene->isph.kernel, s->dimensions, length, support, &w, &slope);
+    if (wall) part = fmax(0, fmin(1, 0.5 - 0.5 * above / half));
+    sum[k] += part * volume * w;
+  }
+}
+
+/* Height of the water above or below the gauge, against gravity: where the kernel sum of the water
+ * is 1/2, as on the face of a half-space, with the support of its highest particle. NAN if there is
+ * no water, or if it ends at the underside of a wall; the top of the highest particle where the sum
+ * is below 1/2 everywhere, as in a sheet one particle thick. */
+static double level_at(const struct isph *s, const double point[3], const double up[3]) {
+  double highest[3], total[LEVELS], height = 0, support;
+  const double top = highest_top(s, point, up, &support);
+  if (!isfinite(top) || is_covered(s, point, up, top)) return NAN;
+  const double begin = top + LEVEL_ABOVE * support, step = LEVEL_RANGE * support / (LEVELS - 1);
+  for (int a = 0; a < 3; a++) height += point[a] * up[a];
+  for (int a = 0; a < 3; a++) highest[a] = point[a] + (begin - height) * up[a];
+  struct isph_image image[8];
+  const int images = images_at(s, highest, image);
+#pragma omp parallel for schedule(static)
+  for (size_t c = 0; c < s->chunk_count; c++) {
+    double sum[LEVELS] = {0};
+    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++)
+      for (int k = 0; k < images; k++) {
+        double r[3];
+        if (is_lid(&image[k], highest, up) || is_open(s, i, &image[k])) continue;
+        scaled_separation(s, i, &image[k], highest, r);
+        for (int a = 0; a < 3; a++) r[a] *= s->support[i];
+        add_to_levels(s, r, support, s->volume[i], up, step, false, sum);
+      }
+    memcpy(s->sums[c], sum, sizeof sum);
+  }
+  isph_sum_chunks(s, LEVELS, total);
+  for (size_t j = 0; j < s->boundary_count; j++) {
+    double r[3];
+    if (s->boundary_kind[j] == BOUNDARY_WALL && s->wall_boxes[s->boundary_box[j]].tank) continue;
+    separation(s, s->boundary_position[j], highest, r);
+    add_to_levels(s, r, support, isph_wall_volume(s, j), up, step, true, total);
+  }
+  for (int k = 1; k < LEVELS; k++)
+    if (total[k] >= 0.5 && total[k - 1] < 0.5)
+      return begin - step * (k - (total[k] - 0.5) / (total[k] - total[k - 1]));
+  return top;
 }
 
 size_t isph_read_gauge(const struct isph *s, const double point[3], double *number) {

@@ -31,21 +31,24 @@ static double row_after(double time, double interval) {
   return interval > 0 ? (floor(time / interval * (1 + 1e-12)) + 1) * interval : 0;
 }
 
-/* The pressure at the start, of the first row and snapshot, is that in the first step. All else
- * that the step has changed is taken back. If it fails, the run goes on: its first step fails as
- * well, and is then tried with a shorter dt. */
-static enum status find_first_pressure(struct isph *s, double dt, struct isph_copy *copy) {
+/* The pressure at the start, of the first row and snapshot, is that in the first step, and *first
+ * the length that its velocities allow it. All else that the step has changed is taken back. If it
+ * fails, the run goes on: its first step fails as well, and is then tried with a shorter dt. */
+static enum status find_first_pressure(struct isph *s, double dt, struct isph_copy *copy,
+                                       double *first) {
   enum status status = STATUS_OK;
   double *pressure = NULL;
   struct isph_ending ending = s->ending;
   const char *unused;
   if (isnan(dt)) dt = isph_stable_dt(s, &unused);
+  dt = isph_dt_to_end(&ending, s->scene->end_time - s->time, dt);
   TRY(memory_allocate(&pressure, s->count, sizeof *pressure, "the first pressure"));
   TRY(isph_copy_state(s, copy));
-  status = isph_project(s, isph_dt_to_end(&ending, s->scene->end_time - s->time, dt));
+  status = isph_project(s, dt);
   const bool found = status == STATUS_OK;
   if (!found && status != STATUS_NUMERIC) goto cleanup;
   if (!found) error_clear();
+  if (found) *first = isph_first_dt(s, dt);
   if (found && s->count > 0) memcpy(pressure, s->pressure, s->count * sizeof *pressure);
   TRY(isph_restore_state(s, copy));
   if (found && s->count > 0) memcpy(s->pressure, pressure, s->count * sizeof *pressure);
@@ -59,13 +62,13 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
   enum status status = STATUS_OK;
   const struct scene *scene = s->scene;
   double row_interval = recorder_row_interval(recorder);
-  double fixed_dt = plan->dt, dt = fixed_dt, used = 0;
+  double fixed_dt = plan->dt, dt = fixed_dt, first_dt = INFINITY, used = 0;
   bool resumed = s->step > 0; /* row and snapshot of this step were there before the checkpoint */
   struct isph_trip trip = {.bound = WATCH_RESIDUAL};
   if (isnan(row_interval)) row_interval = isfinite(scene->end_time) ? scene->end_time / 500 : 0;
   double next_row = resumed ? row_after(s->time, row_interval) : 0;
   result->status = "end_time";
-  if (s->step == 0) TRY(find_first_pressure(s, fixed_dt, copy));
+  if (s->step == 0) TRY(find_first_pressure(s, fixed_dt, copy, &first_dt));
   for (;;) {
     bool last = s->time >= scene->end_time * (1 - 1e-12);
     double velocity[3];
@@ -102,6 +105,7 @@ static enum status march(struct isph *s, const struct plan *plan, struct isph_co
     }
     const char *limited_by = "scene";
     dt = isnan(fixed_dt) ? isph_stable_dt(s, &limited_by) : fixed_dt;
+    if (s->step == 0 && isnan(fixed_dt) && first_dt < dt) dt = first_dt, limited_by = "advection";
     if (s->dog.halvings > 0) dt = ldexp(dt, -s->dog.halvings), limited_by = "watchdog";
     dt = isph_dt_to_end(&s->ending, scene->end_time - s->time, dt);
     if (s->ending.steps > 0 && s->ending.steps <= 2) limited_by = "end_time";

@@ -38,16 +38,22 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
-/* Refuses a scene that the explicit viscosity makes hopeless, as in 10 cm of tar: more than
- * VISCOUS_STEPS steps, and VISCOUS_RATIO times as many as the other limits need. */
-static enum status check_viscosity(const struct plan *plan,
-                                   const struct isph_speed_forecast *speeds) {
+/* Refuses a run of more than HOPELESS_STEPS steps that takes HOPELESS_RATIO times as many as it
+ * would without what shortens them: a given dt, or the explicit viscosity, as in 10 cm of tar. */
+static enum status check_steps(const struct plan *plan, const struct isph_speed_forecast *speeds) {
   const struct effect_context *context = &plan->context;
-  const double ratio = plan->steps / steps_at(plan, speeds, INFINITY) / VISCOUS_RATIO;
+  const bool given = !isnan(plan->dt);
   const double viscous =
       DT_VISCOSITY * context->spacing * context->spacing / context->kinematic_viscosity;
-  if (!isnan(plan->dt)) return STATUS_OK; /* as the scene says */
-  if (!(plan->steps > VISCOUS_STEPS && ratio > 1 && viscous <= plan->dt_limit)) return STATUS_OK;
+  const double usual = steps_at(plan, speeds, given ? plan->dt_limit : INFINITY);
+  const double ratio = plan->steps / usual / HOPELESS_RATIO;
+  if (!(plan->steps > HOPELESS_STEPS && ratio > 1)) return STATUS_OK;
+  if (given)
+    return scene_error(context->scene, AT_ISPH_DT,
+                       "%g s asks for %.2g steps, where dt = \"auto\" takes some %.3g; write that, "
+                       "or a dt above %.2g s",
+                       plan->dt, plan->steps, usual, plan->dt * ratio);
+  if (!(viscous <= plan->dt_limit)) return STATUS_OK;
   return scene_error(context->scene, AT_VISCOSITY,
                      "this viscosity allows no step above %g s, %g spacing^2/nu, and asks for %.2g "
                      "steps; take a viscosity below %.2g Pa s, or a domain.spacing above %.2g m",
@@ -185,7 +191,7 @@ enum status isph_cost(struct plan *plan, int threads) {
   plan->steps =
       isnan(plan->dt) ? steps_at(plan, &speeds, plan->dt_limit) : scene->end_time / plan->dt;
   plan->steps = isfinite(scene->end_time) ? ceil(plan->steps) : NAN;
-  status = check_viscosity(plan, &speeds);
+  status = check_steps(plan, &speeds);
   if (status != STATUS_OK) return status;
   plan->seconds = plan->steps * n * (context->lattice->dimensions == 2 ? SECONDS_2D : SECONDS_3D) /
                   isph_threads(scene, n, threads < 8 ? threads : 8);

@@ -5,7 +5,9 @@
 #include <math.h>
 
 #include "common/log.h"
+#include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/effects/rain.h"
+#include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/window.h"
 
@@ -339,9 +341,43 @@ static enum status check_windows(const struct effect_context *context) {
   return STATUS_OK;
 }
 
-/* A particle must not be its own neighbour through a periodic side. */
+/* The porosity of a site, 1 in free water. */
+static double porosity_at(const struct effect_context *context, const size_t at[3]) {
+  const struct scene *scene = context->scene;
+  const struct lattice *l = context->lattice;
+  double porosity = 1;
+  for (size_t r = 0; r < scene->region_count; r++) {
+    const struct region *soil = &scene->regions[r];
+    bool inside = soil->type == REGION_POROUS;
+    for (int a = 0; a < 3 && inside; a++) {
+      const double x = l->origin[a] + (double)at[a] * l->spacing[a];
+      inside = !isph_scene_uses_axis(context, a) || (x >= soil->box[a] && x < soil->box[a + 3]);
+    }
+    if (inside) porosity = soil->porosity;
+  }
+  return porosity;
+}
+
+/* The spacing of the particles in the tightest soil. All hold the water of a site where the
+ * porosity is largest, of free water unless soil fills the domain (isph/place.c). */
+static double widest_spacing(const struct effect_context *context) {
+  const struct lattice *l = context->lattice;
+  double most = context->has_surface ? 1 : 0;
+  for (size_t k = 0, site = 0; k < l->size[2]; k++)
+    for (size_t j = 0; j < l->size[1]; j++)
+      for (size_t i = 0; i < l->size[0] && most < 1; i++, site++)
+        if (l->kind[site] == SITE_FLUID)
+          most = fmax(most, porosity_at(context, (const size_t[3]){i, j, k}));
+  return context->spacing *
+         pow(most / isph_soil_minimum(context->scene), 1.0 / context->lattice->dimensions);
+}
+
+/* A particle must not be its own neighbour through a periodic side. In soil kernels end at the
+ * domain's width, but a row of less than two particles has no neighbours but its own images. */
 static enum status check_periodic(const struct effect_context *context) {
   const struct scene *scene = context->scene;
+  const double widest =
+      context->spacing * pow(isph_soil_minimum(scene), -1.0 / context->lattice->dimensions);
   for (int a = 0; a < 3; a++)
     if (isph_scene_uses_axis(context, a) && scene->periodic[a] &&
         scene->domain_size[a] < context->support)
@@ -349,6 +385,18 @@ static enum status check_periodic(const struct effect_context *context) {
                          "%.4g m along the periodic axis %c is less than the kernel's support of "
                          "%.4g m; make the domain wider or the spacing smaller",
                          scene->domain_size[a], "xyz"[a], context -> support);
+  for (int a = 0; a < 3; a++) {
+    const double length = scene->domain_size[a];
+    if (!isph_scene_uses_axis(context, a) || !scene->periodic[a] ||
+        length >= SOIL_ROW_MIN * widest * (1 - 1e-9))
+      continue;
+    const double least = SOIL_ROW_MIN * widest_spacing(context);
+    if (length < least * (1 - 1e-9))
+      return scene_error(scene, AT_SIZE,
+                         "%.4g m along the periodic axis %c is less than %g particles in the soil "
+                         "of porosity %g, %.4g m; make the domain wider or the spacing smaller",
+                         length, "xyz"[a], SOIL_ROW_MIN, isph_soil_minimum(scene), least);
+  }
   return STATUS_OK;
 }
 

@@ -26,13 +26,23 @@ static double fastest_drive(const struct isph *s) {
   return fastest;
 }
 
-double isph_stable_dt(const struct isph *s, const char **limited_by) {
-  double fastest = fastest_drive(s);
+/* The velocity of the fastest particle, m/s. */
+static double fastest_water(const struct isph *s) {
+  double fastest = 0;
   for (size_t i = s->local.begin; i < s->local.end; i++) {
     double eps = s->on.soil ? s->porosity[i] : 1;
     fastest = fmax(fastest, length(s->velocity[i]) / eps);
   }
-  fastest = ranks_max(fastest);
+  return ranks_max(fastest);
+}
+
+double isph_first_dt(const struct isph *s, double dt) {
+  const double way = fastest_water(s) * dt;
+  return way > s->spacing ? dt * sqrt(DT_ADVECTION_SURFACE * s->spacing / way) : INFINITY;
+}
+
+double isph_stable_dt(const struct isph *s, const char **limited_by) {
+  const double fastest = fmax(fastest_drive(s), fastest_water(s));
   const double force = fmax(length(s->force), isph_head_drive(s->scene));
   const struct {
     const char *name;

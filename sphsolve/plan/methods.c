@@ -91,8 +91,8 @@ static enum status refuse_contradictions(const struct scene *scene,
     return scene_error(scene, AT_FORCE,
                        "nothing drives a flow; give a gravity, body_acceleration or "
                        "pressure_gradient, or a region that moves");
-  if (lattice->wall_count == 0 && lattice->cut == NULL && lattice->micro_porosity == NULL &&
-      method->resolves_pores && (!method->marches || !isfinite(scene->end_time)))
+  if (!lattice_holds_fluid(lattice) && method->resolves_pores &&
+      (!method->marches || !isfinite(scene->end_time)))
     return scene_error(
         scene, AT_METHOD,
         "no wall holds the fluid back, so a steady flow does not exist; add a wall%s "

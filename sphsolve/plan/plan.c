@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "common/log.h"
 #include "common/units.h"
 #include "sphsolve/geometry/percolation.h"
 #include "sphsolve/plan/constants.h"
@@ -157,6 +158,13 @@ enum status plan_make(const struct scene *scene, const struct lattice *lattice,
         "%.3g steps would be needed; a density, viscosity, force, velocity, sound speed "
         "or end_time is far off, or has a wrong unit",
         plan->steps));
+  if (plan->seconds > SECONDS_MAX) {
+    char time[40];
+    duration_format(plan->seconds, time, sizeof time);
+    log_warning("%s: this run will take about %s; a larger spacing or an earlier end makes it "
+                "shorter",
+                scene->path, time);
+  }
 cleanup:
   return status;
 }

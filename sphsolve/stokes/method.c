@@ -290,6 +290,11 @@ static enum status solve_level(struct stokes_job *job, double spacing) {
   bool is_base, solved, built = false;
   const double started = clock_processor_seconds();
   TRY(cascade_lattice(c, spacing, &next, &is_base));
+  if (!lattice_holds_fluid(&next)) {
+    cascade_skip(c);
+    if (!is_base) lattice_free(&next);
+    return STATUS_OK;
+  }
   if (!job->lattice_is_base) lattice_free(&job->lattice);
   job->lattice = next;
   job->lattice_is_base = is_base;

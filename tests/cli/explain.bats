@@ -153,3 +153,12 @@ END
   sphsolve explain $demo=mirrored.hdf > told.txt
   run ! grep "sides turn out" told.txt
 }
+
+@test "a run of more than 30 days is warned of before it begins" {
+  scene=$ROOT/data-samples/scenes/still-tank.cfg
+  run --separate-stderr sphsolve explain "$scene" --set isph.dt=auto --set scene.end_time=1e8s
+  [ $status -eq 0 ]
+  [[ $stderr == *"this run will take about"*"an earlier end makes it shorter" ]]
+  run --separate-stderr sphsolve explain "$scene" --set isph.dt=auto --set scene.end_time=1e6s
+  [ -z "$stderr" ]
+}

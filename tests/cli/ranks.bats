@@ -31,14 +31,23 @@ ranks_of() { # NAME: the processes of its ranks, of this folder alone
     [ "$(readlink "/proc/$p/cwd")" != "$PWD" ] || [ "$(basename "$(readlink "/proc/$p/exe")")" != sphsolve-mpi ] || echo "$p"
   done
 }
-killed() { # NAME JOB: a rank of it, once the second checkpoint is there; the job ends, and leaves the checkpoint
-  for _ in $(seq 400); do [ ! -e "$1.ckpt.1.hdf" ] || break; sleep 0.02; done
-  kill -9 "$(ranks_of "$1" | tail -1)"
-  run wait "$2"
-  [ "$status" -ne 0 ]
-  for _ in $(seq 400); do [ -n "$(ranks_of "$1")" ] || break; sleep 0.02; done # the others, after mpirun
-  [ -e "$1.ckpt.hdf" ]
-  [ ! -e "$1.hdf" ]
+# NAME RANKS COMMAND...: a rank of a run with -o NAME is killed once the second checkpoint is there; anew where the run was
+# over before that. The job ends, and leaves the checkpoint.
+killed() {
+  local name=$1 ranks=$2 job again code; shift 2
+  for again in $(seq 20); do
+    rm -f "$name".* "$name"-*
+    on "$ranks" "$@" > log 2>&1 &
+    job=$!
+    until [ -e "$name.ckpt.1.hdf" ] || ! kill -0 $job 2> /dev/null; do sleep 0.01; done
+    ranks_of "$name" | tail -1 | xargs -r kill -9 2> /dev/null || true
+    code=0; wait $job || code=$?
+    while [ -n "$(ranks_of "$name")" ]; do sleep 0.02; done # the others, after mpirun
+    [ -e "$name.hdf" ] || break
+  done
+  [ $code -ne 0 ]
+  [ -e "$name.ckpt.hdf" ]
+  [ ! -e "$name.hdf" ]
 }
 on() { local n=$1; shift; timeout 120 mpirun ${IDLE:+-x LD_PRELOAD="$IDLE"} -np "$n" "$@"; }
 stokes() { # NAME [options]
@@ -85,9 +94,7 @@ assert {"waiting_seconds", "busy_seconds"} <= set(run["timing"].attrs) and "wait
 @test "stokes: k, history and snapshot of a run on 1, 2, 4 ranks" { same_stokes 1 2 4; }
 
 @test "stokes: a rank killed on 3, finished on 4 and without MPI" {
-  rm -f cut*
-  on 3 sphsolve-mpi $(stokes cut --set checkpoint.interval=1us) > log 2>&1 &
-  killed cut $!
+  killed cut 3 sphsolve-mpi $(stokes cut --set checkpoint.interval=1us)
   for f in cut.ckpt*.hdf; do cp "$f" "two${f#cut}"; done
   [ -e serial.hdf ] || sphsolve $(stokes serial) > /dev/null
   on 4 sphsolve-mpi $(stokes cut --resume) > /dev/null
@@ -117,8 +124,7 @@ END
 # bats test_tags=long
 @test "solute: ended on 2 ranks and resumed on one, bit for bit" {
   carried_alone
-  on 2 sphsolve-mpi $given -o ended --quiet > log 2>&1 &
-  killed ended $!
+  killed ended 2 sphsolve-mpi $given -o ended --quiet
   sphsolve $given -o ended --quiet --resume --set checkpoint.interval='"1 h"'
   /usr/bin/python3 "$ROOT/tests/cli/same_run.py" alone.hdf ended.hdf @
 }
@@ -234,9 +240,7 @@ same_wcsph() {
 @test "wcsph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
   local pull=98
   [ -e wfrozen.hdf ] || sphsolve $(wcsph wfrozen --set wcsph.wall=frozen) > /dev/null
-  rm -f stop*
-  on 2 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --set checkpoint.interval=1us) > log 2>&1 &
-  killed stop $!
+  killed stop 2 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --set checkpoint.interval=1us)
   mkdir -p alone && cp stop* s06.cfg dense.hdf alone
   on 3 sphsolve-mpi $(wcsph stop --set wcsph.wall=frozen --resume) > /dev/null
   same wfrozen stop
@@ -363,10 +367,9 @@ END
 }
 
 @test "isph: a rank killed on 2, taken up by 3 and by one, bit for bit" {
-  rm -f part* lone-part*
+  rm -f lone-part*
   sphsolve $(isph dam-break 0.04s whole) > /dev/null
-  on 2 sphsolve-mpi $(isph dam-break 0.04s part --set checkpoint.interval=1us) > log 2>&1 &
-  killed part $!
+  killed part 2 sphsolve-mpi $(isph dam-break 0.04s part --set checkpoint.interval=1us)
   for f in part*; do cp "$f" "lone-$f"; done
   on 3 sphsolve-mpi $(isph dam-break 0.04s part --resume) > /dev/null
   same whole part

@@ -228,8 +228,7 @@ static enum status build(const struct lattice *lattice, const struct scene *scen
   const int threads = omp_get_max_threads();
   memset(s, 0, sizeof *s);
   s->bulk_count = lattice->bulk_count;
-  if (lattice->fluid_count == lattice->count && lattice->cut == NULL &&
-      lattice->micro_porosity == NULL)
+  if (!lattice_holds_fluid(lattice))
     TRY_FAIL(STATUS_INPUT, "scene: no wall holds the fluid back, so a steady flow does not exist; "
                            "add a wall, or choose method wcsph and an end_time");
   TRY(stokes_stencil_build(lattice->dimensions, lattice->spacing,
