@@ -13,7 +13,7 @@ void richards_place(const struct richards *s, size_t i, double x[3]) {
   for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)site[a] * l->spacing[a];
 }
 
-void richards_velocity(const struct richards *s, size_t i, double v[3]) {
+void richards_flow(const struct richards *s, size_t i, double v[3]) {
   for (size_t a = 0; a < 3; a++) {
     v[a] = 0;
     for (size_t high = 0; high < 2; high++) {
@@ -23,6 +23,16 @@ void richards_velocity(const struct richards *s, size_t i, double v[3]) {
                      : high          ? -s->edge_flux[b - BESIDE_EDGE].q
                                      : s->edge_flux[b - BESIDE_EDGE].q);
     }
+  }
+}
+
+void richards_velocity(const struct richards *s, size_t i, double v[3]) {
+  const size_t site = s->site[i];
+  richards_flow(s, i, v);
+  for (int a = 0; a < 3 && wall_cuts_volume(&s->walls, site) < 1; a++) {
+    const double open =
+        wall_cuts_face(&s->walls, site, a, false) + wall_cuts_face(&s->walls, site, a, true);
+    if (open > 0) v[a] *= 2 / open;
   }
 }
 
@@ -61,7 +71,8 @@ void richards_evaluate(struct richards *s, double time) {
 
 double richards_water(const struct richards *s) {
   double sum = 0;
-  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta;
+  for (size_t i = 0; i < s->count; i++)
+    sum += s->now[i].theta * wall_cuts_volume(&s->walls, s->site[i]);
   return sum * s->spacing * s->spacing * s->spacing;
 }
 

@@ -78,7 +78,7 @@ static void richards_find_k(const struct richards *s, struct run_result *result)
   int axis = 0;
   for (size_t i = 0; i < s->count; i++) {
     double v[3];
-    richards_velocity(s, i, v);
+    richards_flow(s, i, v);
     for (int a = 0; a < 3; a++) mean[a] += v[a] / s->lattice->bulk_count;
   }
   for (int a = 0; a < 3; a++) round = round && (drive[a] == 0 || s->scene->periodic[a]);

@@ -282,7 +282,7 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
   row.mass = density * richards_water(s);
   for (size_t i = 0; i < s->count; i++) {
     double v[3];
-    richards_velocity(s, i, v);
+    richards_flow(s, i, v);
     for (int a = 0; a < 3; a++) row.darcy_velocity[a] += v[a] / s->lattice->bulk_count;
   }
   return history_columns_row(recorder, &row, walk_columns, s);

@@ -13,6 +13,7 @@
 
 #include "sphsolve/darcy/basin.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/geometry/wall_cuts.h"
 #include "sphsolve/darcy/flux.h"
 #include "sphsolve/darcy/rows.h"
 
@@ -49,7 +50,8 @@ struct richards_source {
 struct richards_edge {
   uint32_t site;
   uint8_t axis;
-  bool low; /* on the low side of its site */
+  bool low;    /* on the low side of its site */
+  double open; /* share of the face that no wall covers; in a well or drain 1 */
   enum richards_edge_kind kind;
   const struct region *region;   /* what holds a head there, its well or drain; NULL: none */
   uint32_t source, source_count; /* what is given there: the first of them, and their number */
@@ -89,6 +91,7 @@ struct richards {
   const struct scene *scene;
   const struct lattice *lattice;
   double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2, along each axis */
+  struct wall_cuts walls;  /* what walls leave open of cells */
   size_t count, face_count, edge_count, source_count, soil_count;
   struct retention *soils;
   uint32_t *site;   /* [count]: index in the lattice */
