@@ -63,6 +63,7 @@ void richards_evaluate(struct richards *s, double time) {
     else
       flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
                    &s->face_flux[f]);
+    flux_scale(&s->face_flux[f], wall_cuts_face(&s->walls, s->site[face->i], face->axis, true));
   }
   richards_holes_flux(s, time);
   richards_edge_fluxes(s, time);
@@ -72,7 +73,7 @@ void richards_evaluate(struct richards *s, double time) {
 double richards_water(const struct richards *s) {
   double sum = 0;
   for (size_t i = 0; i < s->count; i++)
-    sum += s->now[i].theta * wall_cuts_volume(&s->walls, s->site[i]);
+    sum += s->now[i].theta * richards_volume(s, i);
   return sum * s->spacing * s->spacing * s->spacing;
 }
 

@@ -62,11 +62,13 @@ static double fall_along(const struct richards *s, int *axis) {
   return head[0] - head[1];
 }
 
-/* One soil, in layers between sites, has its k to the tolerance of the solution. */
+/* One soil, in layers between sites, has its k to the tolerance of the solution, unless walls cut
+ * its cells. */
 static void set_errors(const struct richards *s, struct run_result *result) {
   result->k_error = 0; /* no mean over time */
   result->error.steadiness = SATURATED_TOLERANCE;
-  result->error.resolution = s->soil_count <= 2 ? SATURATED_TOLERANCE : NAN;
+  const bool exact = s->soil_count <= 2 && s->walls.face == NULL;
+  result->error.resolution = exact ? SATURATED_TOLERANCE : NAN;
 }
 
 /* Sets Darcy velocity and k in `result`; NAN if there is no k. */

@@ -19,7 +19,8 @@
 #define NO_SOIL UINT16_MAX /* in of_region: free water, or soil without drag */
 
 static const struct region *region_of(const struct richards *s, size_t site) {
-  return &s->scene->regions[s->lattice->region[site] - 1];
+  const size_t at = wall_cuts_site(&s->walls, s->scene, s->lattice, site);
+  return &s->scene->regions[s->lattice->region[at] - 1];
 }
 
 /* Free water beside soil that is full: its flow has no resistance to speak of. */
@@ -253,7 +254,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
     s->changes = s->changes || scene->regions[r].table.count > 0;
   TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
   TRY(find_soils(s, of_region));
-  if (s->full) TRY(wall_cuts_find(scene, lattice, &s->walls));
+  TRY(wall_cuts_find(scene, lattice, &s->walls));
   for (size_t at = 0; at < lattice->count; at++) s->count += is_soil(s, at);
   TRY(memory_allocate(&s->site, s->count, sizeof *s->site, "sites of soil"));
   TRY(memory_allocate(&s->number, lattice->count, sizeof *s->number, "sites of soil"));

@@ -162,4 +162,9 @@ struct richards {
   double in, out; /* total inward and total outward flow through boundary faces */
 };
 
+/* What walls leave open of the cell of a site, over the cell. */
+static inline double richards_volume(const struct richards *s, size_t i) {
+  return wall_cuts_volume(&s->walls, s->site[i]);
+}
+
 #endif

@@ -422,7 +422,6 @@ static double around_cylinders(double f) {
 /* Wall cylinders of 3 to 10 spacings across, anywhere on the lattice, three or one and a half
  * diameters apart. */
 static void cylinders(void) {
-  static const char *const axes[] = {"x", "y", "z"};
   static const double sizes[][3] = {{3, 9, .012},   {4, 12, .006}, {5.5, 16, .004}, {7, 21, .002},
                                     {10, 30, .001}, {4, 6, .02},   {8, 12, .006}};
   static const double offsets[][2] = {{0, 0}, {.5, .5}, {.13, .37}, {.4, .1}, {.07, .31}};
