@@ -72,8 +72,7 @@ void richards_evaluate(struct richards *s, double time) {
 
 double richards_water(const struct richards *s) {
   double sum = 0;
-  for (size_t i = 0; i < s->count; i++)
-    sum += s->now[i].theta * richards_volume(s, i);
+  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta * richards_volume(s, i);
   return sum * s->spacing * s->spacing * s->spacing;
 }
 

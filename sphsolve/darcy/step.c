@@ -62,7 +62,7 @@ static void assemble(struct richards *s, double dt) {
   const double scale = dt / s->spacing;
   double *against = s->change; /* overwritten by the solution */
   memset(rows->value, 0, rows->start[rows->count] * sizeof *rows->value);
-  for (size_t i = 0; i < s->count; i++) 
+  for (size_t i = 0; i < s->count; i++)
     rows->value[rows->diagonal[i]] = richards_volume(s, i) * s->now[i].capacity;
   add_diffusion(s, scale, against);
   for (size_t i = 0; i < s->count; i++)
@@ -129,8 +129,7 @@ static double find_residual(struct richards *s, double dt, double time, double *
   sum_fluxes(s, rate, s->term_size);
   *squares = 0;
   for (size_t i = 0; i < s->count; i++) {
-    s->residual[i] =
-        richards_volume(s, i) * (s->target[i] + dt * rate[i] - s->now[i].theta);
+    s->residual[i] = richards_volume(s, i) * (s->target[i] + dt * rate[i] - s->now[i].theta);
     const double share =
         fabs(s->residual[i]) / (RESIDUAL_TOLERANCE + RESIDUAL_ROUNDING * dt * s->term_size[i]);
     if (!(share <= most)) most = share;

@@ -10,13 +10,13 @@
 #include "sphsolve/scene/scene_shapes.h"
 
 /* Small cubes of a cell along each axis, on the lines by which volumes are found, and areas in 3-D.
- * With a layer of them around: parts that a round wall divides by its crown alone lead to one another
- * there. */
+ * With a layer of them around: parts that a round wall divides by its crown alone lead to one
+ * another there. */
 #define CUBES_2D 16
 #define CUBES_3D 8
 #define CUBES_MAX (CUBES_2D + 2)
-/* What is open of a face belongs to a part of a cell with a cube so near, in spacings: more than the
- * wedges that hold no cube, and less than any wall that cuts cells is thick. */
+/* What is open of a face belongs to a part of a cell with a cube so near, in spacings: more than
+ * the wedges that hold no cube, and less than any wall that cuts cells is thick. */
 #define BELONGS 0.25
 /* Beside a face, in spacings: of a wall that ends at the face, one side is in the wall. */
 #define BESIDE 1e-9
@@ -36,10 +36,10 @@ struct cell {
   const struct lattice *lattice;
   double centre[3];
   size_t near_count;
-  const struct region *near[NEAR_MAX]; /* those that may reach into it, in order */
+  const struct region *near[NEAR_MAX];           /* those that may reach into it, in order */
   uint8_t part[CUBES_MAX][CUBES_MAX][CUBES_MAX]; /* number of a part from 1; 0: wall */
-  uint8_t own;                         /* that of the site; 0: none */
-  double volume;                       /* of its part, over the cell's */
+  uint8_t own;                                   /* that of the site; 0: none */
+  double volume;                                 /* of its part, over the cell's */
 };
 
 static int lines_along(const struct lattice *l, int axis) {
@@ -92,8 +92,7 @@ static bool holds(const struct cell *c, const struct region *r, const double x[3
   double at[POLYGON_CORNERS_MAX];
   bool inside = true;
   for (int a = 0; a < 3; a++)
-    inside = inside &&
-             (!is_used(c->lattice, a) || (x[a] > extent[a] && x[a] < extent[a + 3]));
+    inside = inside && (!is_used(c->lattice, a) || (x[a] > extent[a] && x[a] < extent[a + 3]));
   if (!inside || !is_polygon(r)) return inside;
   const size_t n = polygon_scan(r->polygon, 1, x[r->polygon->plane[1]], at);
   inside = false;
@@ -109,8 +108,8 @@ static bool is_wall(const struct cell *c, const double x[3]) {
 
 /* Adds where regions end on the line through x along an axis, relative to the cell's centre and
  * up to `reach` from it. */
-static void add_ends(const struct cell *c, const double x[3], int axis, double reach,
-                     size_t *count, double end[ENDS_MAX]) {
+static void add_ends(const struct cell *c, const double x[3], int axis, double reach, size_t *count,
+                     double end[ENDS_MAX]) {
   for (size_t k = 0; k < c->near_count; k++) {
     const struct region *r = c->near[k];
     const double *extent = extent_of(r);
@@ -140,8 +139,7 @@ static void begin_cell(const struct scene *scene, const struct lattice *l, size_
       near = !is_used(l, a) ||
              (c->centre[a] + reach > extent[a] && c->centre[a] - reach < extent[a + 3]);
     if (!near) continue;
-    if (c->near_count == NEAR_MAX)
-      memmove(c->near, c->near + 1, --c->near_count * sizeof *c->near);
+    if (c->near_count == NEAR_MAX) memmove(c->near, c->near + 1, --c->near_count * sizeof *c->near);
     c->near[c->near_count++] = r;
   }
 }
@@ -227,8 +225,8 @@ static void fill_cell(struct cell *c) {
 
 /* Whether the piece from..to of line `row` in a face belongs to the part of the cell that counts;
  * the line is along `along`, beside others along `across`. */
-static bool is_own(struct cell *c, int axis, bool high, int along, int across, int row,
-                   double from, double to) {
+static bool is_own(struct cell *c, int axis, bool high, int along, int across, int row, double from,
+                   double to) {
   const struct lattice *l = c->lattice;
   const double d = l->spacing[0];
   for (int k = 0; k < lines_along(l, 2); k++)
@@ -272,8 +270,7 @@ static double open_share(struct cell *low, struct cell *high, int axis) {
         struct cell *c = cells[s];
         if (c == NULL) continue;
         x[s][along] = c->centre[along] + 0.5 * (end[m] + end[m + 1]);
-        open = !is_wall(c, x[s]) &&
-               is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
+        open = !is_wall(c, x[s]) && is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
       }
       if (open) sum += (end[m + 1] - end[m]) / (d * rows);
     }
@@ -316,8 +313,7 @@ static void find_volumes(const struct scene *scene, const struct lattice *l, flo
   }
 }
 
-static void find_faces(const struct scene *scene, const struct lattice *l,
-                       float (*face)[3][2]) {
+static void find_faces(const struct scene *scene, const struct lattice *l, float (*face)[3][2]) {
 #pragma omp parallel for schedule(dynamic, 256)
   for (size_t site = 0; site < l->count; site++) {
     struct cell own, other;

@@ -1,9 +1,9 @@
 /* Cells that walls cut, for finite volumes whose unknowns stand on the sites of a lattice: which
- * share of each face, and of the volume, is open. The flux between two sites, open share of the face
- * times the slope of the head between them, is that of Purvis and Burkhalter (1979) and Ng, Min,
- * Gibou (2009, J. Comput. Phys. 228): symmetric, conservative, exact for uniform flow along a plane
- * wall anywhere, and of second order beside curved ones. The head of a site whose centre lies in the
- * wall is that of the water in its cell, continued to the centre.
+ * share of each face, and of the volume, is open. The flux between two sites, open share of the
+ * face times the slope of the head between them, is that of Purvis and Burkhalter (1979) and Ng,
+ * Min, Gibou (2009, J. Comput. Phys. 228): symmetric, conservative, exact for uniform flow along a
+ * plane wall anywhere, and of second order beside curved ones. The head of a site whose centre lies
+ * in the wall is that of the water in its cell, continued to the centre.
  *
  * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. Walls that
  * the lattice holds otherwise count by their sites and links (thin_wall.h): boxes up to a spacing
@@ -27,11 +27,13 @@ enum status wall_cuts_find(const struct scene *scene, const struct lattice *latt
                            struct wall_cuts *cuts);
 void wall_cuts_free(struct wall_cuts *cuts);
 
-/* The site, itself or beside it, that says what fills the open part of a cell; a wall site: none. */
+/* The site, itself or beside it, that says what fills the open part of a cell; a wall site: none.
+ */
 size_t wall_cuts_site(const struct wall_cuts *cuts, const struct scene *scene,
                       const struct lattice *lattice, size_t site);
 
-static inline double wall_cuts_face(const struct wall_cuts *cuts, size_t site, int axis, bool high) {
+static inline double wall_cuts_face(const struct wall_cuts *cuts, size_t site, int axis,
+                                    bool high) {
   return cuts->face == NULL ? 1 : (double)cuts->face[site][axis][high];
 }
 static inline double wall_cuts_volume(const struct wall_cuts *cuts, size_t site) {

@@ -452,9 +452,9 @@ static void cylinders(void) {
 static void plates(void) {
   static const struct {
     double rise, thick, at, bound;
-  } cases[] = {{7, 2, 1.2, 1e-3},     {10, 3, 2.4, 1e-3},   {16, 3.3, 5.17, 1e-3},
-               {24, 4, 7.4, 1e-3},    {33, 6.1, 9.05, 1e-3}, {16, 1.6, 5.17, 1e-3},
-               {16, 1.2, 3, .01},     {33, 1.4, 9.05, .01},  {24, .9, 7.4, .01}};
+  } cases[] = {{7, 2, 1.2, 1e-3},  {10, 3, 2.4, 1e-3},    {16, 3.3, 5.17, 1e-3},
+               {24, 4, 7.4, 1e-3}, {33, 6.1, 9.05, 1e-3}, {16, 1.6, 5.17, 1e-3},
+               {16, 1.2, 3, .01},  {33, 1.4, 9.05, .01},  {24, .9, 7.4, .01}};
   for (size_t n = 0; n < 2 * sizeof cases / sizeof *cases; n++) {
     const double started = clock_seconds(), rise = cases[n / 2].rise, thick = cases[n / 2].thick;
     const double at = cases[n / 2].at, first = (rise - at - thick) / rise * 40,
@@ -480,8 +480,7 @@ static void plates(void) {
     if (across)
       report(name, 1, 1 + (c * y - z * x) / 1e-2, 1e-9, passed(started));
     else
-      report(name, 1e-2 * (1 - thick / rise), c * x + z * y,
-             cases[n / 2].bound, passed(started));
+      report(name, 1e-2 * (1 - thick / rise), c * x + z * y, cases[n / 2].bound, passed(started));
     finish(&run);
   }
 }
