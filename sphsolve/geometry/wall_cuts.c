@@ -8,6 +8,7 @@
 #include "sphsolve/scene/scene_geometry.h"
 #include "sphsolve/scene/scene_parts.h"
 #include "sphsolve/scene/scene_shapes.h"
+#include "sphsolve/scene/stl.h"
 
 /* Small cubes of a cell along each axis, on the lines by which volumes are found, and areas in 3-D.
  * With a layer of them around: parts that a round wall divides by its crown alone lead to one
@@ -25,10 +26,23 @@
 /* Sites further from the boxes of the walls, in spacings, have no wall in their cells: half a
  * diagonal of the cell, and what a shape differs from its boxes. */
 #define REACH 2.0
-/* Most regions that reach into one cell, of which the last count, and ends of them on a line. */
+/* Most regions that reach into one cell, of which the last count; most ends of one on a line there,
+ * and of all. */
 #define NEAR_MAX 32
-#define ENDS_MAX 64
+#define ENDS_MAX 16
+#define PIECES_MAX 128
 #define UNSEEN UINT8_MAX /* an open cube whose part has no number yet */
+
+/* A region on a line: whether it holds the low end of the line, and where that changes. */
+struct stretch {
+  bool wall, inside;
+  size_t count;
+  double end[ENDS_MAX]; /* m from the middle of the cell */
+};
+struct line {
+  size_t count;
+  struct stretch region[NEAR_MAX];
+};
 
 /* A cell, and the connected parts of it that no wall fills, in small cubes by x, y, z. */
 struct cell {
@@ -69,59 +83,86 @@ static bool is_inner(const struct lattice *l, const int at[3]) {
   return inner;
 }
 
-/* Whether a region counts by its own shape or box, and not by another part of that. */
-static bool is_shaped(const struct scene *scene, const struct region *r) {
+/* Whether a region counts by the polygon or body that it is a part of. */
+static bool has_shape(const struct scene *scene, const struct region *r) {
+  const struct region *first = &scene->regions[r->first];
+  return (first->polygon != NULL || first->stl != NULL) && !r->filled;
+}
+
+/* Whether a region counts here, and not by another part of its shape. */
+static bool counts(const struct scene *scene, const struct region *r) {
   if (r->type != REGION_WALL && r->type != REGION_POROUS && r->type != REGION_WATER &&
       r->type != REGION_EMPTY)
     return false;
-  if (r->polygon != NULL && !r->filled) return r == &scene->regions[r->first];
+  if (has_shape(scene, r)) return r == &scene->regions[r->first];
   return r->type != REGION_WALL || r->is_part ||
          scene_region_thickness(scene, r) > (1 + 1e-6) * scene->spacing;
 }
 
-static bool is_polygon(const struct region *r) {
-  return r->polygon != NULL && !r->filled;
+static const double *extent_of(const struct scene *scene, const struct region *r) {
+  return has_shape(scene, r) ? r->extent : r->box;
 }
 
-static const double *extent_of(const struct region *r) {
-  return is_polygon(r) ? r->extent : r->box;
-}
-
-static bool holds(const struct cell *c, const struct region *r, const double x[3]) {
-  const double *extent = extent_of(r);
-  double at[POLYGON_CORNERS_MAX];
-  bool inside = true;
+/* Where a region begins and ends on the line through x along an axis. */
+static size_t find_ends(const struct cell *c, const struct region *r, const double x[3], int axis,
+                        double at[POLYGON_CORNERS_MAX]) {
+  const double *extent = extent_of(c->scene, r);
+  const struct polygon *p = has_shape(c->scene, r) ? r->polygon : NULL;
+  size_t n = 0;
   for (int a = 0; a < 3; a++)
-    inside = inside && (!is_used(c->lattice, a) || (x[a] > extent[a] && x[a] < extent[a + 3]));
-  if (!inside || !is_polygon(r)) return inside;
-  const size_t n = polygon_scan(r->polygon, 1, x[r->polygon->plane[1]], at);
-  inside = false;
-  for (size_t k = 0; k < n; k++) inside = inside != (at[k] > x[r->polygon->plane[0]]);
-  return inside;
+    if (a != axis && is_used(c->lattice, a) && !(x[a] > extent[a] && x[a] < extent[a + 3]))
+      return 0;
+  if (has_shape(c->scene, r) && p == NULL)
+    return stl_scan(r->stl, axis, x, at, POLYGON_CORNERS_MAX);
+  if (p != NULL && p->axis != axis) {
+    const int across = p->plane[0] == axis;
+    return polygon_scan(p, across, x[p->plane[across]], at);
+  }
+  if (p != NULL) {
+    bool inside = false;
+    n = polygon_scan(p, 1, x[p->plane[1]], at);
+    for (size_t k = 0; k < n; k++) inside = inside != (at[k] > x[p->plane[0]]);
+    if (!inside) return 0;
+  }
+  at[0] = extent[axis], at[1] = extent[axis + 3];
+  return 2;
 }
 
-static bool is_wall(const struct cell *c, const double x[3]) {
-  for (size_t k = c->near_count; k-- > 0;)
-    if (holds(c, c->near[k], x)) return c->near[k]->type == REGION_WALL;
+/* What regions are on a line along an axis, up to `reach` from the middle of a cell. */
+static void cast_line(const struct cell *c, const double x[3], int axis, double reach,
+                      struct line *line) {
+  line->count = c->near_count;
+  for (size_t k = 0; k < c->near_count; k++) {
+    struct stretch *on = &line->region[k];
+    double at[POLYGON_CORNERS_MAX];
+    const size_t n = find_ends(c, c->near[k], x, axis, at);
+    *on = (struct stretch){.wall = c->near[k]->type == REGION_WALL};
+    for (size_t m = 0; m < n; m++) {
+      const double t = at[m] - c->centre[axis];
+      on->inside = on->inside != (t > -reach);
+      if (fabs(t) < reach && on->count < ENDS_MAX) on->end[on->count++] = t;
+    }
+  }
+}
+
+/* Whether a place on a line is in a wall: in the last region that holds it. */
+static bool is_wall(const struct line *line, double t) {
+  for (size_t k = line->count; k-- > 0;) {
+    const struct stretch *on = &line->region[k];
+    bool inside = on->inside;
+    for (size_t m = 0; m < on->count; m++) inside = inside != (on->end[m] < t);
+    if (inside) return on->wall;
+  }
   return false;
 }
 
-/* Adds where regions end on the line through x along an axis, relative to the cell's centre and
- * up to `reach` from it. */
-static void add_ends(const struct cell *c, const double x[3], int axis, double reach, size_t *count,
-                     double end[ENDS_MAX]) {
-  for (size_t k = 0; k < c->near_count; k++) {
-    const struct region *r = c->near[k];
-    const double *extent = extent_of(r);
-    double at[POLYGON_CORNERS_MAX] = {extent[axis], extent[axis + 3]};
-    size_t n = 2;
-    if (is_polygon(r) && r->polygon->axis != axis) {
-      const int across = r->polygon->plane[0] == axis;
-      n = polygon_scan(r->polygon, across, x[r->polygon->plane[across]], at);
-    }
-    for (size_t m = 0; m < n && *count < ENDS_MAX; m++)
-      if (fabs(at[m] - c->centre[axis]) < reach) end[(*count)++] = at[m] - c->centre[axis];
-  }
+/* Adds where regions begin and end to the ends of pieces, sorted. */
+static size_t add_ends(const struct line *line, size_t n, double end[PIECES_MAX]) {
+  for (size_t k = 0; k < line->count; k++)
+    for (size_t m = 0; m < line->region[k].count && n < PIECES_MAX; m++)
+      end[n++] = line->region[k].end[m];
+  qsort(end, n, sizeof *end, scene_parts_by_value);
+  return n;
 }
 
 static void begin_cell(const struct scene *scene, const struct lattice *l, size_t site,
@@ -133,8 +174,8 @@ static void begin_cell(const struct scene *scene, const struct lattice *l, size_
   for (int a = 0; a < 3; a++) c->centre[a] = l->origin[a] + (double)place[a] * l->spacing[a];
   for (size_t n = 0; n < scene->region_count; n++) {
     const struct region *r = &scene->regions[n];
-    const double *extent = extent_of(r);
-    bool near = is_shaped(scene, r);
+    const double *extent = extent_of(scene, r);
+    bool near = counts(scene, r);
     for (int a = 0; a < 3 && near; a++)
       near = !is_used(l, a) ||
              (c->centre[a] + reach > extent[a] && c->centre[a] - reach < extent[a + 3]);
@@ -193,18 +234,17 @@ static void fill_line(struct cell *c, int j, int k) {
   const struct lattice *l = c->lattice;
   const double half = 0.5 * l->spacing[0], reach = half + l->spacing[0] / lines_along(l, 0);
   const double share = l->spacing[0] * lines_along(l, 1) * lines_along(l, 2);
-  double x[3] = {0, c->centre[1] + middle_of(l, 1, j), c->centre[2] + middle_of(l, 2, k)};
-  double end[ENDS_MAX] = {-reach, reach};
-  size_t n = 2;
+  const double x[3] = {0, c->centre[1] + middle_of(l, 1, j), c->centre[2] + middle_of(l, 2, k)};
+  double end[PIECES_MAX] = {-reach, reach};
+  struct line line;
   const int edge[3] = {0, j, k};
   for (int a = 1; a < 3; a++)
     if (is_used(l, a) && !(x[a] > 0 && x[a] < c->scene->domain_size[a]) && !is_inner(l, edge))
       return;
-  add_ends(c, x, 0, reach, &n, end);
-  qsort(end, n, sizeof *end, scene_parts_by_value);
+  cast_line(c, x, 0, reach, &line);
+  const size_t n = add_ends(&line, 2, end);
   for (size_t m = 0; m + 1 < n; m++) {
-    x[0] = c->centre[0] + 0.5 * (end[m] + end[m + 1]);
-    if (!(end[m] < end[m + 1]) || is_wall(c, x)) continue;
+    if (!(end[m] < end[m + 1]) || is_wall(&line, 0.5 * (end[m] + end[m + 1]))) continue;
     if (is_inner(l, edge))
       c->volume += fmax(0, fmin(end[m + 1], half) - fmax(end[m], -half)) / share;
     for (int i = -1; i < cubes_end(l, 0); i++) {
@@ -254,23 +294,24 @@ static double open_share(struct cell *low, struct cell *high, int axis) {
   const int rows = lines_along(any->lattice, across);
   double sum = 0;
   for (int row = 0; row < rows; row++) {
-    double end[ENDS_MAX] = {-0.5 * d, 0.5 * d}, x[2][3];
+    double end[PIECES_MAX] = {-0.5 * d, 0.5 * d}, x[3];
+    struct line line[2];
     size_t n = 2;
     for (int s = 0; s < 2; s++) {
       const struct cell *c = cells[s];
       if (c == NULL) continue;
-      x[s][axis] = c->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * d;
-      x[s][across] = c->centre[across] + middle_of(c->lattice, across, row);
-      add_ends(c, x[s], along, 0.5 * d, &n, end);
+      x[axis] = c->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * d;
+      x[across] = c->centre[across] + middle_of(c->lattice, across, row);
+      cast_line(c, x, along, 0.5 * d, &line[s]);
+      n = add_ends(&line[s], n, end);
     }
-    qsort(end, n, sizeof *end, scene_parts_by_value);
     for (size_t m = 0; m + 1 < n; m++) {
       bool open = end[m] < end[m + 1];
       for (int s = 0; s < 2 && open; s++) {
         struct cell *c = cells[s];
         if (c == NULL) continue;
-        x[s][along] = c->centre[along] + 0.5 * (end[m] + end[m + 1]);
-        open = !is_wall(c, x[s]) && is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
+        open = !is_wall(&line[s], 0.5 * (end[m] + end[m + 1])) &&
+               is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
       }
       if (open) sum += (end[m + 1] - end[m]) / (d * rows);
     }
@@ -292,14 +333,27 @@ static size_t beside(const struct scene *scene, const struct lattice *l, size_t 
   return high ? site - (n - 1) * stride : site + (n - 1) * stride;
 }
 
+/* Whether the centre of a cell lies in the shape of a wall, or on its surface. */
+static bool is_shaped(const struct cell *c) {
+  const double near = BESIDE * c->lattice->spacing[0];
+  bool wall = false;
+  for (int n = 0; n < 8 && !wall; n++) {
+    struct line line;
+    double x[3];
+    for (int a = 0; a < 3; a++) x[a] = c->centre[a] + (n >> a & 1 ? near : -near);
+    cast_line(c, x, 0, 0.5 * c->lattice->spacing[0], &line);
+    wall = is_wall(&line, x[0] - c->centre[0]);
+  }
+  return wall;
+}
+
 /* A cell with what counts of it. A wall site opens only where its centre lies in a shape. */
 static void make_cell(const struct scene *scene, const struct lattice *l, size_t site,
                       struct cell *c) {
   begin_cell(scene, l, site, c);
   memset(c->part, 0, sizeof c->part);
   c->own = 0, c->volume = 0;
-  if (l->kind[site] == SITE_WALL && !is_wall(c, c->centre)) return;
-  fill_cell(c);
+  if (l->kind[site] != SITE_WALL || is_shaped(c)) fill_cell(c);
 }
 
 static void find_volumes(const struct scene *scene, const struct lattice *l, float *volume) {

@@ -17,6 +17,7 @@
 #include "sphsolve/scene/scene_parts.h"
 #include "sphsolve/scene/lost_wall.h"
 #include "sphsolve/scene/scene_stl.h"
+#include "sphsolve/scene/stl.h"
 
 /* Corners of the polygon that represents a circle of the same area. */
 enum { CORNERS_OF_CIRCLE = 64 };
@@ -284,9 +285,9 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
       TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
       const size_t cut_count = parts.count;
       if (region->type == REGION_WALL) TRY(fill_thin(scene, region, &parts));
-      for (size_t k = 0; k < parts.count; k++)
-        parts.region[k].stl = NULL, parts.region[k].filled = parts.count > cut_count;
-      scene_free_stl(region);
+      for (size_t k = 0; k < parts.count; k++) parts.region[k].filled = parts.count > cut_count;
+      for (size_t k = 1; k < parts.count; k++) parts.region[k].stl = NULL;
+      if (stl) TRY(stl_sort(region->stl, scene->spacing));
       if (parts.count == 0)
         TRY(config_error(config, config_item(list, i),
                          "is narrower than the spacing (%g m) and holds no site; use a smaller "

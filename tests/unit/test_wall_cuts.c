@@ -46,8 +46,7 @@ static void test_box(void **state) {
     assert_true(fabs(wall_cuts_face(cuts, site_at(i, 6), 0, true) - .3) < 1e-6);
     assert_true(wall_cuts_face(cuts, site_at(i, 6), 2, true) == 1);
     assert_true(wall_cuts_face(cuts, site_at(i, 6), 2, false) == 0);
-    assert_int_equal(wall_cuts_site(cuts, &run.scene, &run.lattice, site_at(i, 6)),
-                     site_at(i, 7));
+    assert_int_equal(wall_cuts_site(cuts, &run.scene, &run.lattice, site_at(i, 6)), site_at(i, 7));
   }
   finish(&run);
 }
@@ -59,13 +58,14 @@ static void test_tight(void **state) {
     const double thick = .1 + .025 * n, left = 2 + .31 * (n % 7), rise = .5 * (n % 11) - 1.5;
     struct run run;
     start(&run,
-          BOX "regions = ( " SOIL("") "{ type = \"wall\"; corners = [\"0\", \"%.9g m\", \"20 m\", "
-                                      "\"%.9g m\", \"20 m\", \"%.9g m\", \"0\", \"%.9g m\"]; }, "
-          "{ type = \"inflow\"; box = [\"0\", \"0\", \"20 m\", \"1 m\"]; head = \"9 m\"; },"
-          "{ type = \"inflow\"; box = [\"0\", \"9 m\", \"20 m\", \"10 m\"]; head = \"8 m\"; } );\n",
+          BOX "regions = ( " SOIL(
+              "") "{ type = \"wall\"; corners = [\"0\", \"%.9g m\", \"20 m\", "
+                  "\"%.9g m\", \"20 m\", \"%.9g m\", \"0\", \"%.9g m\"]; }, "
+                  "{ type = \"inflow\"; box = [\"0\", \"0\", \"20 m\", \"1 m\"]; head = \"9 m\"; },"
+                  "{ type = \"inflow\"; box = [\"0\", \"9 m\", \"20 m\", \"10 m\"]; head = \"8 "
+                  "m\"; } );\n",
           left, left + rise, left + rise + thick, left + thick);
-    for (size_t e = 0; e < run.s.edge_count; e++)
-      assert_true(fabs(run.s.edge_flux[e].q) < 1e-12);
+    for (size_t e = 0; e < run.s.edge_count; e++) assert_true(fabs(run.s.edge_flux[e].q) < 1e-12);
     finish(&run);
   }
 }
@@ -91,8 +91,8 @@ static void test_richards(void **state) {
   struct run full, wet;
   (void)state;
   start(&full, BOX "regions = ( " SOIL("") CYLINDER HEADS("19 m", "18 m") " );\n" GRAVITY);
-  start(&wet, BOX "regions = ( " SOIL(RETENTION "head = \"19 m\";") CYLINDER HEADS("19 m", "18 m")
-              " );\n" GRAVITY);
+  start(&wet, BOX "regions = ( " SOIL(RETENTION "head = \"19 m\";")
+                  CYLINDER HEADS("19 m", "18 m") " );\n" GRAVITY);
   advance(&wet, 1e6);
   assert_int_equal(full.s.edge_count, wet.s.edge_count);
   for (size_t e = 0; e < full.s.edge_count; e++)
@@ -101,8 +101,8 @@ static void test_richards(void **state) {
   assert_true(water_open(&wet.s) < 1e-9);
   finish(&full);
   finish(&wet);
-  start(&wet, BOX "regions = ( " SOIL(RETENTION "head = \"10 m\";") CYLINDER HEADS("3 m", "2 m")
-              " );\n" GRAVITY);
+  start(&wet, BOX "regions = ( " SOIL(RETENTION "head = \"10 m\";")
+                  CYLINDER HEADS("3 m", "2 m") " );\n" GRAVITY);
   advance(&wet, 1e5);
   assert_true(water_open(&wet.s) < 1e-10);
   finish(&wet);
