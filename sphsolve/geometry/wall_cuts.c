@@ -16,6 +16,7 @@
 #define CUBES_2D 16
 #define CUBES_3D 8
 #define CUBES_MAX (CUBES_2D + 2)
+#define CUBES_ALL (CUBES_3D * CUBES_3D * CUBES_3D) /* as many as in 2-D, or more */
 /* What is open of a face belongs to a part of a cell with a cube so near, in spacings: more than
  * the wedges that hold no cube, and less than any wall that cuts cells is thick. */
 #define BELONGS 0.25
@@ -54,6 +55,7 @@ struct cell {
   uint8_t part[CUBES_MAX][CUBES_MAX][CUBES_MAX]; /* number of a part from 1; 0: wall */
   uint8_t own;                                   /* that of the site; 0: none */
   double volume;                                 /* of its part, over the cell's */
+  uint8_t own_cubes[CUBES_ALL / 8];              /* bits of the cubes of its part, by z, y, x */
 };
 
 static int lines_along(const struct lattice *l, int axis) {
@@ -265,29 +267,27 @@ static void fill_cell(struct cell *c) {
 
 /* Whether the piece from..to of line `row` in a face belongs to the part of the cell that counts;
  * the line is along `along`, beside others along `across`. */
-static bool is_own(struct cell *c, int axis, bool high, int along, int across, int row, double from,
-                   double to) {
+static bool is_own(const struct cell *c, int axis, bool high, int along, int across, int row,
+                   double from, double to) {
   const struct lattice *l = c->lattice;
   const double d = l->spacing[0];
-  for (int k = 0; k < lines_along(l, 2); k++)
-    for (int j = 0; j < lines_along(l, 1); j++)
-      for (int i = 0; i < lines_along(l, 0); i++) {
-        const int at[3] = {i, j, k};
-        const double middle = middle_of(l, along, at[along]),
-                     off = fmax(0, fmax(from - middle, middle - to)),
-                     deep = (high ? 0.5 : -0.5) * d - middle_of(l, axis, at[axis]),
-                     aside = middle_of(l, across, at[across]) - middle_of(l, across, row);
-        if (c->own > 0 && *cube_at(c, at) == c->own &&
-            off * off + deep * deep + aside * aside < BELONGS * BELONGS * d * d)
-          return true;
-      }
+  for (int n = 0; n < CUBES_ALL; n++) {
+    if (!(c->own_cubes[n / 8] >> n % 8 & 1)) continue;
+    const int nx = lines_along(l, 0), ny = lines_along(l, 1),
+              at[3] = {n % nx, n / nx % ny, n / nx / ny};
+    const double middle = middle_of(l, along, at[along]),
+                 off = fmax(0, fmax(from - middle, middle - to)),
+                 deep = (high ? 0.5 : -0.5) * d - middle_of(l, axis, at[axis]),
+                 aside = middle_of(l, across, at[across]) - middle_of(l, across, row);
+    if (off * off + deep * deep + aside * aside < BELONGS * BELONGS * d * d) return true;
+  }
   return false;
 }
 
 /* Share of a face that is open to the cell at its low side and that at its high side; NULL: the
  * outside. */
-static double open_share(struct cell *low, struct cell *high, int axis) {
-  struct cell *cells[2] = {low, high};
+static double open_share(const struct cell *low, const struct cell *high, int axis) {
+  const struct cell *cells[2] = {low, high};
   const struct cell *any = low != NULL ? low : high;
   const double d = any->lattice->spacing[0];
   const int along = axis == 0 ? 2 : 0, across = 3 - axis - along;
@@ -308,7 +308,7 @@ static double open_share(struct cell *low, struct cell *high, int axis) {
     for (size_t m = 0; m + 1 < n; m++) {
       bool open = end[m] < end[m + 1];
       for (int s = 0; s < 2 && open; s++) {
-        struct cell *c = cells[s];
+        const struct cell *c = cells[s];
         if (c == NULL) continue;
         open = !is_wall(&line[s], 0.5 * (end[m] + end[m + 1])) &&
                is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
@@ -317,10 +317,6 @@ static double open_share(struct cell *low, struct cell *high, int axis) {
     }
   }
   return sum < SHARE_LEAST ? 0 : sum > 1 - SHARE_LEAST ? 1 : sum;
-}
-
-static bool is_near(const struct lattice *l, size_t site) {
-  return fabs((double)l->wall_distance[site]) < REACH * l->spacing[0];
 }
 
 /* The site beside another; the lattice's count outside of a domain that ends there. */
@@ -347,36 +343,72 @@ static bool is_shaped(const struct cell *c) {
   return wall;
 }
 
-/* A cell with what counts of it. A wall site opens only where its centre lies in a shape. */
-static void make_cell(const struct scene *scene, const struct lattice *l, size_t site,
-                      struct cell *c) {
-  begin_cell(scene, l, site, c);
+/* Finds the part of a cell that counts. That of a wall site does only where its centre lies in a
+ * shape. */
+static void open_cell(struct cell *c, bool wall) {
+  const struct lattice *l = c->lattice;
+  const int nx = lines_along(l, 0), ny = lines_along(l, 1);
   memset(c->part, 0, sizeof c->part);
+  memset(c->own_cubes, 0, sizeof c->own_cubes);
   c->own = 0, c->volume = 0;
-  if (l->kind[site] != SITE_WALL || is_shaped(c)) fill_cell(c);
+  if (wall && !is_shaped(c)) return;
+  fill_cell(c);
+  for (int n = 0; n < nx * ny * lines_along(l, 2); n++) {
+    const int at[3] = {n % nx, n / nx % ny, n / nx / ny};
+    if (c->own > 0 && *cube_at(c, at) == c->own) c->own_cubes[n / 8] |= (uint8_t)(1U << n % 8);
+  }
 }
 
-static void find_volumes(const struct scene *scene, const struct lattice *l, float *volume) {
+/* What is kept of the cells near walls while their faces are found. */
+struct near_cells {
+  size_t count;
+  uint32_t *number; /* [sites]: 1 + that of a cell; 0: no wall is near */
+  uint8_t (*own_cubes)[CUBES_ALL / 8];
+};
+
+static enum status find_volumes(const struct scene *scene, const struct lattice *l, float *volume,
+                                struct near_cells *near) {
+  enum status status = STATUS_OK;
+  TRY(memory_allocate(&near->number, l->count, sizeof *near->number, "cells cut by walls"));
+  for (size_t site = 0; site < l->count; site++)
+    if (fabs((double)l->wall_distance[site]) < REACH * l->spacing[0])
+      near->number[site] = (uint32_t)++near->count;
+  TRY(memory_allocate(&near->own_cubes, near->count, sizeof *near->own_cubes,
+                      "cells cut by walls"));
 #pragma omp parallel for schedule(dynamic, 256)
   for (size_t site = 0; site < l->count; site++) {
     struct cell c;
     volume[site] = l->kind[site] != SITE_WALL;
-    if (!is_near(l, site)) continue;
-    make_cell(scene, l, site, &c);
+    if (near->number[site] == 0) continue;
+    begin_cell(scene, l, site, &c);
+    open_cell(&c, l->kind[site] == SITE_WALL);
     volume[site] = (float)c.volume;
+    memcpy(near->own_cubes[near->number[site] - 1], c.own_cubes, sizeof c.own_cubes);
   }
+cleanup:
+  return status;
 }
 
-static void find_faces(const struct scene *scene, const struct lattice *l, float (*face)[3][2]) {
+static void load_cell(const struct scene *scene, const struct lattice *l, size_t site,
+                      const struct near_cells *near, struct cell *c) {
+  begin_cell(scene, l, site, c);
+  if (near->number[site] > 0)
+    memcpy(c->own_cubes, near->own_cubes[near->number[site] - 1], sizeof c->own_cubes);
+  else
+    memset(c->own_cubes, l->kind[site] == SITE_WALL ? 0 : UINT8_MAX, sizeof c->own_cubes);
+}
+
+static void find_faces(const struct scene *scene, const struct lattice *l,
+                       const struct near_cells *near, float (*face)[3][2]) {
 #pragma omp parallel for schedule(dynamic, 256)
   for (size_t site = 0; site < l->count; site++) {
     struct cell own, other;
-    if (!is_near(l, site)) continue;
-    make_cell(scene, l, site, &own);
+    if (near->number[site] == 0) continue;
+    load_cell(scene, l, site, near, &own);
     for (int a = 0; a < 3; a++) {
       if (!is_used(l, a)) continue;
       const size_t next = beside(scene, l, site, a, true);
-      if (next != l->count) make_cell(scene, l, next, &other);
+      if (next != l->count) load_cell(scene, l, next, near, &other);
       const double share = open_share(&own, next != l->count ? &other : NULL, a);
       face[site][a][1] = (float)share;
       if (next != l->count) face[next][a][0] = (float)share;
@@ -414,19 +446,21 @@ static bool join_all(const struct scene *scene, const struct lattice *l, struct 
 enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
                            struct wall_cuts *cuts) {
   enum status status = STATUS_OK;
+  struct near_cells near = {0};
   *cuts = (struct wall_cuts){0};
   if (l->wall_distance == NULL || l->region == NULL) return STATUS_OK;
   TRY(memory_allocate(&cuts->face, l->count, sizeof *cuts->face, "cells cut by walls"));
   TRY(memory_allocate(&cuts->volume, l->count, sizeof *cuts->volume, "cells cut by walls"));
   TRY(memory_allocate(&cuts->joined, l->count, 1, "cells cut by walls"));
   for (size_t n = 0; n < 6 * l->count; n++) (&cuts->face[0][0][0])[n] = 1;
-  find_volumes(scene, l, cuts->volume);
-  find_faces(scene, l, cuts->face);
+  TRY(find_volumes(scene, l, cuts->volume, &near));
+  find_faces(scene, l, &near, cuts->face);
   bool cut = join_all(scene, l, cuts);
   for (size_t site = 0; site < l->count && !cut; site++)
     cut = l->kind[site] != SITE_WALL && cuts->volume[site] < 1 - (float)SHARE_LEAST;
   if (!cut) wall_cuts_free(cuts);
 cleanup:
+  MEMORY_FREE(&near.number, &near.own_cubes);
   return status;
 }
 

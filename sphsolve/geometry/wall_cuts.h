@@ -7,7 +7,7 @@
  *
  * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. Walls that
  * the lattice holds otherwise count by their sites and links (thin_wall.h): boxes up to a spacing
- * thick, bodies of triangles, and shapes so thin that points were added to them. */
+ * thick, and shapes so thin that points were added to them. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 #define TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 

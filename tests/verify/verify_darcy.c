@@ -485,6 +485,72 @@ static void plates(void) {
   }
 }
 
+/* Writes a ball as triangles between circles of latitude, with the volume of one of that radius. */
+enum { LATITUDES = 24, LONGITUDES = 48 };
+static void ball_corner(int i, int j, double radius, const double middle[3], double x[3]) {
+  const double theta = M_PI * i / LATITUDES, phi = 2 * M_PI * (j % LONGITUDES) / LONGITUDES;
+  const bool pole = i == 0 || i == LATITUDES;
+  x[0] = middle[0] + (pole ? 0 : radius * sin(theta) * cos(phi));
+  x[1] = middle[1] + (pole ? 0 : radius * sin(theta) * sin(phi));
+  x[2] = middle[2] + (i == 0 ? radius : pole ? -radius : radius * cos(theta));
+}
+static void write_ball(const char *path, double radius, const double middle[3]) {
+  FILE *file = fopen(path, "w");
+  double volume = 0; /* of the unit ball's triangles, cut at their latitudes */
+  if (file == NULL) must(FAIL(STATUS_INPUT, "cannot write %s", path));
+  for (int i = 0; i < LATITUDES; i++) {
+    const double low = M_PI * i / LATITUDES, high = low + M_PI / LATITUDES, a = sin(low),
+                 b = sin(high);
+    volume += .5 * LONGITUDES * sin(2 * M_PI / LONGITUDES) * (a * a + a * b + b * b) / 3 *
+              (cos(low) - cos(high));
+  }
+  radius *= cbrt(4 * M_PI / 3 / volume);
+  fprintf(file, "solid ball\n");
+  for (int n = 0; n < 2 * LATITUDES * LONGITUDES; n++) {
+    const int i = n / 2 / LONGITUDES, j = n / 2 % LONGITUDES;
+    const int at[3][2] = {{i + n % 2, j}, {i + 1, n % 2 ? j + 1 : j}, {i, j + 1}};
+    if (n % 2 ? i + 1 == LATITUDES : i == 0) continue;
+    fprintf(file, "facet normal 0 0 0\nouter loop\n");
+    for (int k = 0; k < 3; k++) {
+      double x[3];
+      ball_corner(at[k][0], at[k][1], radius, middle, x);
+      fprintf(file, "vertex %.17g %.17g %.17g\n", x[0], x[1], x[2]);
+    }
+    fprintf(file, "endloop\nendfacet\n");
+  }
+  fprintf(file, "endsolid ball\n");
+  fclose(file);
+}
+
+/* Balls of triangles in a cubic array, anywhere on the lattice: (1 - f)/(1 + f/2) (Maxwell 1873; at
+ * f below .07 the higher multipoles of McPhedran, McKenzie 1978 change it by 1e-5). */
+static void balls(void) {
+  static const double sizes[][3] = {
+      {3, 9, .003}, {4, 8, .004}, {4, 12, .0015}, {7, 14, .0015}, {8, 16, .001}};
+  static const double offsets[][3] = {{0, 0, 0}, {.13, .37, .21}, {.07, .31, .45}};
+  for (size_t n = 0; n < 3 * sizeof sizes / sizeof *sizes; n++) {
+    const double started = clock_seconds(), *size = sizes[n / 3], *off = offsets[n % 3];
+    const double at = floor(.5 * size[1]), middle[3] = {at + off[0], at + off[1], at + off[2]};
+    const double f = M_PI / 6 * pow(size[0] / size[1], 3);
+    struct run run;
+    char name[128], path[] = "/tmp/verify_darcy_XXXXXX";
+    close(mkstemp(path));
+    write_ball(path, .5 * size[0], middle);
+    start(&run,
+          "scene = { end_time = \"1 s\"; };\ndomain = { size = [\"%g m\", \"%g m\", \"%g m\"]; "
+          "spacing = \"1 m\"; periodic = [true, true, true]; };\nregions = ( { type = \"porous\"; "
+          "box = [\"0\", \"0\", \"0\", \"%g m\", \"%g m\", \"%g m\"]; porosity = 0.4; permeability "
+          "= \"1 cm/s\"; },\n{ type = \"wall\"; stl = \"%s\"; stl_unit = \"1 m\"; } );\n"
+          "force = { body_acceleration = [\"9.80665 m/s^2\", \"0\", \"0\"]; };\n",
+          size[1], size[1], size[1], size[1], size[1], size[1], path);
+    unlink(path);
+    snprintf(name, sizeof name, "balls of %g spacings every %g, off by (%g, %g, %g)", size[0],
+             size[1], off[0], off[1], off[2]);
+    report(name, 1e-2 * (1 - f) / (1 + .5 * f), mean_velocity(&run.s, 0), size[2], passed(started));
+    finish(&run);
+  }
+}
+
 int main(int argc, char **argv) {
   static const struct verify_case cases[] = {{"column", columns},
                                              {"series", series},
@@ -498,6 +564,7 @@ int main(int argc, char **argv) {
                                              {"narrow", narrow_drains},
                                              {"dam", dam},
                                              {"cylinders", cylinders},
-                                             {"plates", plates}};
+                                             {"plates", plates},
+                                             {"balls", balls}};
   return rows_of_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
