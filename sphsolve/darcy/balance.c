@@ -13,7 +13,7 @@ void richards_place(const struct richards *s, size_t i, double x[3]) {
   for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)site[a] * l->spacing[a];
 }
 
-void richards_velocity(const struct richards *s, size_t i, double v[3]) {
+void richards_flow(const struct richards *s, size_t i, double v[3]) {
   for (size_t a = 0; a < 3; a++) {
     v[a] = 0;
     for (size_t high = 0; high < 2; high++) {
@@ -23,6 +23,16 @@ void richards_velocity(const struct richards *s, size_t i, double v[3]) {
                      : high          ? -s->edge_flux[b - BESIDE_EDGE].q
                                      : s->edge_flux[b - BESIDE_EDGE].q);
     }
+  }
+}
+
+void richards_velocity(const struct richards *s, size_t i, double v[3]) {
+  const size_t site = s->site[i];
+  richards_flow(s, i, v);
+  for (int a = 0; a < 3 && wall_cuts_volume(&s->walls, site) < 1; a++) {
+    const double open =
+        wall_cuts_face(&s->walls, site, a, false) + wall_cuts_face(&s->walls, site, a, true);
+    if (open > 0) v[a] *= 2 / open;
   }
 }
 
@@ -53,6 +63,7 @@ void richards_evaluate(struct richards *s, double time) {
     else
       flux_in_soil(soil->conductivity[face->axis], s->spacing, s->pull[face->axis], i, j,
                    &s->face_flux[f]);
+    flux_scale(&s->face_flux[f], wall_cuts_face(&s->walls, s->site[face->i], face->axis, true));
   }
   richards_holes_flux(s, time);
   richards_edge_fluxes(s, time);
@@ -61,7 +72,7 @@ void richards_evaluate(struct richards *s, double time) {
 
 double richards_water(const struct richards *s) {
   double sum = 0;
-  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta;
+  for (size_t i = 0; i < s->count; i++) sum += s->now[i].theta * richards_volume(s, i);
   return sum * s->spacing * s->spacing * s->spacing;
 }
 

@@ -6,8 +6,11 @@
 
 /* Centre of a site, m. */
 void richards_place(const struct richards *s, size_t i, double x[3]);
-/* Darcy velocity of a site: the mean of the fluxes through both faces along
+/* Darcy velocity of a cell, walls in it included: the mean of the fluxes through both faces along
  * each axis, m/s. */
+void richards_flow(const struct richards *s, size_t i, double v[3]);
+/* That of its open part, in proportion to what is open of the faces: exact for uniform flow along a
+ * plane wall. */
 void richards_velocity(const struct richards *s, size_t i, double v[3]);
 /* The fall of head there that drives it, A v + b |v| v along each axis. */
 void richards_fall(const struct richards *s, size_t i, double fall[3]);

@@ -75,8 +75,9 @@ static bool is_walled(const struct scene *scene, const struct lattice *l, const 
     const double *box = scene->regions[r].box;
     double at[3] = {x[0], x[1], x[2]};
     at[axis] = box[axis];
-    if (scene->regions[r].type == REGION_WALL && box[axis] < fmax(side, x[axis]) &&
-        box[axis + 3] > fmin(side, x[axis]) && domain_holds(scene, box, at))
+    if (scene->regions[r].type == REGION_WALL && !domain_holds(scene, box, x) &&
+        box[axis] < fmax(side, x[axis]) && box[axis + 3] > fmin(side, x[axis]) &&
+        domain_holds(scene, box, at))
       return true;
   }
   return false;

@@ -42,6 +42,7 @@ void richards_flux_from_head(const struct richards *s, const struct richards_edg
   flux_in_soil(soil->conductivity[edge->axis], part * s->spacing,
                edge->low ? s->pull[edge->axis] : -s->pull[edge->axis], &outside,
                &s->now[edge->site], flux);
+  flux_scale(flux, edge->open);
 }
 
 double richards_well_at(const struct richards *s, const struct richards_edge *edge, double time) {

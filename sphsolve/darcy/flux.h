@@ -26,6 +26,10 @@ struct flux {
 void flux_in_soil(double conductivity, double distance, double pull,
                   const struct retention_state *i, const struct retention_state *j,
                   struct flux *flux);
+/* That through a share of a face. */
+static inline void flux_scale(struct flux *flux, double share) {
+  flux->q *= share, flux->di *= share, flux->dj *= share;
+}
 /* Flux between the centres of two sites with the interface of their soils half way. */
 void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
                         double distance, double pull, const struct retention_state *i,

@@ -128,6 +128,7 @@ static void flux_to_drain(const struct richards *s, const struct richards_cut *c
   retention_at(soil, richards_law_at(s, &edge, time).head, &at_face);
   flux_in_soil(soil->conductivity[face->axis], cut->part * s->spacing,
                cut->high ? s->pull[face->axis] : -s->pull[face->axis], &s->now[i], &at_face, flux);
+  flux_scale(flux, wall_cuts_face(&s->walls, s->site[face->i], face->axis, true));
   if (!(flux->q > 0)) *flux = (struct flux){0};
 }
 

@@ -62,11 +62,13 @@ static double fall_along(const struct richards *s, int *axis) {
   return head[0] - head[1];
 }
 
-/* One soil, in layers between sites, has its k to the tolerance of the solution. */
+/* One soil, in layers between sites, has its k to the tolerance of the solution, unless walls cut
+ * its cells. */
 static void set_errors(const struct richards *s, struct run_result *result) {
   result->k_error = 0; /* no mean over time */
   result->error.steadiness = SATURATED_TOLERANCE;
-  result->error.resolution = s->soil_count <= 2 ? SATURATED_TOLERANCE : NAN;
+  const bool exact = s->soil_count <= 2 && s->walls.face == NULL;
+  result->error.resolution = exact ? SATURATED_TOLERANCE : NAN;
 }
 
 /* Sets Darcy velocity and k in `result`; NAN if there is no k. */
@@ -78,7 +80,7 @@ static void richards_find_k(const struct richards *s, struct run_result *result)
   int axis = 0;
   for (size_t i = 0; i < s->count; i++) {
     double v[3];
-    richards_velocity(s, i, v);
+    richards_flow(s, i, v);
     for (int a = 0; a < 3; a++) mean[a] += v[a] / s->lattice->bulk_count;
   }
   for (int a = 0; a < 3; a++) round = round && (drive[a] == 0 || s->scene->periodic[a]);

@@ -236,7 +236,9 @@ static void walk_columns(struct history_columns *columns, const void *state) {
   const struct scene *scene = s->scene;
   const double water = richards_water(s), weight = scene->fluid.density * GRAVITY_STANDARD;
   double least = INFINITY, most = -INFINITY, top[3];
-  for (size_t i = 0; i < s->count; i++) least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
+  for (size_t i = 0; i < s->count; i++)
+    if (s->lattice->kind[s->site[i]] != SITE_WALL)
+      least = fmin(least, s->h[i]), most = fmax(most, s->h[i]);
   history_number(columns, "m^3", water, "water");
   history_number(columns, "m^3", water - s->start - richards_net_inflow(s), "water_open");
   history_number(columns, "m^3", s->seeped, "seeped_to_air");
@@ -282,7 +284,7 @@ enum status richards_write_row(struct richards *s, struct recorder *recorder, do
   row.mass = density * richards_water(s);
   for (size_t i = 0; i < s->count; i++) {
     double v[3];
-    richards_velocity(s, i, v);
+    richards_flow(s, i, v);
     for (int a = 0; a < 3; a++) row.darcy_velocity[a] += v[a] / s->lattice->bulk_count;
   }
   return history_columns_row(recorder, &row, walk_columns, s);
@@ -292,18 +294,21 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
   enum status status = STATUS_OK;
   const double weight = s->scene->fluid.density * GRAVITY_STANDARD;
   double(*place)[3] = NULL, (*velocity)[3] = NULL, *values[4] = {NULL};
+  size_t count = 0;
   TRY(memory_allocate(&place, s->count, sizeof *place, "a snapshot"));
   TRY(memory_allocate(&velocity, s->count, sizeof *velocity, "a snapshot"));
   for (int k = 0; k < 4; k++)
     TRY(memory_allocate(&values[k], s->count, sizeof(double), "a snapshot"));
   richards_evaluate(s, s->time);
   for (size_t i = 0; i < s->count; i++) {
-    richards_place(s, i, place[i]);
-    richards_velocity(s, i, velocity[i]);
-    values[0][i] = weight * s->h[i];
-    values[1][i] = total_head(s, s->h[i], place[i][2]);
-    values[2][i] = s->now[i].theta;
-    values[3][i] = s->now[i].theta / s->soils[s->soil[i]].theta_s;
+    if (s->lattice->kind[s->site[i]] == SITE_WALL) continue; /* its centre is in a wall */
+    richards_place(s, i, place[count]);
+    richards_velocity(s, i, velocity[count]);
+    values[0][count] = weight * s->h[i];
+    values[1][count] = total_head(s, s->h[i], place[count][2]);
+    values[2][count] = s->now[i].theta;
+    values[3][count] = s->now[i].theta / s->soils[s->soil[i]].theta_s;
+    count++;
   }
   const struct snapshot_field at = {.type = H5_F64, .components = 3, .data = place},
                               fields[] = {
@@ -320,10 +325,10 @@ enum status richards_write_snapshot(struct richards *s, struct recorder *recorde
                                    H5_F64, 1, values[3], NULL, NULL}};
   /* `porosity` ends those of soil that is full, and the others do not have it. */
   struct snapshot_field shown[6];
-  size_t count = 0;
+  size_t shown_count = 0;
   for (size_t k = 0; k < sizeof fields / sizeof *fields; k++)
-    if (s->full ? k < 4 : k != 3) shown[count++] = fields[k];
-  TRY(recorder_snapshot(recorder, s->time, s->step, s->count, &at, count, shown));
+    if (s->full ? k < 4 : k != 3) shown[shown_count++] = fields[k];
+  TRY(recorder_snapshot(recorder, s->time, s->step, count, &at, shown_count, shown));
 cleanup:
   for (int k = 0; k < 4; k++) memory_free(&values[k]);
   memory_free(&velocity);

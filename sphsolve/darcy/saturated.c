@@ -92,14 +92,19 @@ static double part_left(const struct richards *s, size_t i) {
   return 1 / (1 + soil->forchheimer * s->speed[i] * soil->conductivity[0]);
 }
 
+/* What walls leave open of the face of a site. */
+static double face_share(const struct richards *s, size_t i, int axis, bool high) {
+  return wall_cuts_face(&s->walls, s->site[i], axis, high);
+}
+
 /* Flux into a site through an edge by its law, where that is a resistance of half a spacing. */
 static double flux_by_head(const struct richards *s, size_t e, double head, double *slope) {
   const struct richards_edge *edge = &s->edges[e];
   const size_t i = edge->site;
   const double pull = edge->low ? s->pull[edge->axis] : -s->pull[edge->axis];
   const double k = part_left(s, i) * s->soils[s->soil[i]].conductivity[edge->axis];
-  *slope = 2 * k / s->spacing;
-  return *slope * (head - s->h[i]) + (richards_is_face(edge) ? k * pull : 0);
+  *slope = 2 * edge->open * k / s->spacing;
+  return *slope * (head - s->h[i]) + (richards_is_face(edge) ? edge->open * k * pull : 0);
 }
 
 /* The flux of an edge where its law is limited. */
@@ -131,7 +136,8 @@ static void eliminate(int n, double at[UNKNOWNS][COLUMNS]) {
 struct quarter_face {
   uint32_t beside;
   int unknown;
-  double z; /* which part of p.x its middle has more than the corner, m */
+  double open; /* share that no wall covers; 1 if no water passes */
+  double z;    /* which part of p.x its middle has more than the corner, m */
 };
 
 /* Where soils meet at a corner and not in a layer, the four quarters act as one soil. With L = ln k
@@ -195,6 +201,7 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
       shift[q] += 0.5 * d * sign[m] * s->pull[axes[m]];
       own->beside = s->beside[6 * i + 2 * (size_t)axes[m] + (sign[m] > 0)];
       own->z = 0.5 * d * sign[1 - m] * s->pull[axes[1 - m]];
+      own->open = own->beside == SITE_NONE ? 1 : face_share(s, i, axes[m], sign[m] > 0);
       own->unknown = n;
       open += own->beside < BESIDE_EDGE;
       const int other = q ^ (1 << m);
@@ -207,9 +214,11 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
   if (open == 2 * QUARTERS) blend_corner(s, corner);
   for (int q = 0; q < QUARTERS; q++)
     for (int m = 0; m < 2 && corner->site[q] != SITE_NONE; m++)
-      corner->k[q][m] *= richards_hole_factor(s, corner->site[q], axes[m], !(q >> m & 1));
+      corner->k[q][m] *=
+          face[q][m].open * richards_hole_factor(s, corner->site[q], axes[m], !(q >> m & 1));
   /* Out of a quarter, over the area of the whole face, flows
-   *   -(k_mm (e_m - h) + k_xz (e_l - h))/d,   l the other axis. */
+   *   -(k_mm (e_m - h) + k_xz (e_l - h))/d,   l the other axis,
+   * times the open share of the face. */
   for (int q = 0; q < QUARTERS; q++)
     for (int m = 0; m < 2 && corner->site[q] != SITE_NONE; m++) {
       const struct quarter_face *own = &face[q][m];
@@ -223,9 +232,10 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
         }
         row[COLUMNS - 1] += 0.5 * d * flux_at_limit(&law, s->limited[e]);
       }
+      const double shear = own->open * corner->k[q][2];
       row[own->unknown] += corner->k[q][m];
-      row[face[q][1 - m].unknown] += corner->k[q][2];
-      row[UNKNOWNS + q] += corner->k[q][m] + corner->k[q][2];
+      row[face[q][1 - m].unknown] += shear;
+      row[UNKNOWNS + q] += corner->k[q][m] + shear;
     }
   eliminate(n, at);
   for (int q = 0; q < QUARTERS; q++)
@@ -234,11 +244,12 @@ static void add_corner(struct richards *s, struct corner *corner, double time) {
       const size_t i = corner->site[q];
       if (own->beside == SITE_NONE) continue;
       const double *e = at[own->unknown], *other = at[face[q][1 - m].unknown];
+      const double shear = own->open * corner->k[q][2];
       double out = 0;
       for (int c = 0; c <= QUARTERS; c++) {
         if (c < QUARTERS && corner->site[c] == SITE_NONE) continue;
-        double slope = -(corner->k[q][m] * e[UNKNOWNS + c] + corner->k[q][2] * other[UNKNOWNS + c]);
-        if (c == q) slope += corner->k[q][m] + corner->k[q][2];
+        double slope = -(corner->k[q][m] * e[UNKNOWNS + c] + shear * other[UNKNOWNS + c]);
+        if (c == q) slope += corner->k[q][m] + shear;
         slope /= d;
         out += c < QUARTERS ? slope * (s->h[corner->site[c]] + shift[c]) : slope;
         if (c == QUARTERS) continue;
@@ -260,9 +271,9 @@ static void add_along_y(struct richards *s) {
     const size_t i = face->i, j = face->j;
     if (face->axis != 1) continue;
     const double ki = part_left(s, i) * s->soils[s->soil[i]].conductivity[1] *
-                      richards_hole_factor(s, i, 1, true),
+                      richards_hole_factor(s, i, 1, true) * face_share(s, i, 1, true),
                  kj = part_left(s, j) * s->soils[s->soil[j]].conductivity[1] *
-                      richards_hole_factor(s, j, 1, false);
+                      richards_hole_factor(s, j, 1, false) * face_share(s, j, 1, false);
     const double slope = 2 * ki * kj / (ki + kj) / s->spacing;
     s->face_flux[f].q = slope * (s->h[i] - s->h[j] + s->pull[1] * s->spacing);
     s->rows.value[s->rows.diagonal[i]] += slope, s->rows.value[s->rows.diagonal[j]] += slope;

@@ -19,7 +19,8 @@
 #define NO_SOIL UINT16_MAX /* in of_region: free water, or soil without drag */
 
 static const struct region *region_of(const struct richards *s, size_t site) {
-  return &s->scene->regions[s->lattice->region[site] - 1];
+  const size_t at = wall_cuts_site(&s->walls, s->scene, s->lattice, site);
+  return &s->scene->regions[s->lattice->region[at] - 1];
 }
 
 /* Free water beside soil that is full: its flow has no resistance to speak of. */
@@ -63,8 +64,10 @@ cleanup:
   return status;
 }
 
-/* Whether a site takes part; free water beside soil that need not be full does not. */
-static bool is_soil(const struct richards *s, size_t at) {
+/* Whether a site takes part, as one of a wall does whose cell is open to soil; free water beside
+ * soil that need not be full does not. */
+static bool is_soil(const struct richards *s, size_t site) {
+  const size_t at = wall_cuts_site(&s->walls, s->scene, s->lattice, site);
   return s->lattice->kind[at] == SITE_FLUID && !domain_is_water(s->scene, s->lattice, at);
 }
 
@@ -80,6 +83,7 @@ static void add_sources(struct richards *s, size_t at, struct richards_edge *edg
   for (size_t r = 0;; r++) {
     r = domain_source_at(scene, s->lattice, at, edge->axis, edge->low, r, &source.share);
     if (r == scene->region_count) return;
+    source.share *= edge->open;
     source.region = &scene->regions[r];
     if (source.region->type == REGION_INFLOW && edge->source_count == 0) edge->kind = EDGE_FLUX;
     if (source.region->type == REGION_RAIN) edge->kind = EDGE_AIR;
@@ -95,8 +99,10 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
       [BOUNDARY_NONE] = EDGE_AIR, [BOUNDARY_HEAD] = EDGE_HEAD, [BOUNDARY_PRESSURE] = EDGE_PRESSURE};
   const struct lattice *l = s->lattice;
   const size_t at = s->site[i], next = beyond(s, at, axis, low);
+  const double open = wall_cuts_face(&s->walls, at, axis, !low);
   double x[3];
-  if (next != l->count && l->kind[next] == SITE_WALL) return;
+  if (open == 0) return;
+  if (next != l->count && l->kind[next] == SITE_WALL && s->number[next] == SITE_NONE) return;
   if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
     if (low || next == at) return; /* each only once */
@@ -115,6 +121,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   struct richards_edge edge = {.site = (uint32_t)i,
                                .axis = (uint8_t)axis,
                                .low = low,
+                               .open = open,
                                .z = x[2] + (axis != 2 ? 0
                                             : low     ? -0.5
                                                       : 0.5) *
@@ -134,6 +141,7 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
 /* Adds the well or drain that contains a site, if any. */
 static void add_well(struct richards *s, size_t i, bool count) {
   double x[3];
+  if (s->lattice->kind[s->site[i]] == SITE_WALL) return;
   richards_place(s, i, x);
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *part = &s->scene->regions[r];
@@ -146,6 +154,7 @@ static void add_well(struct richards *s, size_t i, bool count) {
           (struct richards_edge){.site = (uint32_t)i,
                                  .kind = part->type == REGION_WELL ? EDGE_WELL : EDGE_DRAIN,
                                  .region = &s->scene->regions[part->first],
+                                 .open = 1,
                                  .share = 1,
                                  .z = x[2]};
     s->edge_count++;
@@ -245,6 +254,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
     s->changes = s->changes || scene->regions[r].table.count > 0;
   TRY(memory_allocate(&of_region, scene->region_count, sizeof *of_region, "soils"));
   TRY(find_soils(s, of_region));
+  TRY(wall_cuts_find(scene, lattice, &s->walls));
   for (size_t at = 0; at < lattice->count; at++) s->count += is_soil(s, at);
   TRY(memory_allocate(&s->site, s->count, sizeof *s->site, "sites of soil"));
   TRY(memory_allocate(&s->number, lattice->count, sizeof *s->number, "sites of soil"));
@@ -258,8 +268,9 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   }
   for (size_t i = 0; i < s->count; i++) {
     double x[3];
-    richards_place(s, i, x);
-    const size_t r = s->full ? domain_soil_at(scene, x) : (size_t)(lattice->region[s->site[i]] - 1);
+    const size_t at = wall_cuts_site(&s->walls, scene, lattice, s->site[i]);
+    domain_place(lattice, at, x);
+    const size_t r = s->full ? domain_soil_at(scene, x) : (size_t)(lattice->region[at] - 1);
     s->soil[i] = r < scene->region_count ? of_region[r] : NO_SOIL;
     if (s->soil[i] == NO_SOIL) s->soil[i] = (uint16_t)(s->soil_count - 1);
   }
@@ -316,6 +327,7 @@ cleanup:
 void richards_free(struct richards *s) {
   for (size_t k = 0; k < s->soil_count; k++) retention_free(&s->soils[k]);
   memory_free(&s->soils);
+  wall_cuts_free(&s->walls);
   memory_free(&s->site);
   memory_free(&s->number);
   memory_free(&s->soil);

@@ -13,6 +13,7 @@
 
 #include "sphsolve/darcy/basin.h"
 #include "sphsolve/geometry/lattice.h"
+#include "sphsolve/geometry/wall_cuts.h"
 #include "sphsolve/darcy/flux.h"
 #include "sphsolve/darcy/rows.h"
 
@@ -49,7 +50,8 @@ struct richards_source {
 struct richards_edge {
   uint32_t site;
   uint8_t axis;
-  bool low; /* on the low side of its site */
+  bool low;    /* on the low side of its site */
+  double open; /* share of the face that no wall covers; in a well or drain 1 */
   enum richards_edge_kind kind;
   const struct region *region;   /* what holds a head there, its well or drain; NULL: none */
   uint32_t source, source_count; /* what is given there: the first of them, and their number */
@@ -89,6 +91,7 @@ struct richards {
   const struct scene *scene;
   const struct lattice *lattice;
   double spacing, pull[3]; /* m; gravity over 9.80665 m/s^2, along each axis */
+  struct wall_cuts walls;  /* what walls leave open of cells */
   size_t count, face_count, edge_count, source_count, soil_count;
   struct retention *soils;
   uint32_t *site;   /* [count]: index in the lattice */
@@ -158,5 +161,10 @@ struct richards {
   double stage;   /* s; length of the stage that is solved, 0 between steps */
   double in, out; /* total inward and total outward flow through boundary faces */
 };
+
+/* What walls leave open of the cell of a site, over the cell. */
+static inline double richards_volume(const struct richards *s, size_t i) {
+  return wall_cuts_volume(&s->walls, s->site[i]);
+}
 
 #endif

@@ -11,7 +11,8 @@
 #include "sphsolve/darcy/pond.h"
 #include "sphsolve/darcy/saturated.h"
 
-/* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms. */
+/* d theta/dt by the fluxes; `size`: sum of the absolute values of its terms, times the cell's open
+ * share. */
 static void sum_fluxes(const struct richards *s, double *rate, double *size) {
   const double scale = 1 / s->spacing;
   memset(rate, 0, s->count * sizeof *rate);
@@ -30,6 +31,7 @@ static void sum_fluxes(const struct richards *s, double *rate, double *size) {
     size[i] +=
         scale * (fabs(s->edge_flux[e].di) * (fabs(s->h[i]) + s->spacing) + fabs(s->edge_flux[e].q));
   }
+  for (size_t i = 0; i < s->count; i++) rate[i] /= richards_volume(s, i);
 }
 
 /* Adds to the diagonal of each site the derivatives of its fluxes that have the sign of a
@@ -60,7 +62,8 @@ static void assemble(struct richards *s, double dt) {
   const double scale = dt / s->spacing;
   double *against = s->change; /* overwritten by the solution */
   memset(rows->value, 0, rows->start[rows->count] * sizeof *rows->value);
-  for (size_t i = 0; i < s->count; i++) rows->value[rows->diagonal[i]] = s->now[i].capacity;
+  for (size_t i = 0; i < s->count; i++)
+    rows->value[rows->diagonal[i]] = richards_volume(s, i) * s->now[i].capacity;
   add_diffusion(s, scale, against);
   for (size_t i = 0; i < s->count; i++)
     against[i] = against[i] > SLOPE_AGAINST * rows->value[rows->diagonal[i]] ? 1 : 0;
@@ -126,7 +129,7 @@ static double find_residual(struct richards *s, double dt, double time, double *
   sum_fluxes(s, rate, s->term_size);
   *squares = 0;
   for (size_t i = 0; i < s->count; i++) {
-    s->residual[i] = s->target[i] + dt * rate[i] - s->now[i].theta;
+    s->residual[i] = richards_volume(s, i) * (s->target[i] + dt * rate[i] - s->now[i].theta);
     const double share =
         fabs(s->residual[i]) / (RESIDUAL_TOLERANCE + RESIDUAL_ROUNDING * dt * s->term_size[i]);
     if (!(share <= most)) most = share;
@@ -153,9 +156,9 @@ static bool solve(struct richards *s, double dt, double time, double *rate) {
     for (int halving = 0;; halving++) {
 #pragma omp parallel for schedule(static) if (s->count > RICHARDS_SERIAL_MAX)
       for (size_t i = 0; i < s->count; i++)
-        s->h[i] =
-            updated_head(&s->soils[s->soil[i]], &s->from[i], s->rows.value[s->rows.diagonal[i]],
-                         near, ldexp(s->change[i], -halving));
+        s->h[i] = updated_head(&s->soils[s->soil[i]], &s->from[i],
+                               s->rows.value[s->rows.diagonal[i]] / richards_volume(s, i), near,
+                               ldexp(s->change[i], -halving));
       most = find_residual(s, dt, time, rate, &squares);
       if (round < HALVING_FROM || halving == HALVINGS_MAX || squares < last || most <= 1) break;
     }

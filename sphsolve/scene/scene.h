@@ -125,8 +125,9 @@ struct region {
   /* A polygon is represented by the boxes it is cut into, regions [first, end) (scene_shapes.c);
    * for any other region `first` is its own index. */
   struct polygon *polygon; /* owned by region `first`; NULL: the region is a box */
-  struct stl *stl;         /* surface of a body, until it is cut (scene_stl.c) */
+  struct stl *stl;         /* surface of a body, of region `first` alone once it is cut */
   bool is_part;            /* without a polygon: a box of such a body */
+  bool filled;             /* points were added where it is thinner than the spacing */
   size_t first, end;
   double extent[6]; /* extent of the whole polygon or body, as `box` */
   /* porous */

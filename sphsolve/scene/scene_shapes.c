@@ -17,10 +17,10 @@
 #include "sphsolve/scene/scene_parts.h"
 #include "sphsolve/scene/lost_wall.h"
 #include "sphsolve/scene/scene_stl.h"
+#include "sphsolve/scene/stl.h"
 
-/* Largest number of corners of a polygon, and corners of the polygon that represents a circle of
- * the same area. */
-enum { CORNERS_MAX = 256, CORNERS_OF_CIRCLE = 64 };
+/* Corners of the polygon that represents a circle of the same area. */
+enum { CORNERS_OF_CIRCLE = 64 };
 /* Scan lines per row, and the largest number of bisections of a row in which the polygon
  * branches. */
 enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };
@@ -63,10 +63,10 @@ static enum status check_polygon(struct config *config, config_node *node,
 }
 
 static enum status read_corners(struct config *config, config_node *group, struct polygon *p) {
-  double values[2 * CORNERS_MAX] = {0};
+  double values[2 * POLYGON_CORNERS_MAX] = {0};
   int count = 0;
-  enum status status = config_quantities(config, group, "corners", DIM_LENGTH, 6, 2 * CORNERS_MAX,
-                                         values, &count, NULL);
+  enum status status = config_quantities(config, group, "corners", DIM_LENGTH, 6,
+                                         2 * POLYGON_CORNERS_MAX, values, &count, NULL);
   if (status != STATUS_OK) return status;
   if (count % 2 != 0)
     return config_error(config, config_child(group, "corners"),
@@ -149,9 +149,7 @@ cleanup:
   return status;
 }
 
-/* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
- * their number. */
-static size_t scan(const struct polygon *p, int w, double v, double at[CORNERS_MAX]) {
+size_t polygon_scan(const struct polygon *p, int w, double v, double at[POLYGON_CORNERS_MAX]) {
   size_t n = 0;
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
@@ -184,11 +182,11 @@ static enum status add_part(const struct region *whole, int w, double low, doubl
  * polygon branches. */
 static enum status cut_row(const struct region *whole, int w, double low, double high, double near,
                            int halvings, struct scene_parts *parts) {
-  double ends[CORNERS_MAX] = {0}, at[CORNERS_MAX];
+  double ends[POLYGON_CORNERS_MAX] = {0}, at[POLYGON_CORNERS_MAX];
   size_t number = 0;
   for (int line = 0; line < SCAN_LINES; line++) {
     const double v = low + (high - low) * (line + 0.5) / SCAN_LINES;
-    const size_t n = scan(whole->polygon, w, v, at);
+    const size_t n = polygon_scan(whole->polygon, w, v, at);
     if (line > 0 && n != number && halvings > 0) {
       const double middle = 0.5 * (low + high);
       const enum status status = cut_row(whole, w, low, middle, near, halvings - 1, parts);
@@ -212,8 +210,8 @@ static enum status cut_sites(const struct scene *scene, const struct region *who
                              struct scene_parts *parts) {
   const double dx = scene->spacing, end = scene->domain_size[whole->polygon->plane[1 - w]];
   const double top = scene->domain_size[whole->polygon->plane[w]];
-  double at[CORNERS_MAX];
-  const size_t n = scan(whole->polygon, w, v, at);
+  double at[POLYGON_CORNERS_MAX];
+  const size_t n = polygon_scan(whole->polygon, w, v, at);
   for (size_t k = 0; k + 1 < n; k += 2) {
     const double from = ceil(at[k] / dx - 0.5 - 1e-9), to = floor(at[k + 1] / dx - 0.5 + 1e-9) + 1;
     if (to <= from) continue;
@@ -253,14 +251,14 @@ static enum status fill_thin(const struct scene *scene, const struct region *who
   enum status status = STATUS_OK;
   const struct polygon *p = whole->polygon;
   struct lost_wall wall;
-  double at[CORNERS_MAX];
+  double at[POLYGON_CORNERS_MAX];
   TRY(lost_wall_begin(scene, whole->box, p ? p->axis : -1, &wall));
   if (p == NULL) TRY(scene_stl_lines(scene, whole, &wall));
   for (int w = 0; p != NULL && w < 2; w++)
     for (size_t i = 0; i < wall.size[p->plane[w]]; i++) {
       long line[3] = {0};
       line[p->plane[w]] = wall.first[p->plane[w]] + (long)i;
-      const size_t n = scan(p, w, ((double)line[p->plane[w]] + 0.5) * scene->spacing, at);
+      const size_t n = polygon_scan(p, w, ((double)line[p->plane[w]] + 0.5) * scene->spacing, at);
       for (size_t k = 0; k + 1 < n; k += 2)
         lost_wall_add(&wall, p->plane[1 - w], line, at[k], at[k + 1]);
     }
@@ -285,9 +283,11 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
     parts.count = 0;
     if (region->polygon != NULL || stl) {
       TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
+      const size_t cut_count = parts.count;
       if (region->type == REGION_WALL) TRY(fill_thin(scene, region, &parts));
-      for (size_t k = 0; k < parts.count; k++) parts.region[k].stl = NULL;
-      scene_free_stl(region);
+      for (size_t k = 0; k < parts.count; k++) parts.region[k].filled = parts.count > cut_count;
+      for (size_t k = 1; k < parts.count; k++) parts.region[k].stl = NULL;
+      if (stl) TRY(stl_sort(region->stl, scene->spacing));
       if (parts.count == 0)
         TRY(config_error(config, config_item(list, i),
                          "is narrower than the spacing (%g m) and holds no site; use a smaller "

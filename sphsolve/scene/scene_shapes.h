@@ -14,4 +14,10 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most);
 
+/* Largest number of corners of a polygon. */
+#define POLYGON_CORNERS_MAX 256
+/* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
+ * their number. */
+size_t polygon_scan(const struct polygon *polygon, int w, double v, double at[POLYGON_CORNERS_MAX]);
+
 #endif

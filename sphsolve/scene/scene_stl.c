@@ -1,11 +1,7 @@
 /* Regions enclosed by a surface of triangles (stl.h), cut into boxes like polygons: rows of one
  * spacing along the axis that most of the surface faces, since the ends of rows follow the surface
  * best.
- *
- * Whether a point is inside: the plane through it cuts each triangle that has corners on both sides
- * in one segment, and a line in that plane crosses the segments an even number of times: each end
- * point belongs to the two triangles at an edge and is computed from this edge alone, with its ends
- * in a fixed order, hence with identical bits. So no ray passes between triangles. */
+ */
 #include "sphsolve/scene/scene_stl.h"
 
 #include <math.h>
@@ -63,11 +59,6 @@ cleanup:
   return status;
 }
 
-void scene_free_stl(struct region *region) {
-  if (region->stl != NULL) stl_free(region->stl);
-  memory_free(&region->stl);
-}
-
 /* Segments of a section, in the coordinates along a row and across rows. */
 struct section {
   size_t count, room;
@@ -85,33 +76,12 @@ struct cut {
   size_t row; /* first part of the layer */
 };
 
-/* Intersection of the edge a b with the plane at v normal to axis `up`. */
-static void intersect_edge(const struct cut *cut, const double *a, const double *b, double v,
-                           double at[2]) {
-  for (int k = 0; k < 3; k++) /* same order of the ends for both triangles */
-    if (a[k] != b[k]) {
-      if (a[k] > b[k]) {
-        const double *c = a;
-        a = b, b = c;
-      }
-      break;
-    }
-  const double t = (v - a[cut->up]) / (b[cut->up] - a[cut->up]);
-  at[0] = a[cut->run] + t * (b[cut->run] - a[cut->run]);
-  at[1] = a[cut->across] + t * (b[cut->across] - a[cut->across]);
-}
-
 static enum status find_section(const struct cut *cut, double v, struct section *section) {
   const struct stl *stl = cut->whole->stl;
   section->count = 0;
   for (size_t t = 0; t < stl->count; t++) {
-    double ends[3][2];
-    int n = 0;
-    for (int k = 0; k < 3; k++) {
-      const double *a = stl->corner[t][k], *b = stl->corner[t][(k + 1) % 3];
-      if ((a[cut->up] > v) != (b[cut->up] > v)) intersect_edge(cut, a, b, v, ends[n++]);
-    }
-    if (n != 2) continue;
+    double ends[2][2];
+    if (!stl_section(stl->corner[t], cut->run, cut->across, cut->up, v, ends)) continue;
     if (section->count == section->room) {
       section->room = section->room > 0 ? 2 * section->room : 64;
       const enum status status =

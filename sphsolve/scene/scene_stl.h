@@ -17,6 +17,5 @@ enum status scene_cut_stl(const struct scene *scene, const struct region *whole,
 /* Adds its pieces on all lines through points of the lattice. */
 enum status scene_stl_lines(const struct scene *scene, const struct region *whole,
                             struct lost_wall *wall);
-void scene_free_stl(struct region *region);
 
 #endif

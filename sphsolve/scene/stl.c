@@ -239,6 +239,110 @@ cleanup:
 }
 
 void stl_free(struct stl *stl) {
+  for (int a = 0; a < 3; a++) MEMORY_FREE(&stl->columns[a].start, &stl->columns[a].triangle);
   memory_free(&stl->corner);
   stl->count = 0;
+}
+
+/* Where the edge a b meets the plane at v. */
+static void cut_edge(const double *a, const double *b, int run, int across, int up, double v,
+                     double at[2]) {
+  for (int k = 0; k < 3; k++) /* same order of the ends for both triangles */
+    if (a[k] != b[k]) {
+      if (a[k] > b[k]) {
+        const double *c = a;
+        a = b, b = c;
+      }
+      break;
+    }
+  const double t = (v - a[up]) / (b[up] - a[up]);
+  at[0] = a[run] + t * (b[run] - a[run]);
+  at[1] = a[across] + t * (b[across] - a[across]);
+}
+
+/* Whether a point is inside: the plane through it cuts each triangle that has corners on both sides
+ * in one segment, and a line in that plane crosses the segments an even number of times: each end
+ * point belongs to the two triangles at an edge and is computed from this edge alone, with its ends
+ * in a fixed order, hence with identical bits. So no ray passes between triangles. */
+bool stl_section(double corner[3][3], int run, int across, int up, double v, double end[2][2]) {
+  int n = 0;
+  for (int k = 0; k < 3; k++) {
+    const double *a = corner[k], *b = corner[(k + 1) % 3];
+    if ((a[up] > v) != (b[up] > v)) cut_edge(a, b, run, across, up, v, end[n++]);
+  }
+  return n == 2;
+}
+
+/* The column of a place along one of its axes, from the body's end on. */
+static size_t column_at(const struct stl *stl, const struct stl_columns *columns, int axis, int n,
+                        double x) {
+  const double at = (x - stl->extent[(axis + 1 + n) % 3]) / columns->width;
+  return (size_t)fmin(fmax(at, 0), (double)columns->size[n] - 1);
+}
+
+/* Counts the triangles of each column, or sorts them in. */
+static void fill_columns(const struct stl *stl, int axis, bool count, struct stl_columns *columns) {
+  for (size_t t = 0; t < stl->count; t++) {
+    size_t from[2], to[2];
+    for (int n = 0; n < 2; n++) {
+      const int b = (axis + 1 + n) % 3;
+      double(*x)[3] = stl->corner[t];
+      from[n] = column_at(stl, columns, axis, n, fmin(fmin(x[0][b], x[1][b]), x[2][b]));
+      to[n] = column_at(stl, columns, axis, n, fmax(fmax(x[0][b], x[1][b]), x[2][b]));
+    }
+    for (size_t j = from[1]; j <= to[1]; j++)
+      for (size_t i = from[0]; i <= to[0]; i++) {
+        size_t *end = &columns->start[j * columns->size[0] + i + 1];
+        if (!count) columns->triangle[*end] = (uint32_t)t;
+        ++*end;
+      }
+  }
+}
+
+enum status stl_sort(struct stl *stl, double width) {
+  enum status status = STATUS_OK;
+  for (int a = 0; a < 3; a++) {
+    struct stl_columns *columns = &stl->columns[a];
+    *columns = (struct stl_columns){.width = width};
+    for (int n = 0; n < 2; n++) {
+      const int b = (a + 1 + n) % 3;
+      columns->size[n] = (size_t)((stl->extent[b + 3] - stl->extent[b]) / width) + 1;
+    }
+    const size_t all = columns->size[0] * columns->size[1];
+    TRY(memory_allocate(&columns->start, all + 2, sizeof *columns->start, "an STL file"));
+    fill_columns(stl, a, true, columns);
+    for (size_t c = 0; c < all; c++) columns->start[c + 1] += columns->start[c];
+    TRY(memory_allocate(&columns->triangle, columns->start[all], sizeof *columns->triangle,
+                        "an STL file"));
+    /* `start` of a column goes to its end while it is filled, which is the start of the next. */
+    memmove(columns->start + 1, columns->start, (all + 1) * sizeof *columns->start);
+    fill_columns(stl, a, false, columns);
+  }
+cleanup:
+  return status;
+}
+
+static int by_value(const void *a, const void *b) {
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+size_t stl_scan(const struct stl *stl, int axis, const double x[3], double *at, size_t most) {
+  const struct stl_columns *columns = &stl->columns[axis];
+  const int across = (axis + 1) % 3, up = (axis + 2) % 3;
+  size_t n = 0;
+  for (int b = 0; b < 3; b++)
+    if (b != axis && !(x[b] > stl->extent[b] && x[b] < stl->extent[b + 3])) return 0;
+  const size_t column = column_at(stl, columns, axis, 1, x[up]) * columns->size[0] +
+                        column_at(stl, columns, axis, 0, x[across]);
+  for (size_t k = columns->start[column]; k < columns->start[column + 1] && n < most; k++) {
+    double end[2][2];
+    if (!stl_section(stl->corner[columns->triangle[k]], axis, across, up, x[up], end) ||
+        (end[0][1] > x[across]) == (end[1][1] > x[across]))
+      continue;
+    at[n++] =
+        end[0][0] + (end[1][0] - end[0][0]) * (x[across] - end[0][1]) / (end[1][1] - end[0][1]);
+  }
+  qsort(at, n, sizeof *at, by_value);
+  return n;
 }
