@@ -62,6 +62,16 @@ cleanup:
   return status;
 }
 
+void isph_copy_pressure(const struct isph *s, struct isph_copy *copy) {
+  void *array[ARRAYS];
+  size_t bytes[ARRAYS], used = 0, n = copied_arrays(s, array, bytes);
+  for (size_t i = 0; i < n; i++) {
+    if (array[i] != NULL && array[i] == (void *)(s->pressure + s->local.begin))
+      memcpy(copy->block + used, array[i], bytes[i]);
+    used += bytes[i];
+  }
+}
+
 enum status isph_restore_state(struct isph *s, const struct isph_copy *copy) {
   enum status status = STATUS_OK;
   void *array[ARRAYS];

@@ -16,6 +16,9 @@ struct isph_copy {
 };
 /* Copies the state; `copy` starts as {0} and may be reused. Free with isph_copy_free. */
 enum status isph_copy_state(const struct isph *s, struct isph_copy *copy);
+/* Replaces the pressures in a copy by the present ones, of the same particles in the same order:
+ * returning to it may divide the particles among the ranks anew. */
+void isph_copy_pressure(const struct isph *s, struct isph_copy *copy);
 /* Collective: returns to the copied state, which is then fresh. */
 enum status isph_restore_state(struct isph *s, const struct isph_copy *copy);
 void isph_copy_free(struct isph_copy *copy);

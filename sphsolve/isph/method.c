@@ -37,23 +37,19 @@ static double row_after(double time, double interval) {
 static enum status find_first_pressure(struct isph *s, double dt, struct isph_copy *copy,
                                        double *first) {
   enum status status = STATUS_OK;
-  double *pressure = NULL;
   struct isph_ending ending = s->ending;
   const char *unused;
   if (isnan(dt)) dt = isph_stable_dt(s, &unused);
   dt = isph_dt_to_end(&ending, s->scene->end_time - s->time, dt);
-  TRY(memory_allocate(&pressure, s->count, sizeof *pressure, "the first pressure"));
   TRY(isph_copy_state(s, copy));
   status = isph_project(s, dt);
   const bool found = status == STATUS_OK;
   if (!found && status != STATUS_NUMERIC) goto cleanup;
   if (!found) error_clear();
   if (found) *first = isph_first_dt(s, dt);
-  if (found && s->count > 0) memcpy(pressure, s->pressure, s->count * sizeof *pressure);
+  if (found) isph_copy_pressure(s, copy);
   TRY(isph_restore_state(s, copy));
-  if (found && s->count > 0) memcpy(s->pressure, pressure, s->count * sizeof *pressure);
 cleanup:
-  memory_free(&pressure);
   return status;
 }
 

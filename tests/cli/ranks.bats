@@ -272,7 +272,7 @@ same_isph() {
     same "serial-$scene" "$scene"
   done
 }
-@test "isph: every bit of histories and snapshots of two sample scenes on 3 and 4 ranks" { same_isph dam-break:0.05s:3 seepage-heads:0.05s:4; }
+@test "isph: every bit of histories and snapshots of three sample scenes on 3 and 4 ranks" { same_isph dam-break:0.05s:3 seepage-heads:0.05s:4 seepage-column:0.1s:3; }
 # bats test_tags=long
 @test "isph: every bit of histories and snapshots of the other sample scenes on 1, 2, 3, 4 ranks" {
   same_isph gate:0.05s:2 seepage-column:0.1s:4 seepage-dam:0.05s:2 seepage-embankment:0.02s:3 still-tank:0.02s:1
