@@ -40,9 +40,11 @@ static double mean_conductivity(const struct retention_state *i, const struct re
   return far > 0 ? far * df / dh + (1 - far) * near : near;
 }
 
-void flux_in_soil(double conductivity, double distance, double pull,
-                  const struct retention_state *i, const struct retention_state *j,
-                  struct flux *flux) {
+/* Flux along a path that is saturated all along, or nowhere; *by_distance: its derivative by the
+ * length of the path. */
+static void flux_along(double conductivity, double distance, double pull,
+                       const struct retention_state *i, const struct retention_state *j,
+                       struct flux *flux, double *by_distance) {
   const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
   const double size = fmin(fabs(i->h), fabs(j->h)), apart = dh != 0 ? fabs(dh) / size : 0;
   const double mean = mean_conductivity(i, j, dh, df, apart), sum = i->k + j->k;
@@ -68,6 +70,46 @@ void flux_in_soil(double conductivity, double distance, double pull,
                              pull * (mean_i * rest + mean * rest_slope * (rate + dh * rate_i)));
   flux->dj = conductivity * (-j->k / distance - w * j->slope + turn * rate_j +
                              pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
+  *by_distance = conductivity * mean * dh *
+                 (pull * rate * pull * rate * along_slope - 1 / (distance * distance));
+}
+
+/* Where the path is saturated at its lower end only, the length s of its saturated part is that at
+ * which both parts carry the same flux; the difference of the two is monotonic in s. */
+void flux_in_soil(double conductivity, double distance, double pull,
+                  const struct retention_state *i, const struct retention_state *j,
+                  struct flux *flux) {
+  const struct retention_state *wet = i->h > j->h ? i : j, *dry = i->h > j->h ? j : i;
+  const double sign = wet == j ? 1 : -1;
+  const struct retention_state table = {.k = 1, .potential = wet->potential - wet->h};
+  double low = 0, high = distance, by_distance, in_wet, fall;
+  struct flux rest;
+  /* without gravity it is this; within rounding of an end, there is one part only */
+  double s = distance * wet->h / (wet->h + retention_fall(&table, dry));
+  if (!(wet->h > 0 && dry->h < 0 && sign * pull > 0 && s > low && s < high)) {
+    flux_along(conductivity, distance, pull, i, j, flux, &by_distance);
+    return;
+  }
+  for (int round = 0;; round++) {
+    flux_along(conductivity, distance - s, pull, wet == j ? i : &table, wet == j ? &table : j,
+               &rest, &by_distance);
+    in_wet = conductivity * (pull - sign * wet->h / s);
+    const double open = sign * (in_wet - rest.q);
+    if (open < 0)
+      low = s;
+    else
+      high = s;
+    fall = conductivity * wet->h + sign * by_distance * s * s;
+    double next = s - open * s * s / fall;
+    if (!(next > low && next < high)) next = 0.5 * (low + high);
+    if (fabs(next - s) <= TABLE_ROUNDING * s || round == FACE_ITERATIONS_MAX) break;
+    s = next;
+  }
+  const double by_dry = wet == j ? rest.di : rest.dj, part = conductivity * wet->h / fall;
+  const double dq_dry = part * by_dry, dq_wet = -conductivity * s * by_distance / fall;
+  flux->q = part * rest.q + (1 - part) * in_wet;
+  flux->di = wet == j ? dq_dry : dq_wet;
+  flux->dj = wet == j ? dq_wet : dq_dry;
 }
 
 void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,

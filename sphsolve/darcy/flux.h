@@ -9,6 +9,10 @@
  * Darcy's, and zero for water at rest, whatever the soil. For a soil with exponential k steady flow
  * is exact (exponential fitting of Scharfetter and Gummel 1969; Szymkiewicz 2009 compares means of
  * K). Where gravity outweighs suction over d, k is that upstream, so that no profile oscillates.
+ * Where a water table lies between, the soil saturated below it and not above, this holds down to
+ * the table, and below it Darcy's law. With a mean r over both parts more water would flow down to
+ * a higher head, which by the steady flow between two heads is never so, and soil under which water
+ * is perched would have no steady state that Newton's method finds.
  * Between two soils the two halves of the path are in series: h at the interface is where both
  * carry the same flux. */
 #ifndef TOSUI_SPHSOLVE_DARCY_FLUX_H

@@ -156,7 +156,35 @@ static void fluxes(void **state) {
     flux_in_soil(1, .05, 1, &i, &j, &flux);
     assert_true(fabs(flux.q) < 1e-12 * i.k + 1e-30);
   }
+  /* The higher the head that it flows down to, the less flows, and on the table nothing jumps. */
+  for (double above = -2; above < -.1; above += .3) {
+    struct retention_state i, j;
+    double last = INFINITY;
+    retention_at(&soil, above, &i);
+    for (double h = 0; h < 3; h += h < .01 ? 1e-4 : .01) {
+      retention_at(&soil, h, &j);
+      flux_in_soil(1, .5, 1, &i, &j, &flux);
+      assert_true(flux.q < last && (h == 0 || flux.dj < 0));
+      assert_true(h == 0 || last - flux.q < 6 * (h < .0101 ? 1e-4 : .01));
+      flux_in_soil(1, .5, -1, &j, &i, &other);
+      assert_true(fabs(flux.q + other.q) < 1e-12 * (1 + fabs(flux.q)));
+      last = flux.q;
+    }
+  }
   retention_free(&soil);
+  /* Above a table at the depth t the steady flux q in soil of k = e^(a h) is exactly that of
+   * (e^(a h) - q) e^(a t) = 1 - q, below the table Darcy's. */
+  const double a = 3;
+  struct retention gardner = {
+      .alpha = a, .exponential = true, .full = 1 / a, .theta_r = .05, .theta_s = .4, .n = 2};
+  for (double h = .05; h < 1; h += .1) {
+    struct retention_state i, j;
+    retention_at(&gardner, -.7, &i);
+    retention_at(&gardner, h, &j);
+    flux_in_soil(1, .5, 1, &i, &j, &flux);
+    const double t = .5 - h / (1 - flux.q);
+    assert_true(fabs((exp(-.7 * a) - flux.q) * exp(a * t) - (1 - flux.q)) < 1e-9);
+  }
   /* By the head of sand as dry as dust: as little as k is there, and no rounding of the rest. */
   struct region coarse = sand;
   struct retention_state wet, dry;
