@@ -443,12 +443,22 @@ static bool join_all(const struct scene *scene, const struct lattice *l, struct 
   return any;
 }
 
+/* Whether the lattice holds a wall by its links, or by points that were added (thin_wall.h). */
+static bool has_thin_walls(const struct scene *scene) {
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *r = &scene->regions[k];
+    if (r->type == REGION_WALL && (r->filled || !counts(scene, &scene->regions[r->first])))
+      return true;
+  }
+  return false;
+}
+
 enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
                            struct wall_cuts *cuts) {
   enum status status = STATUS_OK;
   struct near_cells near = {0};
   *cuts = (struct wall_cuts){0};
-  if (l->wall_distance == NULL || l->region == NULL) return STATUS_OK;
+  if (l->wall_distance == NULL || l->region == NULL || has_thin_walls(scene)) return STATUS_OK;
   TRY(memory_allocate(&cuts->face, l->count, sizeof *cuts->face, "cells cut by walls"));
   TRY(memory_allocate(&cuts->volume, l->count, sizeof *cuts->volume, "cells cut by walls"));
   TRY(memory_allocate(&cuts->joined, l->count, 1, "cells cut by walls"));

@@ -5,9 +5,10 @@
  * plane wall anywhere, and of second order beside curved ones. The head of a site whose centre lies
  * in the wall is that of the water in its cell, continued to the centre.
  *
- * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. Walls that
- * the lattice holds otherwise count by their sites and links (thin_wall.h): boxes up to a spacing
- * thick, and shapes so thin that points were added to them. */
+ * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. Boxes up to a
+ * spacing thick, and shapes so thin that points were added to them, count by their sites and links
+ * (thin_wall.h), which hold water between sites in soil alone, and not in the open part of a cell
+ * whose centre is in a thick wall. So no cell is cut in a scene that has such a wall. */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 #define TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 

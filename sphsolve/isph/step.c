@@ -296,6 +296,8 @@ static enum status project_again(struct isph *s, double dt) {
   double *first = s->scratch;
   memcpy(first, s->pressure, s->count * sizeof *first);
   memset(s->pressure, 0, s->count * sizeof *first);
+  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
+    s->pressure[i] = s->increment[i];
   s->solve.again = true;
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   isph_assemble(s);
@@ -311,6 +313,8 @@ static enum status project_again(struct isph *s, double dt) {
     for (size_t i = s->local.begin; i < s->local.end; i++) s->pressure[i] -= first[i];
   }
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
+  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
+    s->increment[i] = s->pressure[i];
   correct(s);
   for (size_t i = 0; i < s->count; i++) s->pressure[i] += first[i];
 cleanup:
@@ -368,6 +372,8 @@ enum status isph_project(struct isph *s, double dt) {
   ISPH_HOOK(s, mobile, dt);
   isph_assemble(s);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
+  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
+    s->pressure[i] -= s->increment[i]; /* both solves begin with what they gave in the last step */
   if (s->solve.carries)
     isph_carry_pressure(s);
   else
@@ -382,7 +388,7 @@ enum status isph_project(struct isph *s, double dt) {
   if (s->surface != NULL) remove_tension(s);
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->pressure)});
   correct(s);
-  if (s->solve.carries || (s->porosity != NULL && s->surface == NULL)) TRY(project_again(s, dt));
+  if (s->solve.carries || isph_projects_twice(s)) TRY(project_again(s, dt));
   s->seconds_correct += clock_seconds() - start;
 cleanup:
   return status;

@@ -10,4 +10,9 @@ enum status isph_project(struct isph *s, double dt);
 /* One step of length dt, s, from a fresh state. */
 enum status isph_advance(struct isph *s, double dt);
 
+/* Whether each step of water in soil projects twice (isph/step.c, project_again). */
+static inline bool isph_projects_twice(const struct isph *s) {
+  return s->on.soil && !s->on.surface;
+}
+
 #endif

@@ -495,17 +495,10 @@ static void pile(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {{"recharge", recharge},
-                                             {"drain", drained_square},
-                                             {"narrow", narrow_drain},
-                                             {"sides", drains_at_sides},
-                                             {"pond", drained_pond},
-                                             {"cylinder", cylinder},
-                                             {"well", pumped_square},
-                                             {"strip", drained_strip},
-                                             {"ditch", ditch},
-                                             {"zones", zones},
-                                             {"bends", bends},
-                                             {"pile", pile}};
+  static const struct verify_case cases[] = {
+      {"recharge", recharge},     {"drain", drained_square}, {"narrow", narrow_drain},
+      {"sides", drains_at_sides}, {"pond", drained_pond},    {"cylinder", cylinder},
+      {"well", pumped_square},    {"strip", drained_strip},  {"ditch", ditch},
+      {"zones", zones},           {"bends", bends},          {"pile", pile}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
