@@ -29,7 +29,7 @@ void richards_flow(const struct richards *s, size_t i, double v[3]) {
 void richards_velocity(const struct richards *s, size_t i, double v[3]) {
   const size_t site = s->site[i];
   richards_flow(s, i, v);
-  for (int a = 0; a < 3 && wall_cuts_volume(&s->walls, site) < 1; a++) {
+  for (int a = 0; a < 3 && wall_cuts_volume(&s->walls, site) != 1; a++) {
     const double open =
         wall_cuts_face(&s->walls, site, a, false) + wall_cuts_face(&s->walls, site, a, true);
     if (open > 0) v[a] *= 2 / open;

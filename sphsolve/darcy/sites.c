@@ -5,7 +5,6 @@
 
 #include "common/memory.h"
 #include "common/units.h"
-#include "sphsolve/geometry/thin_wall.h"
 #include "sphsolve/darcy/balance.h"
 #include "sphsolve/darcy/constants.h"
 #include "sphsolve/darcy/domain.h"
@@ -68,7 +67,8 @@ cleanup:
  * soil that need not be full does not. */
 static bool is_soil(const struct richards *s, size_t site) {
   const size_t at = wall_cuts_site(&s->walls, s->scene, s->lattice, site);
-  return s->lattice->kind[at] == SITE_FLUID && !domain_is_water(s->scene, s->lattice, at);
+  return wall_cuts_volume(&s->walls, site) > 0 && s->lattice->kind[at] == SITE_FLUID &&
+         !domain_is_water(s->scene, s->lattice, at);
 }
 
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
@@ -103,7 +103,6 @@ static void add_face(struct richards *s, size_t i, int axis, bool low, bool coun
   double x[3];
   if (open == 0) return;
   if (next != l->count && l->kind[next] == SITE_WALL && s->number[next] == SITE_NONE) return;
-  if (next != l->count && thin_wall_on_face(l, low ? next : at, axis)) return;
   if (next != l->count && s->number[next] != SITE_NONE) {
     if (low || next == at) return; /* each only once */
     if (!count) {

@@ -16,10 +16,9 @@
 #define CUBES_2D 16
 #define CUBES_3D 8
 #define CUBES_MAX (CUBES_2D + 2)
-#define CUBES_ALL (CUBES_3D * CUBES_3D * CUBES_3D) /* as many as in 2-D, or more */
-/* What is open of a face belongs to a part of a cell with a cube so near, in spacings: more than
- * the wedges that hold no cube, and less than any wall that cuts cells is thick. */
-#define BELONGS 0.25
+/* The lines lie this far beside the middles of the cubes, in spacings: not in the faces of walls
+ * whose places are round numbers of a spacing's parts, where walls that touch would not be seen. */
+#define BESIDE_MIDDLE 1.618e-7
 /* Beside a face, in spacings: of a wall that ends at the face, one side is in the wall. */
 #define BESIDE 1e-9
 /* Shares below count as closed, and within it of 1 as open: rounding of places. */
@@ -27,12 +26,13 @@
 /* Sites further from the boxes of the walls, in spacings, have no wall in their cells: half a
  * diagonal of the cell, and what a shape differs from its boxes. */
 #define REACH 2.0
-/* Most regions that reach into one cell, of which the last count; most ends of one on a line there,
- * and of all. */
+/* Most regions that reach into one cell, and ends of one on a line there. */
 #define NEAR_MAX 32
-#define ENDS_MAX 16
-#define PIECES_MAX 128
+#define ENDS_MAX 32
+#define PIECES_MAX (2 * NEAR_MAX * ENDS_MAX + 2)
 #define UNSEEN UINT8_MAX /* an open cube whose part has no number yet */
+/* The parts of a cell that are kept: that of its site, and one more. */
+enum part { OWN, OTHER, PARTS };
 
 /* A region on a line: whether it holds the low end of the line, and where that changes. */
 struct stretch {
@@ -45,18 +45,37 @@ struct line {
   struct stretch region[NEAR_MAX];
 };
 
-/* A cell, and the connected parts of it that no wall fills, in small cubes by x, y, z. */
+/* A cell in small cubes by x, y, z, and the connected parts of it that no wall fills. */
 struct cell {
   const struct scene *scene;
   const struct lattice *lattice;
   double centre[3];
+  bool crowded; /* more regions or ends than there is room for */
   size_t near_count;
-  const struct region *near[NEAR_MAX];           /* those that may reach into it, in order */
+  const struct region *near[NEAR_MAX]; /* those that may reach into it, in order */
+  /* The straight ways from the middle of a cube to its six faces that no wall crosses: bits of
+   * way(). */
+  uint8_t ways[CUBES_MAX][CUBES_MAX][CUBES_MAX];
   uint8_t part[CUBES_MAX][CUBES_MAX][CUBES_MAX]; /* number of a part from 1; 0: wall */
-  uint8_t own;                                   /* that of the site; 0: none */
-  double volume;                                 /* of its part, over the cell's */
-  uint8_t own_cubes[CUBES_ALL / 8];              /* bits of the cubes of its part, by z, y, x */
 };
+
+/* What is kept of a cell near walls. */
+struct cut {
+  float volume[PARTS]; /* of its parts, over the cell's */
+  float area[3][PARTS][PARTS]; /* of the face at its high end: open to a part of it and of the next */
+  float outside[3][2][PARTS];  /* the same of faces to the outside */
+  /* By 2 axis + high: bits of the cubes at a face from which a part reaches the face, by bit_of() */
+  uint64_t reached[6][PARTS];
+};
+struct near_cells {
+  size_t count;
+  uint32_t *number; /* [sites]: 1 + that of a cell; 0: no wall is near */
+  struct cut *cut;
+};
+
+static unsigned way(int axis, int high) {
+  return 1U << (2 * axis + high);
+}
 
 static int lines_along(const struct lattice *l, int axis) {
   return l->dimensions == 3 ? CUBES_3D : axis == 1 ? 1 : CUBES_2D;
@@ -64,6 +83,18 @@ static int lines_along(const struct lattice *l, int axis) {
 
 static bool is_used(const struct lattice *l, int axis) {
   return lines_along(l, axis) > 1;
+}
+
+/* Lines in the face across an axis go along one of the others, beside one another along the third.
+ */
+static int along_face(int axis) {
+  return axis == 0 ? 2 : 0;
+}
+static int across_face(int axis) {
+  return 3 - axis - along_face(axis);
+}
+static uint64_t bit_of(const struct lattice *l, int axis, int row, int column) {
+  return (uint64_t)1 << (row * lines_along(l, along_face(axis)) + column);
 }
 
 /* Cubes along an axis, from `first` on; and the middle of one, m from the centre of the cell. */
@@ -74,10 +105,10 @@ static int cubes_end(const struct lattice *l, int axis) {
   return lines_along(l, axis) + is_used(l, axis);
 }
 static double middle_of(const struct lattice *l, int axis, int cube) {
-  return ((cube + 0.5) / lines_along(l, axis) - 0.5) * l->spacing[0];
+  return ((cube + 0.5) / lines_along(l, axis) - 0.5 + BESIDE_MIDDLE) * l->spacing[0];
 }
-static uint8_t *cube_at(struct cell *c, const int at[3]) {
-  return &c->part[at[0] + 1][at[1] + 1][at[2] + 1];
+static uint8_t *cube_at(uint8_t of[CUBES_MAX][CUBES_MAX][CUBES_MAX], const int at[3]) {
+  return &of[at[0] + 1][at[1] + 1][at[2] + 1];
 }
 static bool is_inner(const struct lattice *l, const int at[3]) {
   bool inner = true;
@@ -88,17 +119,14 @@ static bool is_inner(const struct lattice *l, const int at[3]) {
 /* Whether a region counts by the polygon or body that it is a part of. */
 static bool has_shape(const struct scene *scene, const struct region *r) {
   const struct region *first = &scene->regions[r->first];
-  return (first->polygon != NULL || first->stl != NULL) && !r->filled;
+  return first->polygon != NULL || first->stl != NULL;
 }
 
 /* Whether a region counts here, and not by another part of its shape. */
 static bool counts(const struct scene *scene, const struct region *r) {
-  if (r->type != REGION_WALL && r->type != REGION_POROUS && r->type != REGION_WATER &&
-      r->type != REGION_EMPTY)
-    return false;
-  if (has_shape(scene, r)) return r == &scene->regions[r->first];
-  return r->type != REGION_WALL || r->is_part ||
-         scene_region_thickness(scene, r) > (1 + 1e-6) * scene->spacing;
+  const bool fills = r->type == REGION_WALL || r->type == REGION_POROUS ||
+                     r->type == REGION_WATER || r->type == REGION_EMPTY;
+  return fills && (!has_shape(scene, r) || r == &scene->regions[r->first]);
 }
 
 static const double *extent_of(const struct scene *scene, const struct region *r) {
@@ -109,7 +137,7 @@ static const double *extent_of(const struct scene *scene, const struct region *r
 static size_t find_ends(const struct cell *c, const struct region *r, const double x[3], int axis,
                         double at[POLYGON_CORNERS_MAX]) {
   const double *extent = extent_of(c->scene, r);
-  const struct polygon *p = has_shape(c->scene, r) ? r->polygon : NULL;
+  const struct polygon *p = r->polygon;
   size_t n = 0;
   for (int a = 0; a < 3; a++)
     if (a != axis && is_used(c->lattice, a) && !(x[a] > extent[a] && x[a] < extent[a + 3]))
@@ -131,18 +159,22 @@ static size_t find_ends(const struct cell *c, const struct region *r, const doub
 }
 
 /* What regions are on a line along an axis, up to `reach` from the middle of a cell. */
-static void cast_line(const struct cell *c, const double x[3], int axis, double reach,
+static void cast_line(struct cell *c, const double x[3], int axis, double reach,
                       struct line *line) {
   line->count = c->near_count;
   for (size_t k = 0; k < c->near_count; k++) {
     struct stretch *on = &line->region[k];
     double at[POLYGON_CORNERS_MAX];
     const size_t n = find_ends(c, c->near[k], x, axis, at);
-    *on = (struct stretch){.wall = c->near[k]->type == REGION_WALL};
+    on->wall = c->near[k]->type == REGION_WALL, on->inside = false, on->count = 0;
     for (size_t m = 0; m < n; m++) {
       const double t = at[m] - c->centre[axis];
       on->inside = on->inside != (t > -reach);
-      if (fabs(t) < reach && on->count < ENDS_MAX) on->end[on->count++] = t;
+      if (!(fabs(t) < reach)) continue;
+      if (on->count == ENDS_MAX)
+        c->crowded = true;
+      else
+        on->end[on->count++] = t;
     }
   }
 }
@@ -161,162 +193,211 @@ static bool is_wall(const struct line *line, double t) {
 /* Adds where regions begin and end to the ends of pieces, sorted. */
 static size_t add_ends(const struct line *line, size_t n, double end[PIECES_MAX]) {
   for (size_t k = 0; k < line->count; k++)
-    for (size_t m = 0; m < line->region[k].count && n < PIECES_MAX; m++)
+    for (size_t m = 0; m < line->region[k].count; m++)
       end[n++] = line->region[k].end[m];
   qsort(end, n, sizeof *end, scene_parts_by_value);
   return n;
 }
 
+/* Regions before the first wall make no difference. */
 static void begin_cell(const struct scene *scene, const struct lattice *l, size_t site,
                        struct cell *c) {
   const double reach = (0.5 + 1.0 / lines_along(l, 0)) * l->spacing[0];
   const size_t row = site / l->size[0],
                place[3] = {site % l->size[0], row % l->size[1], row / l->size[1]};
-  c->scene = scene, c->lattice = l, c->near_count = 0;
+  c->scene = scene, c->lattice = l, c->near_count = 0, c->crowded = false;
   for (int a = 0; a < 3; a++) c->centre[a] = l->origin[a] + (double)place[a] * l->spacing[a];
   for (size_t n = 0; n < scene->region_count; n++) {
     const struct region *r = &scene->regions[n];
     const double *extent = extent_of(scene, r);
-    bool near = counts(scene, r);
+    bool near = counts(scene, r) && (c->near_count > 0 || r->type == REGION_WALL);
     for (int a = 0; a < 3 && near; a++)
       near = !is_used(l, a) ||
              (c->centre[a] + reach > extent[a] && c->centre[a] - reach < extent[a + 3]);
-    if (!near) continue;
-    if (c->near_count == NEAR_MAX) memmove(c->near, c->near + 1, --c->near_count * sizeof *c->near);
-    c->near[c->near_count++] = r;
+    if (near && c->near_count == NEAR_MAX)
+      c->crowded = true;
+    else if (near)
+      c->near[c->near_count++] = r;
   }
 }
 
-/* Numbers the part of open cubes that one belongs to; returns how many of them are in the cell. */
+/* Numbers the part of open cubes that one belongs to, each step by a straight way that no wall
+ * crosses, however thin; returns how many of them are in the cell. */
 static int number_part(struct cell *c, const int from[3], uint8_t number) {
   int stack[CUBES_MAX * CUBES_MAX * CUBES_MAX][3], depth = 1, count = 0;
   memcpy(stack[0], from, sizeof stack[0]);
-  *cube_at(c, from) = number;
+  *cube_at(c->part, from) = number;
   while (depth > 0) {
     const int at[3] = {stack[depth - 1][0], stack[depth - 1][1], stack[depth - 1][2]};
     depth--, count += is_inner(c->lattice, at);
     for (int f = 0; f < 6; f++) {
+      const int a = f / 2, high = f % 2;
       int to[3] = {at[0], at[1], at[2]};
-      to[f / 2] += f % 2 ? 1 : -1;
-      if (to[f / 2] < first_cube(c->lattice, f / 2) || to[f / 2] >= cubes_end(c->lattice, f / 2) ||
-          *cube_at(c, to) != UNSEEN)
+      to[a] += high ? 1 : -1;
+      if (to[a] < first_cube(c->lattice, a) || to[a] >= cubes_end(c->lattice, a) ||
+          *cube_at(c->part, to) != UNSEEN || !(*cube_at(c->ways, at) & way(a, high)) ||
+          !(*cube_at(c->ways, to) & way(a, !high)))
         continue;
-      *cube_at(c, to) = number;
+      *cube_at(c->part, to) = number;
       memcpy(stack[depth++], to, sizeof to);
     }
   }
   return count;
 }
 
-/* The part that holds the centre, else the largest. */
-static void choose_part(struct cell *c) {
+/* The parts that are kept: that which holds the centre, else the largest; and the largest other.
+ * `volume`: that of all, over the cell's. */
+static void choose_parts(struct cell *c, double volume, uint8_t kept[PARTS], struct cut *cut) {
   const struct lattice *l = c->lattice;
-  int most = 0, all = 0, own = 0, count[UNSEEN] = {0};
+  int all = 0, count[UNSEEN] = {0};
   uint8_t numbers = 0;
+  kept[OWN] = kept[OTHER] = 0;
   for (int i = 0; i < lines_along(l, 0); i++)
     for (int j = 0; j < lines_along(l, 1); j++)
       for (int k = 0; k < lines_along(l, 2); k++) {
         const int at[3] = {i, j, k};
-        if (*cube_at(c, at) != UNSEEN) continue;
-        const uint8_t number = ++numbers;
-        all += count[number] = number_part(c, at, number);
-        if (count[number] > most) most = count[number], c->own = number;
+        if (*cube_at(c->part, at) != UNSEEN || numbers == UNSEEN - 1) continue;
+        numbers++;
+        all += count[numbers] = number_part(c, at, numbers);
+        if (count[numbers] > count[kept[OWN]]) kept[OWN] = numbers;
       }
   for (int n = 7; n >= 0; n--) {
     int at[3];
     for (int a = 0; a < 3; a++) at[a] = is_used(l, a) ? lines_along(l, a) / 2 - (n >> a & 1) : 0;
-    if (*cube_at(c, at) > 0) c->own = *cube_at(c, at);
+    if (*cube_at(c->part, at) > 0) kept[OWN] = *cube_at(c->part, at);
   }
-  own = count[c->own];
-  if (all > 0) c->volume *= (double)own / all;
+  for (uint8_t n = 1; n <= numbers; n++)
+    if (n != kept[OWN] && count[n] > count[kept[OTHER]]) kept[OTHER] = n;
+  for (int p = 0; p < PARTS && all > 0; p++)
+    cut->volume[p] = (float)(volume * count[kept[p]] / all);
 }
 
-/* Marks the open pieces of a line of cubes along x, and adds what of them is in the cell. */
-static void fill_line(struct cell *c, int j, int k) {
+/* Closes the ways that walls cross on a line of cubes along an axis, and marks the cubes whose
+ * middles are in walls; returns which share of the line in the cell is open. */
+static double fill_line(struct cell *c, int axis, int line_at[3]) {
   const struct lattice *l = c->lattice;
-  const double half = 0.5 * l->spacing[0], reach = half + l->spacing[0] / lines_along(l, 0);
-  const double share = l->spacing[0] * lines_along(l, 1) * lines_along(l, 2);
-  const double x[3] = {0, c->centre[1] + middle_of(l, 1, j), c->centre[2] + middle_of(l, 2, k)};
-  double end[PIECES_MAX] = {-reach, reach};
+  const double half = 0.5 * l->spacing[0], width = l->spacing[0] / lines_along(l, axis);
+  double open = 0, x[3], end[PIECES_MAX] = {-half - width, half + width};
   struct line line;
-  const int edge[3] = {0, j, k};
-  for (int a = 1; a < 3; a++)
-    if (is_used(l, a) && !(x[a] > 0 && x[a] < c->scene->domain_size[a]) && !is_inner(l, edge))
-      return;
-  cast_line(c, x, 0, reach, &line);
+  line_at[axis] = 0;
+  const bool inner = is_inner(l, line_at);
+  for (int a = 0; a < 3; a++) x[a] = c->centre[a] + middle_of(l, a, line_at[a]);
+  cast_line(c, x, axis, half + width, &line);
   const size_t n = add_ends(&line, 2, end);
   for (size_t m = 0; m + 1 < n; m++) {
-    if (!(end[m] < end[m + 1]) || is_wall(&line, 0.5 * (end[m] + end[m + 1]))) continue;
-    if (is_inner(l, edge))
-      c->volume += fmax(0, fmin(end[m + 1], half) - fmax(end[m], -half)) / share;
-    for (int i = -1; i < cubes_end(l, 0); i++) {
-      const int at[3] = {i, j, k};
-      const double middle = middle_of(l, 0, i), place = c->centre[0] + middle;
-      const bool inside = (place > 0 && place < c->scene->domain_size[0]) || is_inner(l, at);
-      if (inside && middle >= end[m] && middle <= end[m + 1]) *cube_at(c, at) = UNSEEN;
+    if (!(end[m] < end[m + 1])) continue;
+    if (!is_wall(&line, 0.5 * (end[m] + end[m + 1]))) {
+      open += fmax(0, fmin(end[m + 1], half) - fmax(end[m], -half));
+      continue;
+    }
+    for (int i = -1; i < cubes_end(l, axis); i++) {
+      const double middle = middle_of(l, axis, i);
+      line_at[axis] = i;
+      for (int high = 0; high < 2; high++)
+        if (end[m] < middle + 0.5 * high * width && end[m + 1] > middle - 0.5 * !high * width)
+          *cube_at(c->ways, line_at) &= (uint8_t)~way(axis, high);
+      if (middle >= end[m] && middle <= end[m + 1]) *cube_at(c->part, line_at) = 0;
     }
   }
+  return inner ? open / l->spacing[0] : 0;
 }
 
 /* Finds the open parts of a cell. Beyond the domain all is wall, also where it is periodic. */
-static void fill_cell(struct cell *c) {
-  for (int k = -1; k < cubes_end(c->lattice, 2); k++)
-    for (int j = first_cube(c->lattice, 1); j < cubes_end(c->lattice, 1); j++) fill_line(c, j, k);
-  choose_part(c);
-}
-
-/* Whether the piece from..to of line `row` in a face belongs to the part of the cell that counts;
- * the line is along `along`, beside others along `across`. */
-static bool is_own(const struct cell *c, int axis, bool high, int along, int across, int row,
-                   double from, double to) {
+static void fill_cell(struct cell *c, struct cut *cut) {
   const struct lattice *l = c->lattice;
-  const double d = l->spacing[0];
-  for (int n = 0; n < CUBES_ALL; n++) {
-    if (!(c->own_cubes[n / 8] >> n % 8 & 1)) continue;
-    const int nx = lines_along(l, 0), ny = lines_along(l, 1),
-              at[3] = {n % nx, n / nx % ny, n / nx / ny};
-    const double middle = middle_of(l, along, at[along]),
-                 off = fmax(0, fmax(from - middle, middle - to)),
-                 deep = (high ? 0.5 : -0.5) * d - middle_of(l, axis, at[axis]),
-                 aside = middle_of(l, across, at[across]) - middle_of(l, across, row);
-    if (off * off + deep * deep + aside * aside < BELONGS * BELONGS * d * d) return true;
+  const double *size = c->scene->domain_size;
+  double volume = 0;
+  uint8_t kept[PARTS];
+  int at[3];
+  memset(c->part, 0, sizeof c->part);
+  memset(c->ways, UINT8_MAX, sizeof c->ways);
+  for (at[0] = first_cube(l, 0); at[0] < cubes_end(l, 0); at[0]++)
+    for (at[1] = first_cube(l, 1); at[1] < cubes_end(l, 1); at[1]++)
+      for (at[2] = first_cube(l, 2); at[2] < cubes_end(l, 2); at[2]++) {
+        bool inside = true;
+        for (int a = 0; a < 3; a++) {
+          const double place = c->centre[a] + middle_of(l, a, at[a]);
+          inside = inside && (!is_used(l, a) || (place > 0 && place < size[a]));
+        }
+        if (inside || is_inner(l, at)) *cube_at(c->part, at) = UNSEEN;
+      }
+  for (int axis = 0; axis < 3; axis++) {
+    if (!is_used(l, axis)) continue;
+    const int j = axis == 0 ? 1 : 0, k = 3 - axis - j;
+    for (at[j] = first_cube(l, j); at[j] < cubes_end(l, j); at[j]++)
+      for (at[k] = first_cube(l, k); at[k] < cubes_end(l, k); at[k]++) {
+        const double open = fill_line(c, axis, at);
+        if (axis == 0) volume += open / (lines_along(l, 1) * lines_along(l, 2));
+      }
   }
-  return false;
+  choose_parts(c, volume, kept, cut);
+  for (int axis = 0; axis < 3; axis++)
+    for (int high = 0; high < 2 && is_used(l, axis); high++)
+      for (int row = 0; row < lines_along(l, across_face(axis)); row++)
+        for (int column = 0; column < lines_along(l, along_face(axis)); column++) {
+          at[axis] = high ? lines_along(l, axis) - 1 : 0;
+          at[across_face(axis)] = row, at[along_face(axis)] = column;
+          for (int p = 0; p < PARTS; p++)
+            if (kept[p] > 0 && *cube_at(c->part, at) == kept[p] &&
+                (*cube_at(c->ways, at) & way(axis, high)))
+              cut->reached[2 * axis + high][p] |= bit_of(l, axis, row, column);
+        }
 }
 
-/* Share of a face that is open to the cell at its low side and that at its high side; NULL: the
- * outside. */
-static double open_share(const struct cell *low, const struct cell *high, int axis) {
-  const struct cell *cells[2] = {low, high};
-  const struct cell *any = low != NULL ? low : high;
-  const double d = any->lattice->spacing[0];
-  const int along = axis == 0 ? 2 : 0, across = 3 - axis - along;
-  const int rows = lines_along(any->lattice, across);
-  double sum = 0;
+/* The part of a cell to which a piece of a line in its face is open: one that reaches the face
+ * there, as the piece is connected. PARTS: none. Pieces between two lines of cubes count as closed.
+ */
+static enum part part_at(const struct cut *cut, const struct lattice *l, int axis, int high,
+                         int row, double from, double to) {
+  const int along = along_face(axis);
+  uint64_t columns = 0;
+  for (int n = 0; n < lines_along(l, along); n++) {
+    const double middle = middle_of(l, along, n);
+    if (middle >= from && middle <= to) columns |= bit_of(l, axis, row, n);
+  }
+  for (enum part p = OWN; p < PARTS; p++)
+    if (cut->reached[2 * axis + high][p] & columns) return p;
+  return PARTS;
+}
+
+/* Shares of a face that are open to the parts of the cells at its low and its high side. NULL: the
+ * outside, which is one part. */
+static void find_areas(struct cell *low, const struct cut *low_cut, struct cell *high,
+                       const struct cut *high_cut, int axis, float area[PARTS][PARTS]) {
+  struct cell *const cells[2] = {low, high};
+  const struct cut *const cuts[2] = {low_cut, high_cut};
+  const struct lattice *l = (low != NULL ? low : high)->lattice;
+  const double d = l->spacing[0];
+  const int along = along_face(axis), across = across_face(axis), rows = lines_along(l, across);
+  double sum[PARTS][PARTS] = {{0}};
   for (int row = 0; row < rows; row++) {
-    double end[PIECES_MAX] = {-0.5 * d, 0.5 * d}, x[3];
+    double end[PIECES_MAX] = {-0.5 * d, 0.5 * d}, x[3] = {0};
     struct line line[2];
     size_t n = 2;
     for (int s = 0; s < 2; s++) {
-      const struct cell *c = cells[s];
-      if (c == NULL) continue;
-      x[axis] = c->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * d;
-      x[across] = c->centre[across] + middle_of(c->lattice, across, row);
-      cast_line(c, x, along, 0.5 * d, &line[s]);
+      if (cells[s] == NULL) continue;
+      x[axis] = cells[s]->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * d;
+      x[across] = cells[s]->centre[across] + middle_of(l, across, row);
+      cast_line(cells[s], x, along, 0.5 * d, &line[s]);
       n = add_ends(&line[s], n, end);
     }
     for (size_t m = 0; m + 1 < n; m++) {
+      enum part part[2] = {OWN, OWN};
       bool open = end[m] < end[m + 1];
       for (int s = 0; s < 2 && open; s++) {
-        const struct cell *c = cells[s];
-        if (c == NULL) continue;
-        open = !is_wall(&line[s], 0.5 * (end[m] + end[m + 1])) &&
-               is_own(c, axis, s == 0, along, across, row, end[m], end[m + 1]);
+        if (cells[s] == NULL) continue;
+        open = !is_wall(&line[s], 0.5 * (end[m] + end[m + 1]));
+        if (open) part[s] = part_at(cuts[s], l, axis, s == 0, row, end[m], end[m + 1]);
+        open = open && part[s] != PARTS;
       }
-      if (open) sum += (end[m + 1] - end[m]) / (d * rows);
+      if (open) sum[part[0]][part[1]] += (end[m + 1] - end[m]) / (d * rows);
     }
   }
-  return sum < SHARE_LEAST ? 0 : sum > 1 - SHARE_LEAST ? 1 : sum;
+  for (int p = 0; p < PARTS; p++)
+    for (int q = 0; q < PARTS; q++) {
+      const double share = sum[p][q];
+      area[p][q] = (float)(share < SHARE_LEAST ? 0 : share > 1 - SHARE_LEAST ? 1 : share);
+    }
 }
 
 /* The site beside another; the lattice's count outside of a domain that ends there. */
@@ -329,91 +410,141 @@ static size_t beside(const struct scene *scene, const struct lattice *l, size_t 
   return high ? site - (n - 1) * stride : site + (n - 1) * stride;
 }
 
-/* Whether the centre of a cell lies in the shape of a wall, or on its surface. */
-static bool is_shaped(const struct cell *c) {
-  const double near = BESIDE * c->lattice->spacing[0];
-  bool wall = false;
-  for (int n = 0; n < 8 && !wall; n++) {
-    struct line line;
-    double x[3];
-    for (int a = 0; a < 3; a++) x[a] = c->centre[a] + (n >> a & 1 ? near : -near);
-    cast_line(c, x, 0, 0.5 * c->lattice->spacing[0], &line);
-    wall = is_wall(&line, x[0] - c->centre[0]);
-  }
-  return wall;
+/* The cell of a site, which has no other part where no wall is near. */
+static const struct cut *cut_of(const struct near_cells *near, const struct lattice *l,
+                                size_t site) {
+  static const struct cut open = {.volume = {1},
+                                  .reached = {{UINT64_MAX},
+                                              {UINT64_MAX},
+                                              {UINT64_MAX},
+                                              {UINT64_MAX},
+                                              {UINT64_MAX},
+                                              {UINT64_MAX}}};
+  static const struct cut closed = {0};
+  if (near->number[site] > 0) return &near->cut[near->number[site] - 1];
+  return l->kind[site] == SITE_WALL ? &closed : &open;
 }
 
-/* Finds the part of a cell that counts. That of a wall site does only where its centre lies in a
- * shape. */
-static void open_cell(struct cell *c, bool wall) {
-  const struct lattice *l = c->lattice;
-  const int nx = lines_along(l, 0), ny = lines_along(l, 1);
-  memset(c->part, 0, sizeof c->part);
-  memset(c->own_cubes, 0, sizeof c->own_cubes);
-  c->own = 0, c->volume = 0;
-  if (wall && !is_shaped(c)) return;
-  fill_cell(c);
-  for (int n = 0; n < nx * ny * lines_along(l, 2); n++) {
-    const int at[3] = {n % nx, n / nx % ny, n / nx / ny};
-    if (c->own > 0 && *cube_at(c, at) == c->own) c->own_cubes[n / 8] |= (uint8_t)(1U << n % 8);
-  }
-}
-
-/* What is kept of the cells near walls while their faces are found. */
-struct near_cells {
-  size_t count;
-  uint32_t *number; /* [sites]: 1 + that of a cell; 0: no wall is near */
-  uint8_t (*own_cubes)[CUBES_ALL / 8];
-};
-
-static enum status find_volumes(const struct scene *scene, const struct lattice *l, float *volume,
-                                struct near_cells *near) {
+static enum status find_parts(const struct scene *scene, const struct lattice *l,
+                              struct near_cells *near, size_t *crowded) {
   enum status status = STATUS_OK;
+  size_t worst = l->count;
   TRY(memory_allocate(&near->number, l->count, sizeof *near->number, "cells cut by walls"));
   for (size_t site = 0; site < l->count; site++)
     if (fabs((double)l->wall_distance[site]) < REACH * l->spacing[0])
       near->number[site] = (uint32_t)++near->count;
-  TRY(memory_allocate(&near->own_cubes, near->count, sizeof *near->own_cubes,
-                      "cells cut by walls"));
-#pragma omp parallel for schedule(dynamic, 256)
+  TRY(memory_allocate(&near->cut, near->count, sizeof *near->cut, "cells cut by walls"));
+#pragma omp parallel for schedule(dynamic, 256) reduction(min : worst)
   for (size_t site = 0; site < l->count; site++) {
     struct cell c;
-    volume[site] = l->kind[site] != SITE_WALL;
     if (near->number[site] == 0) continue;
+    struct cut *cut = &near->cut[near->number[site] - 1];
     begin_cell(scene, l, site, &c);
-    open_cell(&c, l->kind[site] == SITE_WALL);
-    volume[site] = (float)c.volume;
-    memcpy(near->own_cubes[near->number[site] - 1], c.own_cubes, sizeof c.own_cubes);
+    fill_cell(&c, cut);
+    if (c.crowded && site < worst) worst = site;
   }
+  *crowded = worst;
 cleanup:
   return status;
 }
 
-static void load_cell(const struct scene *scene, const struct lattice *l, size_t site,
-                      const struct near_cells *near, struct cell *c) {
-  begin_cell(scene, l, site, c);
-  if (near->number[site] > 0)
-    memcpy(c->own_cubes, near->own_cubes[near->number[site] - 1], sizeof c->own_cubes);
-  else
-    memset(c->own_cubes, l->kind[site] == SITE_WALL ? 0 : UINT8_MAX, sizeof c->own_cubes);
-}
-
 static void find_faces(const struct scene *scene, const struct lattice *l,
-                       const struct near_cells *near, float (*face)[3][2]) {
+                       struct near_cells *near) {
 #pragma omp parallel for schedule(dynamic, 256)
   for (size_t site = 0; site < l->count; site++) {
     struct cell own, other;
     if (near->number[site] == 0) continue;
-    load_cell(scene, l, site, near, &own);
+    struct cut *cut = &near->cut[near->number[site] - 1];
+    begin_cell(scene, l, site, &own);
     for (int a = 0; a < 3; a++) {
       if (!is_used(l, a)) continue;
-      const size_t next = beside(scene, l, site, a, true);
-      if (next != l->count) load_cell(scene, l, next, near, &other);
-      const double share = open_share(&own, next != l->count ? &other : NULL, a);
-      face[site][a][1] = (float)share;
-      if (next != l->count) face[next][a][0] = (float)share;
-      if (beside(scene, l, site, a, false) == l->count)
-        face[site][a][0] = (float)open_share(NULL, &own, a);
+      float area[PARTS][PARTS];
+      for (int high = 0; high < 2; high++) {
+        const size_t next = beside(scene, l, site, a, high);
+        if (next == l->count) {
+          find_areas(high ? &own : NULL, cut, high ? NULL : &own, cut, a, area);
+          for (int p = 0; p < PARTS; p++)
+            cut->outside[a][high][p] = high ? area[p][OWN] : area[OWN][p];
+        } else if (high) {
+          begin_cell(scene, l, next, &other);
+          find_areas(&own, cut, &other, cut_of(near, l, next), a, cut->area[a]);
+        }
+      }
+    }
+  }
+}
+
+/* Share of the face between a site and the next along an axis that is open to these parts of their
+ * cells. */
+static float area_between(const struct near_cells *near, size_t site, enum part p, enum part q,
+                          int axis) {
+  if (near->number[site] > 0) return near->cut[near->number[site] - 1].area[axis][p][q];
+  return p == OWN && q == OWN;
+}
+
+/* The site that takes the other part of a cell: the one beside it to whose own part it is most
+ * open; l->count: none. */
+static size_t taker_of(const struct scene *scene, const struct lattice *l,
+                       const struct near_cells *near, size_t site) {
+  size_t taker = l->count;
+  float most = 0;
+  if (near->number[site] == 0 || !(near->cut[near->number[site] - 1].volume[OTHER] > 0))
+    return taker;
+  for (int n = 0; n < 6; n++) {
+    const size_t next = beside(scene, l, site, n / 2, n % 2);
+    if (!is_used(l, n / 2) || next == l->count || next == site) continue;
+    const float area = n % 2 ? area_between(near, site, OTHER, OWN, n / 2)
+                             : area_between(near, next, OWN, OTHER, n / 2);
+    if (area > most) most = area, taker = next;
+  }
+  return taker;
+}
+
+/* Adds to the open share of a face that is open already, so that no wall is opened. */
+static bool widen(struct wall_cuts *cuts, const struct scene *scene, const struct lattice *l,
+                  size_t site, int axis, float area) {
+  const size_t next = beside(scene, l, site, axis, true);
+  if (next == l->count || !(cuts->face[site][axis][1] > 0)) return false;
+  cuts->face[site][axis][1] += area, cuts->face[next][axis][0] += area;
+  return true;
+}
+
+/* Adds what of a face is open to the other part of a cell on either side to the face of the sites
+ * that take it. */
+static void take_face(const struct scene *scene, const struct lattice *l,
+                      const struct near_cells *near, size_t site, int axis,
+                      struct wall_cuts *cuts) {
+  const size_t next = beside(scene, l, site, axis, true);
+  const size_t of_site = taker_of(scene, l, near, site), of_next = taker_of(scene, l, near, next);
+  for (enum part p = OWN; p < PARTS; p++)
+    for (enum part q = OWN; q < PARTS; q++) {
+      const float area = area_between(near, site, p, q, axis);
+      const size_t low = p == OWN ? site : of_site, high = q == OWN ? next : of_next;
+      if ((p == OWN && q == OWN) || !(area > 0) || low == l->count || high == l->count ||
+          low == high)
+        continue;
+      const size_t before = beside(scene, l, high, axis, false);
+      if (before == low || before == l->count ||
+          !widen(cuts, scene, l, before, axis, area))
+        widen(cuts, scene, l, low, axis, area);
+    }
+}
+
+/* Gives the other parts of cells to the sites that take them. */
+static void take_parts(const struct scene *scene, const struct lattice *l,
+                       const struct near_cells *near, struct wall_cuts *cuts) {
+  for (size_t site = 0; site < l->count; site++) {
+    if (near->number[site] == 0) continue;
+    const struct cut *cut = &near->cut[near->number[site] - 1];
+    const size_t taker = taker_of(scene, l, near, site);
+    if (taker != l->count) cuts->volume[taker] += cut->volume[OTHER];
+    for (int a = 0; a < 3; a++) {
+      if (!is_used(l, a)) continue;
+      for (int high = 0; high < 2 && taker != l->count; high++)
+        if (beside(scene, l, taker, a, high) == l->count && cuts->face[taker][a][high] > 0)
+          cuts->face[taker][a][high] += cut->outside[a][high][OTHER];
+      if (beside(scene, l, site, a, true) != l->count)
+        take_face(scene, l, near, site, a, cuts);
     }
   }
 }
@@ -443,34 +574,56 @@ static bool join_all(const struct scene *scene, const struct lattice *l, struct 
   return any;
 }
 
-/* Whether the lattice holds a wall by its links, or by points that were added (thin_wall.h). */
-static bool has_thin_walls(const struct scene *scene) {
-  for (size_t k = 0; k < scene->region_count; k++) {
-    const struct region *r = &scene->regions[k];
-    if (r->type == REGION_WALL && (r->filled || !counts(scene, &scene->regions[r->first])))
-      return true;
+/* What is open of cells and faces to the own parts of sites. */
+static void open_own(const struct scene *scene, const struct lattice *l,
+                     const struct near_cells *near, struct wall_cuts *cuts) {
+  for (size_t n = 0; n < 6 * l->count; n++) (&cuts->face[0][0][0])[n] = 1;
+  for (size_t site = 0; site < l->count; site++) {
+    const struct cut *cut = cut_of(near, l, site);
+    cuts->volume[site] = cut->volume[OWN];
+    for (int a = 0; a < 3 && near->number[site] > 0; a++) {
+      const size_t next = beside(scene, l, site, a, true);
+      if (!is_used(l, a)) continue;
+      for (int high = 0; high < 2; high++)
+        if (beside(scene, l, site, a, high) == l->count)
+          cuts->face[site][a][high] = cut->outside[a][high][OWN];
+      if (next != l->count)
+        cuts->face[site][a][1] = cuts->face[next][a][0] = cut->area[a][OWN][OWN];
+    }
   }
-  return false;
 }
 
 enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
                            struct wall_cuts *cuts) {
   enum status status = STATUS_OK;
   struct near_cells near = {0};
+  size_t crowded;
+  bool cut = false;
   *cuts = (struct wall_cuts){0};
-  if (l->wall_distance == NULL || l->region == NULL || has_thin_walls(scene)) return STATUS_OK;
+  if (l->wall_distance == NULL || l->region == NULL) return STATUS_OK;
   TRY(memory_allocate(&cuts->face, l->count, sizeof *cuts->face, "cells cut by walls"));
   TRY(memory_allocate(&cuts->volume, l->count, sizeof *cuts->volume, "cells cut by walls"));
   TRY(memory_allocate(&cuts->joined, l->count, 1, "cells cut by walls"));
-  for (size_t n = 0; n < 6 * l->count; n++) (&cuts->face[0][0][0])[n] = 1;
-  TRY(find_volumes(scene, l, cuts->volume, &near));
-  find_faces(scene, l, &near, cuts->face);
-  bool cut = join_all(scene, l, cuts);
+  TRY(find_parts(scene, l, &near, &crowded));
+  if (crowded < l->count) {
+    const size_t row = crowded / l->size[0];
+    TRY_FAIL(STATUS_INPUT,
+             "%s: more than %d walls or %d faces of one meet within a spacing of (%g m, %g m, %g "
+             "m); a smaller domain.spacing parts them",
+             scene->path, NEAR_MAX, ENDS_MAX,
+             l->origin[0] + (double)(crowded % l->size[0]) * l->spacing[0],
+             l->origin[1] + (double)(row % l->size[1]) * l->spacing[1],
+             l->origin[2] + (double)(row / l->size[1]) * l->spacing[2]);
+  }
+  find_faces(scene, l, &near);
+  open_own(scene, l, &near, cuts);
+  take_parts(scene, l, &near, cuts);
+  cut = join_all(scene, l, cuts);
   for (size_t site = 0; site < l->count && !cut; site++)
     cut = l->kind[site] != SITE_WALL && cuts->volume[site] < 1 - (float)SHARE_LEAST;
-  if (!cut) wall_cuts_free(cuts);
 cleanup:
-  MEMORY_FREE(&near.number, &near.own_cubes);
+  if (!cut) wall_cuts_free(cuts);
+  MEMORY_FREE(&near.number, &near.cut);
   return status;
 }
 

@@ -301,8 +301,8 @@ static void maps(void) {
     if (floor_)
       snprintf(wall, sizeof wall, "\"9 m\", \"2 m\", \"11 m\", \"2.4 m\"");
     else
-      snprintf(wall, sizeof wall, "\"%g m\", \"1 m\", \"%g m\", \"2.4 m\"", 10 - .05 * dx,
-               10 + .05 * dx);
+      snprintf(wall, sizeof wall, "\"%g m\", \"1 m\", \"%g m\", \"2.4 m\"", 10 - .002 * dx,
+               10 + .002 * dx);
     start(&run,
           "scene = { end_time = \"1 h\"; };\n"
           "domain = { size = [\"20 m\", \"2.4 m\"]; spacing = \"%g m\"; periodic = [false, false]; "
