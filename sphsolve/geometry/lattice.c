@@ -266,12 +266,12 @@ static void find_thin_walls(const struct scene *scene, struct lattice *lattice) 
   for (size_t r = 0; r < scene->region_count; r++) {
     const struct region *region = &scene->regions[r];
     const double thickness = scene_region_thickness(scene, region);
-    lattice->stepped = lattice->stepped || (region->type == REGION_WALL && region->is_part);
+    if (region->type == REGION_WALL && region->is_part) lattice->shapes = scene;
     if (region->type != REGION_WALL || region->is_part ||
         !(thickness < (1.0 + 1e-6) * scene->spacing))
       continue;
     lattice->thinnest = lattice->boxes ? fmin(lattice->thinnest, thickness) : thickness;
-    lattice->boxes = scene;
+    lattice->boxes = lattice->shapes = scene;
   }
 }
 
@@ -347,7 +347,7 @@ enum status lattice_build(const struct scene *scene, int wall_layers, struct lat
     wall += lattice->kind[i] == SITE_WALL;
   }
   lattice->fluid_count = fluid, lattice->wall_count = wall;
-  if (lattice->boxes != NULL) TRY(thin_wall_find_faces(lattice));
+  if (lattice->shapes != NULL) TRY(thin_wall_find_faces(lattice));
 cleanup:
   if (status != STATUS_OK) lattice_free(lattice);
   return status;

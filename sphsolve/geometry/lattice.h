@@ -55,7 +55,9 @@ struct lattice {
    * the surface, and the least thickness of these walls, m. Otherwise NULL. */
   const struct scene *boxes;
   double thinnest;
-  bool stepped; /* walls are polygons or bodies made of points, which may touch over edges alone */
+  /* The same of a domain in which walls may separate sites that are no wall: those thinner than the
+   * spacing, and polygons and bodies, which are made of points. */
+  const struct scene *shapes;
   /* Bit a: a wall thinner than the spacing separates the site from the next one along axis a
    * (thin_wall.h). NULL if there is none. */
   uint8_t *cut;

@@ -194,6 +194,7 @@ enum status lattice_sample(const struct lattice *fine, double spacing, double of
   const bool mirrored = lattice_is_mirrored(fine);
   *out = (struct lattice){.dimensions = fine->dimensions,
                           .model = fine->model,
+                          .shapes = fine->shapes,
                           .surface = fine->surface ? fine->surface : fine,
                           .surface_moved = fine->surface_moved + offset};
   memcpy(out->folded, fine->folded, sizeof out->folded);

@@ -8,6 +8,7 @@
 #include "common/memory.h"
 #include "common/ranks.h"
 #include "sphsolve/geometry/distance.h"
+#include "sphsolve/geometry/wall_cuts.h"
 #include "sphsolve/scene/scene_geometry.h"
 
 /* The wall distance bounds how far a point is from any wall, so that the walk may advance by it
@@ -236,24 +237,45 @@ static size_t site_in_box(const struct lattice *l, const size_t first[3], int i,
          wrap((long)first[0] + i, l->size[0], 0);
 }
 
-/* Whether points of a wall that touch over an edge or a corner separate opposite corners of a cell:
- * no way over faces leads from one to the other, each step towards it, through fluid sites. */
+/* Sites along each axis of the box in which a way around is looked for. */
+#define WAY_MAX 11
+
+/* Whether walls of a domain separate two sites whatever lies on the link: no way over open faces
+ * leads from one to the other within the box that they span, grown by one site less than the
+ * longest step. So no ways exist but those over faces, and walls that touch in a point are tight. */
 static bool is_pinched(const struct lattice *l, const size_t at[3], const int step[3]) {
-  bool reached[8] = {true};
-  if (!l->stepped) return false;
-  for (unsigned c = 1; c < 8; c++) { /* bit a: whether the step along axis a is done */
-    const unsigned done[3] = {c & 1U, c >> 1 & 1U, c >> 2 & 1U};
-    size_t to[3];
-    bool from = false;
-    for (int a = 0; a < 3; a++) {
-      if (done[a] && step[a] == 0) goto next;
-      to[a] = wrap((long)at[a] + (done[a] ? step[a] : 0), l->size[a], 0);
-      from = from || (done[a] && reached[c & ~(1U << a)]);
-    }
-    reached[c] = from && l->kind[(to[2] * l->size[1] + to[1]) * l->size[0] + to[0]] == SITE_FLUID;
-  next:;
+  bool reached[WAY_MAX * WAY_MAX * WAY_MAX] = {false};
+  uint16_t stack[WAY_MAX * WAY_MAX * WAY_MAX];
+  int longest = 0, size[3], first[3], depth = 0;
+  if (l->shapes == NULL) return false;
+  for (int a = 0; a < 3; a++) longest = longest > abs(step[a]) ? longest : abs(step[a]);
+  for (int a = 0; a < 3; a++) {
+    const int room = (WAY_MAX - 1 - abs(step[a])) / 2;
+    const int grown = l->size[a] == 1 ? 0 : longest - 1 < room ? longest - 1 : room;
+    first[a] = (step[a] < 0 ? step[a] : 0) - grown;
+    size[a] = abs(step[a]) + 1 + 2 * grown;
   }
-  return !reached[(step[0] != 0) | (step[1] != 0) << 1 | (step[2] != 0) << 2];
+  const int begin = (-first[2] * size[1] - first[1]) * size[0] - first[0];
+  const int end = begin + (step[2] * size[1] + step[1]) * size[0] + step[0];
+  stack[depth++] = (uint16_t)begin, reached[begin] = true;
+  while (depth > 0 && !reached[end]) {
+    const int here = stack[--depth];
+    const int place[3] = {here % size[0], here / size[0] % size[1], here / size[0] / size[1]};
+    for (int f = 0; f < 6; f++) {
+      const int a = f / 2, stride = a == 0 ? 1 : a == 1 ? size[0] : size[0] * size[1];
+      const int next = here + (f % 2 ? stride : -stride);
+      size_t site[2] = {0};
+      if ((f % 2 ? place[a] + 1 == size[a] : place[a] == 0) || reached[next]) continue;
+      for (int n = 0; n < 2; n++)
+        for (int b = 2; b >= 0; b--)
+          site[n] = site[n] * l->size[b] +
+                    wrap((long)at[b] + first[b] + place[b] + (n == 0 || b != a ? 0 : f % 2 ? 1 : -1),
+                         l->size[b], 0);
+      if (l->kind[site[1]] == SITE_WALL || thin_wall_on_face(l, site[f % 2 ? 0 : 1], a)) continue;
+      reached[next] = true, stack[depth++] = (uint16_t)next;
+    }
+  }
+  return !reached[end];
 }
 
 /* Whether a link lies in one cell of a lattice that is the surface itself. */
@@ -307,7 +329,7 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
     w.unit = fmax(s->thinnest, SCENE_WALL_THICKNESS_MIN * w.unit);
     w.error = 0.0;
   }
-  const bool pinched = in_own_cell(l, step) && is_pinched(l, at, step);
+  const bool pinched = is_pinched(l, at, step);
   const double slack = l->surface || l->boxes ? INTERPOLATION_ERROR * coarsest : 0.0;
   const double d_here = (double)l->wall_distance[here], d_there = (double)l->wall_distance[there];
   if (d_here + d_there > w.length + slack && !pinched) return false;
@@ -336,9 +358,10 @@ static size_t next_site(const struct lattice *l, size_t site, int axis) {
 enum status thin_wall_find_faces(struct lattice *l) {
   enum status status = STATUS_OK;
   const size_t plane = l->size[0] * l->size[1];
-  uint8_t *cut = NULL;
+  uint8_t *cut = NULL, *closed = NULL;
   size_t count = 0;
   TRY(memory_allocate(&cut, l->count, 1, "walls between sites"));
+  if (l->shapes != NULL) TRY(wall_cuts_closed_faces(l->shapes, l, &closed));
 #pragma omp parallel for schedule(dynamic, 1) reduction(+ : count)
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t s = k * plane; s < (k + 1) * plane && !interrupt_alone(); s++) {
@@ -348,7 +371,10 @@ enum status thin_wall_find_faces(struct lattice *l) {
         if (l->size[a] == 1) continue;
         const int step[3] = {a == 0, a == 1, a == 2};
         const size_t next = next_site(l, s, a);
-        if (l->kind[next] == SITE_WALL || !thin_wall_cuts(l, at, step, NULL, NULL)) continue;
+        if (l->kind[next] == SITE_WALL) continue;
+        if (!(closed != NULL && (closed[s] >> a & 1) != 0) &&
+            !thin_wall_cuts(l, at, step, NULL, NULL))
+          continue;
         cut[s] |= (uint8_t)(1U << a);
         count++;
       }
@@ -357,7 +383,7 @@ enum status thin_wall_find_faces(struct lattice *l) {
   memory_free(&l->cut);
   if (count > 0) l->cut = cut, cut = NULL;
 cleanup:
-  memory_free(&cut);
+  MEMORY_FREE(&cut, &closed);
   return status;
 }
 

@@ -51,6 +51,7 @@ struct cell {
   const struct lattice *lattice;
   double centre[3];
   bool crowded; /* more regions or ends than there is room for */
+  bool is_cut;  /* whether any surface of a region may be in it, or within a cube of it */
   size_t near_count;
   const struct region *near[NEAR_MAX]; /* those that may reach into it, in order */
   /* The straight ways from the middle of a cube to its six faces that no wall crosses: bits of
@@ -61,6 +62,7 @@ struct cell {
 
 /* What is kept of a cell near walls. */
 struct cut {
+  bool is_whole;       /* no surface is in it: it is of one part, or of none */
   float volume[PARTS]; /* of its parts, over the cell's */
   float area[3][PARTS][PARTS]; /* of the face at its high end: open to a part of it and of the next */
   float outside[3][2][PARTS];  /* the same of faces to the outside */
@@ -68,6 +70,8 @@ struct cut {
   uint64_t reached[6][PARTS];
 };
 struct near_cells {
+  size_t region_count;
+  const struct region **region; /* those that count, from the first wall on */
   size_t count;
   uint32_t *number; /* [sites]: 1 + that of a cell; 0: no wall is near */
   struct cut *cut;
@@ -105,7 +109,7 @@ static int cubes_end(const struct lattice *l, int axis) {
   return lines_along(l, axis) + is_used(l, axis);
 }
 static double middle_of(const struct lattice *l, int axis, int cube) {
-  return ((cube + 0.5) / lines_along(l, axis) - 0.5 + BESIDE_MIDDLE) * l->spacing[0];
+  return ((cube + 0.5) / lines_along(l, axis) - 0.5 + BESIDE_MIDDLE) * l->spacing[axis];
 }
 static uint8_t *cube_at(uint8_t of[CUBES_MAX][CUBES_MAX][CUBES_MAX], const int at[3]) {
   return &of[at[0] + 1][at[1] + 1][at[2] + 1];
@@ -199,24 +203,43 @@ static size_t add_ends(const struct line *line, size_t n, double end[PIECES_MAX]
   return n;
 }
 
-/* Regions before the first wall make no difference. */
-static void begin_cell(const struct scene *scene, const struct lattice *l, size_t site,
-                       struct cell *c) {
-  const double reach = (0.5 + 1.0 / lines_along(l, 0)) * l->spacing[0];
+/* Whether the surface of a region may be in a box. */
+static bool may_meet(const struct cell *c, const struct region *r, const double from[3],
+                     const double to[3]) {
+  const double *extent = extent_of(c->scene, r);
+  const struct polygon *p = r->polygon;
+  for (int a = 0; a < 3; a++)
+    if (is_used(c->lattice, a) && (p != NULL ? a == p->axis : !has_shape(c->scene, r)) &&
+        !(from[a] > extent[a] && to[a] < extent[a + 3]))
+      return true;
+  if (p != NULL)
+    return polygon_may_meet(p, (double[2]){from[p->plane[0]], from[p->plane[1]]},
+                            (double[2]){to[p->plane[0]], to[p->plane[1]]});
+  return has_shape(c->scene, r) && stl_may_meet(r->stl, from, to);
+}
+
+static void begin_cell(const struct near_cells *near, const struct scene *scene,
+                       const struct lattice *l, size_t site, struct cell *c) {
   const size_t row = site / l->size[0],
                place[3] = {site % l->size[0], row % l->size[1], row / l->size[1]};
-  c->scene = scene, c->lattice = l, c->near_count = 0, c->crowded = false;
-  for (int a = 0; a < 3; a++) c->centre[a] = l->origin[a] + (double)place[a] * l->spacing[a];
-  for (size_t n = 0; n < scene->region_count; n++) {
-    const struct region *r = &scene->regions[n];
+  double from[3], to[3];
+  c->scene = scene, c->lattice = l, c->near_count = 0, c->crowded = c->is_cut = false;
+  for (int a = 0; a < 3; a++) {
+    c->centre[a] = l->origin[a] + (double)place[a] * l->spacing[a];
+    const double reach = (0.5 + 1.0 / lines_along(l, a)) * l->spacing[a];
+    from[a] = c->centre[a] - reach, to[a] = c->centre[a] + reach;
+  }
+  for (size_t n = 0; n < near->region_count; n++) {
+    const struct region *r = near->region[n];
     const double *extent = extent_of(scene, r);
-    bool near = counts(scene, r) && (c->near_count > 0 || r->type == REGION_WALL);
-    for (int a = 0; a < 3 && near; a++)
-      near = !is_used(l, a) ||
-             (c->centre[a] + reach > extent[a] && c->centre[a] - reach < extent[a + 3]);
-    if (near && c->near_count == NEAR_MAX)
+    bool reaches = true;
+    for (int a = 0; a < 3 && reaches; a++)
+      reaches = !is_used(l, a) || (to[a] > extent[a] && from[a] < extent[a + 3]);
+    if (!reaches) continue;
+    c->is_cut = c->is_cut || may_meet(c, r, from, to);
+    if (c->near_count == NEAR_MAX)
       c->crowded = true;
-    else if (near)
+    else
       c->near[c->near_count++] = r;
   }
 }
@@ -276,7 +299,7 @@ static void choose_parts(struct cell *c, double volume, uint8_t kept[PARTS], str
  * middles are in walls; returns which share of the line in the cell is open. */
 static double fill_line(struct cell *c, int axis, int line_at[3]) {
   const struct lattice *l = c->lattice;
-  const double half = 0.5 * l->spacing[0], width = l->spacing[0] / lines_along(l, axis);
+  const double half = 0.5 * l->spacing[axis], width = l->spacing[axis] / lines_along(l, axis);
   double open = 0, x[3], end[PIECES_MAX] = {-half - width, half + width};
   struct line line;
   line_at[axis] = 0;
@@ -299,7 +322,7 @@ static double fill_line(struct cell *c, int axis, int line_at[3]) {
       if (middle >= end[m] && middle <= end[m + 1]) *cube_at(c->part, line_at) = 0;
     }
   }
-  return inner ? open / l->spacing[0] : 0;
+  return inner ? open / l->spacing[axis] : 0;
 }
 
 /* Finds the open parts of a cell. Beyond the domain all is wall, also where it is periodic. */
@@ -344,6 +367,16 @@ static void fill_cell(struct cell *c, struct cut *cut) {
         }
 }
 
+/* A cell without a surface in it. */
+static void fill_whole(struct cell *c, struct cut *cut) {
+  struct line line;
+  cut->is_whole = true;
+  cast_line(c, c->centre, 0, c->lattice->spacing[0], &line);
+  if (is_wall(&line, 0)) return;
+  cut->volume[OWN] = 1;
+  for (int n = 0; n < 6; n++) cut->reached[n][OWN] = UINT64_MAX;
+}
+
 /* The part of a cell to which a piece of a line in its face is open: one that reaches the face
  * there, as the piece is connected. PARTS: none. Pieces between two lines of cubes count as closed.
  */
@@ -367,18 +400,18 @@ static void find_areas(struct cell *low, const struct cut *low_cut, struct cell 
   struct cell *const cells[2] = {low, high};
   const struct cut *const cuts[2] = {low_cut, high_cut};
   const struct lattice *l = (low != NULL ? low : high)->lattice;
-  const double d = l->spacing[0];
   const int along = along_face(axis), across = across_face(axis), rows = lines_along(l, across);
+  const double half = 0.5 * l->spacing[along];
   double sum[PARTS][PARTS] = {{0}};
   for (int row = 0; row < rows; row++) {
-    double end[PIECES_MAX] = {-0.5 * d, 0.5 * d}, x[3] = {0};
+    double end[PIECES_MAX] = {-half, half}, x[3] = {0};
     struct line line[2];
     size_t n = 2;
     for (int s = 0; s < 2; s++) {
       if (cells[s] == NULL) continue;
-      x[axis] = cells[s]->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * d;
+      x[axis] = cells[s]->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * l->spacing[axis];
       x[across] = cells[s]->centre[across] + middle_of(l, across, row);
-      cast_line(cells[s], x, along, 0.5 * d, &line[s]);
+      cast_line(cells[s], x, along, half, &line[s]);
       n = add_ends(&line[s], n, end);
     }
     for (size_t m = 0; m + 1 < n; m++) {
@@ -390,7 +423,7 @@ static void find_areas(struct cell *low, const struct cut *low_cut, struct cell 
         if (open) part[s] = part_at(cuts[s], l, axis, s == 0, row, end[m], end[m + 1]);
         open = open && part[s] != PARTS;
       }
-      if (open) sum[part[0]][part[1]] += (end[m + 1] - end[m]) / (d * rows);
+      if (open) sum[part[0]][part[1]] += (end[m + 1] - end[m]) / (2 * half * rows);
     }
   }
   for (int p = 0; p < PARTS; p++)
@@ -413,14 +446,15 @@ static size_t beside(const struct scene *scene, const struct lattice *l, size_t 
 /* The cell of a site, which has no other part where no wall is near. */
 static const struct cut *cut_of(const struct near_cells *near, const struct lattice *l,
                                 size_t site) {
-  static const struct cut open = {.volume = {1},
+  static const struct cut open = {.is_whole = true,
+                                  .volume = {1},
                                   .reached = {{UINT64_MAX},
                                               {UINT64_MAX},
                                               {UINT64_MAX},
                                               {UINT64_MAX},
                                               {UINT64_MAX},
                                               {UINT64_MAX}}};
-  static const struct cut closed = {0};
+  static const struct cut closed = {.is_whole = true};
   if (near->number[site] > 0) return &near->cut[near->number[site] - 1];
   return l->kind[site] == SITE_WALL ? &closed : &open;
 }
@@ -429,9 +463,17 @@ static enum status find_parts(const struct scene *scene, const struct lattice *l
                               struct near_cells *near, size_t *crowded) {
   enum status status = STATUS_OK;
   size_t worst = l->count;
+  const double reach = REACH * fmax(l->spacing[0], fmax(l->spacing[1], l->spacing[2]));
+  TRY(memory_allocate(&near->region, scene->region_count, sizeof *near->region,
+                      "cells cut by walls"));
+  for (size_t n = 0; n < scene->region_count; n++) {
+    const struct region *r = &scene->regions[n];
+    if (counts(scene, r) && (near->region_count > 0 || r->type == REGION_WALL))
+      near->region[near->region_count++] = r;
+  }
   TRY(memory_allocate(&near->number, l->count, sizeof *near->number, "cells cut by walls"));
   for (size_t site = 0; site < l->count; site++)
-    if (fabs((double)l->wall_distance[site]) < REACH * l->spacing[0])
+    if (fabs((double)l->wall_distance[site]) < reach)
       near->number[site] = (uint32_t)++near->count;
   TRY(memory_allocate(&near->cut, near->count, sizeof *near->cut, "cells cut by walls"));
 #pragma omp parallel for schedule(dynamic, 256) reduction(min : worst)
@@ -439,8 +481,11 @@ static enum status find_parts(const struct scene *scene, const struct lattice *l
     struct cell c;
     if (near->number[site] == 0) continue;
     struct cut *cut = &near->cut[near->number[site] - 1];
-    begin_cell(scene, l, site, &c);
-    fill_cell(&c, cut);
+    begin_cell(near, scene, l, site, &c);
+    if (c.is_cut)
+      fill_cell(&c, cut);
+    else
+      fill_whole(&c, cut);
     if (c.crowded && site < worst) worst = site;
   }
   *crowded = worst;
@@ -455,18 +500,24 @@ static void find_faces(const struct scene *scene, const struct lattice *l,
     struct cell own, other;
     if (near->number[site] == 0) continue;
     struct cut *cut = &near->cut[near->number[site] - 1];
-    begin_cell(scene, l, site, &own);
+    begin_cell(near, scene, l, site, &own);
     for (int a = 0; a < 3; a++) {
       if (!is_used(l, a)) continue;
       float area[PARTS][PARTS];
       for (int high = 0; high < 2; high++) {
         const size_t next = beside(scene, l, site, a, high);
-        if (next == l->count) {
+        if (cut->is_whole && (next == l->count || cut_of(near, l, next)->is_whole)) {
+          const bool open = cut->volume[OWN] > 0;
+          if (next == l->count)
+            cut->outside[a][high][OWN] = open;
+          else if (high)
+            cut->area[a][OWN][OWN] = open && cut_of(near, l, next)->volume[OWN] > 0;
+        } else if (next == l->count) {
           find_areas(high ? &own : NULL, cut, high ? NULL : &own, cut, a, area);
           for (int p = 0; p < PARTS; p++)
             cut->outside[a][high][p] = high ? area[p][OWN] : area[OWN][p];
         } else if (high) {
-          begin_cell(scene, l, next, &other);
+          begin_cell(near, scene, l, next, &other);
           find_areas(&own, cut, &other, cut_of(near, l, next), a, cut->area[a]);
         }
       }
@@ -593,29 +644,41 @@ static void open_own(const struct scene *scene, const struct lattice *l,
   }
 }
 
-enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
-                           struct wall_cuts *cuts) {
+static enum status find_cells(const struct scene *scene, const struct lattice *l,
+                              struct near_cells *near) {
   enum status status = STATUS_OK;
-  struct near_cells near = {0};
   size_t crowded;
-  bool cut = false;
-  *cuts = (struct wall_cuts){0};
-  if (l->wall_distance == NULL || l->region == NULL) return STATUS_OK;
-  TRY(memory_allocate(&cuts->face, l->count, sizeof *cuts->face, "cells cut by walls"));
-  TRY(memory_allocate(&cuts->volume, l->count, sizeof *cuts->volume, "cells cut by walls"));
-  TRY(memory_allocate(&cuts->joined, l->count, 1, "cells cut by walls"));
-  TRY(find_parts(scene, l, &near, &crowded));
+  TRY(find_parts(scene, l, near, &crowded));
   if (crowded < l->count) {
     const size_t row = crowded / l->size[0];
     TRY_FAIL(STATUS_INPUT,
-             "%s: more than %d walls or %d faces of one meet within a spacing of (%g m, %g m, %g "
+             "%s: more than %d walls, or %d faces of one, are within a spacing of (%g m, %g m, %g "
              "m); a smaller domain.spacing parts them",
              scene->path, NEAR_MAX, ENDS_MAX,
              l->origin[0] + (double)(crowded % l->size[0]) * l->spacing[0],
              l->origin[1] + (double)(row % l->size[1]) * l->spacing[1],
              l->origin[2] + (double)(row / l->size[1]) * l->spacing[2]);
   }
-  find_faces(scene, l, &near);
+  find_faces(scene, l, near);
+cleanup:
+  return status;
+}
+
+static void free_cells(struct near_cells *near) {
+  MEMORY_FREE(&near->region, &near->number, &near->cut);
+}
+
+enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
+                           struct wall_cuts *cuts) {
+  enum status status = STATUS_OK;
+  struct near_cells near = {0};
+  bool cut = false;
+  *cuts = (struct wall_cuts){0};
+  if (l->wall_distance == NULL || l->region == NULL) return STATUS_OK;
+  TRY(memory_allocate(&cuts->face, l->count, sizeof *cuts->face, "cells cut by walls"));
+  TRY(memory_allocate(&cuts->volume, l->count, sizeof *cuts->volume, "cells cut by walls"));
+  TRY(memory_allocate(&cuts->joined, l->count, 1, "cells cut by walls"));
+  TRY(find_cells(scene, l, &near));
   open_own(scene, l, &near, cuts);
   take_parts(scene, l, &near, cuts);
   cut = join_all(scene, l, cuts);
@@ -623,7 +686,23 @@ enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
     cut = l->kind[site] != SITE_WALL && cuts->volume[site] < 1 - (float)SHARE_LEAST;
 cleanup:
   if (!cut) wall_cuts_free(cuts);
-  MEMORY_FREE(&near.number, &near.cut);
+  free_cells(&near);
+  return status;
+}
+
+enum status wall_cuts_closed_faces(const struct scene *scene, const struct lattice *l,
+                                   uint8_t **closed) {
+  enum status status = STATUS_OK;
+  struct near_cells near = {0};
+  *closed = NULL;
+  TRY(memory_allocate(closed, l->count, 1, "walls between sites"));
+  TRY(find_cells(scene, l, &near));
+  for (size_t site = 0; site < l->count; site++)
+    for (int a = 0; a < 3 && near.number[site] > 0; a++)
+      if (is_used(l, a) && !(area_between(&near, site, OWN, OWN, a) > 0))
+        (*closed)[site] |= (uint8_t)(1U << a);
+cleanup:
+  free_cells(&near);
   return status;
 }
 

@@ -5,10 +5,13 @@
  * plane wall anywhere, and of second order beside curved ones. The head of a site whose centre lies
  * in the wall is that of the water in its cell, continued to the centre.
  *
- * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. Boxes up to a
- * spacing thick, and shapes so thin that points were added to them, count by their sites and links
- * (thin_wall.h), which hold water between sites in soil alone, and not in the open part of a cell
- * whose centre is in a thick wall. So no cell is cut in a scene that has such a wall. */
+ * Shapes are those that the scene gives, along lines through the cells: exact in 2-D. A cell is
+ * divided into small cubes, and two of them belong to one part of it if the straight way between
+ * their middles crosses no wall; a face is open where a part of either cell reaches the same piece
+ * of it by such a way. So the way of any flux is a chain of straight lines that no wall crosses:
+ * a wall is tight however thin it is, and however walls meet. What a thin wall parts from the site
+ * of a cell is added to the cell beside it on that side.
+ */
 #ifndef TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 #define TOSUI_SPHSOLVE_GEOMETRY_WALL_CUTS_H
 
@@ -27,6 +30,12 @@ struct wall_cuts {
 enum status wall_cuts_find(const struct scene *scene, const struct lattice *lattice,
                            struct wall_cuts *cuts);
 void wall_cuts_free(struct wall_cuts *cuts);
+
+/* Of a domain's lattice, or one that was sampled from it: the faces over which no way leads from a
+ * site to the next, bits as in lattice.cut (also set beside walls that are sites). Free with
+ * memory_free. */
+enum status wall_cuts_closed_faces(const struct scene *scene, const struct lattice *lattice,
+                                   uint8_t **closed);
 
 /* The site, itself or beside it, that says what fills the open part of a cell; a wall site: none.
  */

@@ -160,6 +160,22 @@ size_t polygon_scan(const struct polygon *p, int w, double v, double at[POLYGON_
   return n;
 }
 
+/* Neither beside the box along the axes, nor with all of its corners on one side of the edge. */
+bool polygon_may_meet(const struct polygon *p, const double from[2], const double to[2]) {
+  for (size_t i = 0; i < p->count; i++) {
+    const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
+    bool meets = true;
+    for (int w = 0; w < 2; w++)
+      meets = meets && fmin(a[w], b[w]) <= to[w] && fmax(a[w], b[w]) >= from[w];
+    const double middle = (b[0] - a[0]) * (0.5 * (from[1] + to[1]) - a[1]) -
+                          (b[1] - a[1]) * (0.5 * (from[0] + to[0]) - a[0]);
+    const double reach = 0.5 * (fabs(b[0] - a[0]) * (to[1] - from[1]) +
+                                fabs(b[1] - a[1]) * (to[0] - from[0]));
+    if (meets && fabs(middle) <= reach) return true;
+  }
+  return false;
+}
+
 /* Adds the box from..to of the row low..high, or extends an equal box below it. */
 static enum status add_part(const struct region *whole, int w, double low, double high, double from,
                             double to, double near, struct scene_parts *parts) {
@@ -283,9 +299,7 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
     parts.count = 0;
     if (region->polygon != NULL || stl) {
       TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
-      const size_t cut_count = parts.count;
       if (region->type == REGION_WALL) TRY(fill_thin(scene, region, &parts));
-      for (size_t k = 0; k < parts.count; k++) parts.region[k].filled = parts.count > cut_count;
       for (size_t k = 1; k < parts.count; k++) parts.region[k].stl = NULL;
       if (stl) TRY(stl_sort(region->stl, scene->spacing));
       if (parts.count == 0)

@@ -19,5 +19,7 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
 /* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
  * their number. */
 size_t polygon_scan(const struct polygon *polygon, int w, double v, double at[POLYGON_CORNERS_MAX]);
+/* Whether any edge may be in the box from..to of the plane, m: false only if none is. */
+bool polygon_may_meet(const struct polygon *polygon, const double from[2], const double to[2]);
 
 #endif

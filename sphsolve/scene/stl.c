@@ -346,3 +346,25 @@ size_t stl_scan(const struct stl *stl, int axis, const double x[3], double *at, 
   qsort(at, n, sizeof *at, by_value);
   return n;
 }
+
+bool stl_may_meet(const struct stl *stl, const double from[3], const double to[3]) {
+  const struct stl_columns *columns = &stl->columns[2];
+  size_t first[2], last[2];
+  for (int n = 0; n < 2; n++) {
+    first[n] = column_at(stl, columns, 2, n, from[n]);
+    last[n] = column_at(stl, columns, 2, n, to[n]);
+  }
+  for (size_t j = first[1]; j <= last[1]; j++)
+    for (size_t i = first[0]; i <= last[0]; i++) {
+      const size_t column = j * columns->size[0] + i;
+      for (size_t k = columns->start[column]; k < columns->start[column + 1]; k++) {
+        double(*x)[3] = stl->corner[columns->triangle[k]];
+        bool meets = true;
+        for (int a = 0; a < 3 && meets; a++)
+          meets = fmin(fmin(x[0][a], x[1][a]), x[2][a]) <= to[a] &&
+                  fmax(fmax(x[0][a], x[1][a]), x[2][a]) >= from[a];
+        if (meets) return true;
+      }
+    }
+  return false;
+}

@@ -39,5 +39,7 @@ enum status stl_sort(struct stl *stl, double width);
 /* Where the line through x along an axis crosses the surface, `most` times at most, sorted; returns
  * how often. */
 size_t stl_scan(const struct stl *stl, int axis, const double x[3], double *at, size_t most);
+/* Whether any triangle may be in the box from..to, m: false only if none is. */
+bool stl_may_meet(const struct stl *stl, const double from[3], const double to[3]);
 
 #endif
