@@ -242,7 +242,8 @@ static size_t site_in_box(const struct lattice *l, const size_t first[3], int i,
 
 /* Whether walls of a domain separate two sites whatever lies on the link: no way over open faces
  * leads from one to the other within the box that they span, grown by one site less than the
- * longest step. So no ways exist but those over faces, and walls that touch in a point are tight. */
+ * longest step. So no ways exist but those over faces, and walls that touch in a point are tight.
+ */
 static bool is_pinched(const struct lattice *l, const size_t at[3], const int step[3]) {
   bool reached[WAY_MAX * WAY_MAX * WAY_MAX] = {false};
   uint16_t stack[WAY_MAX * WAY_MAX * WAY_MAX];
@@ -268,9 +269,11 @@ static bool is_pinched(const struct lattice *l, const size_t at[3], const int st
       if ((f % 2 ? place[a] + 1 == size[a] : place[a] == 0) || reached[next]) continue;
       for (int n = 0; n < 2; n++)
         for (int b = 2; b >= 0; b--)
-          site[n] = site[n] * l->size[b] +
-                    wrap((long)at[b] + first[b] + place[b] + (n == 0 || b != a ? 0 : f % 2 ? 1 : -1),
-                         l->size[b], 0);
+          site[n] = site[n] * l->size[b] + wrap((long)at[b] + first[b] + place[b] +
+                                                    (n == 0 || b != a ? 0
+                                                     : f % 2          ? 1
+                                                                      : -1),
+                                                l->size[b], 0);
       if (l->kind[site[1]] == SITE_WALL || thin_wall_on_face(l, site[f % 2 ? 0 : 1], a)) continue;
       reached[next] = true, stack[depth++] = (uint16_t)next;
     }

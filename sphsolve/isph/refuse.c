@@ -34,7 +34,7 @@ static enum status check_walls(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
-  if (l->cut != NULL)
+  if (l->boxes != NULL && l->cut != NULL)
     return FAIL(STATUS_INPUT,
                 "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
                 "m thick, two spacings, or domain.spacing %g m",

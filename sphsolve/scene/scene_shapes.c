@@ -169,8 +169,8 @@ bool polygon_may_meet(const struct polygon *p, const double from[2], const doubl
       meets = meets && fmin(a[w], b[w]) <= to[w] && fmax(a[w], b[w]) >= from[w];
     const double middle = (b[0] - a[0]) * (0.5 * (from[1] + to[1]) - a[1]) -
                           (b[1] - a[1]) * (0.5 * (from[0] + to[0]) - a[0]);
-    const double reach = 0.5 * (fabs(b[0] - a[0]) * (to[1] - from[1]) +
-                                fabs(b[1] - a[1]) * (to[0] - from[0]));
+    const double reach =
+        0.5 * (fabs(b[0] - a[0]) * (to[1] - from[1]) + fabs(b[1] - a[1]) * (to[0] - from[0]));
     if (meets && fabs(middle) <= reach) return true;
   }
   return false;
