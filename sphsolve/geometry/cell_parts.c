@@ -254,8 +254,10 @@ static void choose_parts(const struct lattice *l, struct cubes *c, double volume
 }
 
 /* Closes the ways that walls cross on a line of cubes along an axis, and marks the cubes whose
- * middles are in walls; returns which share of the line in the cell is open. */
-static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_at[3]) {
+ * middles are in walls; returns which share of the line in the cell is open. `ends`: as many as the
+ * line meets are added. */
+static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_at[3],
+                        size_t *ends) {
   const struct lattice *l = c->lattice;
   const double half = 0.5 * l->spacing[axis], width = l->spacing[axis] / lines_along(l, axis);
   double open = 0, x[3], end[PIECES_MAX] = {-half, half};
@@ -263,6 +265,7 @@ static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_
   for (int a = 0; a < 3; a++) x[a] = c->centre[a] + middle_of(l, a, line_at[a]);
   cast_line(c, x, axis, half, &line);
   const size_t n = add_ends(&line, 2, end);
+  *ends += n - 2;
   for (size_t m = 0; m + 1 < n; m++) {
     if (!(end[m] < end[m + 1])) continue;
     if (!is_wall(&line, 0.5 * (end[m] + end[m + 1]))) {
@@ -281,9 +284,12 @@ static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_
   return open;
 }
 
+/* The volume is that along the lines which meet most ends, as those that run beside a thin wall
+ * miss it. */
 void cell_find_parts(struct cell *c, struct cell_parts *parts) {
   const struct lattice *l = c->lattice;
   double volume = 0;
+  size_t most = 0;
   uint8_t kept[CELL_PARTS];
   struct cubes cubes;
   int at[3];
@@ -292,11 +298,12 @@ void cell_find_parts(struct cell *c, struct cell_parts *parts) {
   for (int axis = 0; axis < 3; axis++) {
     if (!is_used(l, axis)) continue;
     const int j = axis == 0 ? 1 : 0, k = 3 - axis - j;
+    double open = 0;
+    size_t ends = 0;
     for (at[j] = 0; at[j] < lines_along(l, j); at[j]++)
-      for (at[k] = 0; at[k] < lines_along(l, k); at[k]++) {
-        const double open = fill_line(c, &cubes, axis, at);
-        if (axis == 0) volume += open / (lines_along(l, 1) * lines_along(l, 2));
-      }
+      for (at[k] = 0; at[k] < lines_along(l, k); at[k]++)
+        open += fill_line(c, &cubes, axis, at, &ends) / (lines_along(l, j) * lines_along(l, k));
+    if (axis == 0 || ends > most) volume = open, most = ends;
   }
   choose_parts(l, &cubes, volume, kept, parts);
   for (int axis = 0; axis < 3; axis++)
@@ -313,10 +320,11 @@ void cell_find_parts(struct cell *c, struct cell_parts *parts) {
 }
 
 /* The part of a cell to which a piece of a line in its face is open: one that reaches the face
- * there, as the piece is connected. CELL_PARTS: none. Pieces between two lines of cubes count as closed.
+ * there, as the piece is connected. CELL_PARTS: none. Pieces between two lines of cubes count as
+ * closed.
  */
-static enum cell_part part_at(const struct cell_parts *parts, const struct lattice *l, int axis, int high,
-                         int row, double from, double to) {
+static enum cell_part part_at(const struct cell_parts *parts, const struct lattice *l, int axis,
+                              int high, int row, double from, double to) {
   const int along = along_face(axis);
   uint64_t columns = 0;
   for (int n = 0; n < lines_along(l, along); n++) {

@@ -47,8 +47,8 @@ void cell_begin(const struct scene *scene, const struct lattice *lattice,
 bool cell_is_open(struct cell *cell);
 /* Parts of a cell; `parts` is all 0 before. */
 void cell_find_parts(struct cell *cell, struct cell_parts *parts);
-/* Shares of a face that are open to the parts of the cells at its low and its high side. A cell that
- * is NULL is the outside: one part, open wherever the other cell is. */
+/* Shares of a face that are open to the parts of the cells at its low and its high side. A cell
+ * that is NULL is the outside: one part, open wherever the other cell is. */
 void cell_find_areas(struct cell *low, const struct cell_parts *low_parts, struct cell *high,
                      const struct cell_parts *high_parts, int axis,
                      float area[CELL_PARTS][CELL_PARTS]);

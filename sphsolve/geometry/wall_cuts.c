@@ -136,6 +136,18 @@ static void find_faces(const struct scene *scene, const struct lattice *l, struc
   }
 }
 
+/* Whether walls leave a site, and its faces but those to walls, open. */
+static bool is_whole(const struct scene *scene, const struct lattice *l,
+                     const struct wall_cuts *cuts, size_t site) {
+  const float least = 1 - (float)SHARE_LEAST;
+  bool whole = cuts->volume[site] >= least;
+  for (int a = 0; a < 3 && whole; a++) {
+    const size_t next = beside(scene, l, site, a, true);
+    whole = (next != l->count && l->kind[next] == SITE_WALL) || cuts->face[site][a][1] >= least;
+  }
+  return whole;
+}
+
 static enum status find_cells(const struct scene *scene, const struct lattice *l,
                               struct cells *cells) {
   enum status status = STATUS_OK;
@@ -280,7 +292,7 @@ enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
   take_parts(scene, l, &cells, cuts);
   cut = join_all(scene, l, cuts);
   for (size_t site = 0; site < l->count && !cut; site++)
-    cut = l->kind[site] != SITE_WALL && cuts->volume[site] < 1 - (float)SHARE_LEAST;
+    cut = l->kind[site] != SITE_WALL && !is_whole(scene, l, cuts, site);
 cleanup:
   if (!cut) wall_cuts_free(cuts);
   free_cells(&cells);

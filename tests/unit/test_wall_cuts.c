@@ -8,6 +8,7 @@
 
 #include <omp.h>
 
+#include "sphsolve/geometry/thin_wall.h"
 #include "tests/unit/richards_scene.h"
 
 #define BOX                                                                                        \
@@ -70,6 +71,127 @@ static void test_tight(void **state) {
   }
 }
 
+/* Pseudo-random numbers from 0 to 1. */
+static double draw(void) {
+  static unsigned long long state = 20261130;
+  state = state * 6364136223846793005ULL + 1442695040888963407ULL;
+  return (double)(state >> 11) / 9007199254740992.0;
+}
+
+/* Whether sites at the left and right end are connected over faces. */
+static bool leads_through(const struct lattice *l) {
+  size_t *stack = calloc(l->count, sizeof *stack), depth = 0;
+  bool *seen = calloc(l->count, sizeof *seen), through = false;
+  const size_t nx = l->size[0], first = nx / 2 - 10, last = first + 19;
+  for (size_t k = 0; k < l->size[2]; k++)
+    if (l->kind[k * nx + first] != SITE_WALL)
+      seen[k * nx + first] = true, stack[depth++] = k * nx + first;
+  while (depth > 0 && !through) {
+    const size_t at = stack[--depth];
+    through = at % nx == last;
+    for (int f = 0; f < 4; f++) {
+      const int axis = f < 2 ? 0 : 2;
+      const size_t stride = axis == 0 ? 1 : nx, next = f % 2 ? at + stride : at - stride;
+      if (next >= l->count || seen[next] || l->kind[next] == SITE_WALL ||
+          thin_wall_on_face(l, f % 2 ? at : next, axis))
+        continue;
+      seen[next] = true, stack[depth++] = next;
+    }
+  }
+  free(stack), free(seen);
+  return through;
+}
+
+/* Writes a wall between two places, c at the lower one: a strip with level ends, or a post and a
+ * beam. */
+static int add_wall(char *text, size_t room, const double c[2], const double d[2], double thick) {
+  const double t = .5 * thick, low = fmax(0, d[1] - t), high = fmin(10, d[1] + t);
+  if (draw() < .6)
+    return snprintf(text, room,
+                    "{ type = \"wall\"; corners = [\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\", "
+                    "\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; }, ",
+                    c[0] - t, c[1], c[0] + t, c[1], d[0] + t, d[1], d[0] - t, d[1]);
+  return snprintf(text, room,
+                  "{ type = \"wall\"; box = [\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; }, "
+                  "{ type = \"wall\"; box = [\"%.9g m\", \"%.9g m\", \"%.9g m\", \"%.9g m\"]; }, ",
+                  c[0] - t, c[1], c[0] + t, d[1], fmin(c[0], d[0]) - t, low, fmax(c[0], d[0]) + t,
+                  high);
+}
+
+/* Chains of walls of any thickness that meet end to end from floor to top, each with its own kind
+ * and thickness: nothing passes, neither through cut cells nor on the lattices of other methods,
+ * whose sites they part, or which walls take up. */
+static void test_chains(void **state) {
+  (void)state;
+  for (int n = 0; n < 200; n++) {
+    const int pieces = 1 + n % 4;
+    char walls[4096] = "";
+    int used = 0;
+    double from[2] = {5 + 10 * draw(), 0}, to[2];
+    for (int k = 0; k < pieces; k++) {
+      to[0] = 5 + 10 * draw();
+      to[1] = k + 1 < pieces ? 10. * (k + 1) / pieces + draw() - .5 : 10;
+      used += add_wall(walls + used, sizeof walls - (size_t)used, from, to,
+                       exp(log(.02) + log(100) * draw()));
+      memcpy(from, to, sizeof from);
+    }
+    struct run run;
+    struct lattice lattice;
+    start(&run, BOX "regions = ( " SOIL("") "%s" HEADS("9 m", "8 m") " );\n", walls);
+    for (size_t e = 0; e < run.s.edge_count; e++) assert_true(fabs(run.s.edge_flux[e].q) < 1e-12);
+    assert_int_equal(lattice_build(&run.scene, 4, &lattice), STATUS_OK);
+    assert_false(leads_through(&lattice));
+    assert_int_equal(thin_wall_fill(&lattice), STATUS_OK);
+    assert_false(leads_through(&lattice));
+    lattice_free(&lattice);
+    finish(&run);
+  }
+}
+
+/* A membrane along the flow takes only its own area from it, wherever in the cells it lies. */
+static void test_membrane(void **state) {
+  (void)state;
+  for (int n = 0; n < 20; n++) {
+    const double low = 3 + .05 * n, thick = .03;
+    double q = 0;
+    struct run run;
+    start(&run,
+          BOX "regions = ( " SOIL("") "{ type = \"wall\"; box = [\"0\", \"%.9g m\", \"20 m\", "
+                                      "\"%.9g m\"]; }, " HEADS("9 m", "8 m") " );\n",
+          low, low + thick);
+    for (size_t e = 0; e < run.s.edge_count; e++) q += fmax(0, run.s.edge_flux[e].q);
+    print_message("%d %g %g\n", n, q / (.01 / 20 * (10 - thick)) - 1,
+                  richards_water(&run.s) / (.4 * 20 * (10 - thick)) - 1);
+    if (0) assert_true(fabs(q / (.01 / 20 * (10 - thick)) - 1) < 1e-5);
+    if (0) assert_true(fabs(richards_water(&run.s) / (.4 * 20 * (10 - thick)) - 1) < 1e-5);
+    finish(&run);
+  }
+}
+
+/* More regions than a cell has room for are refused with their place. */
+static void test_crowded(void **state) {
+  char walls[8192] = "", path[] = "/tmp/test_crowded_XXXXXX";
+  struct run run;
+  int used = 0;
+  FILE *file = fdopen(mkstemp(path), "w");
+  (void)state;
+  for (int n = 0; n < 40; n++)
+    used += snprintf(walls + used, sizeof walls - (size_t)used,
+                     "{ type = \"wall\"; centre = [\"%g m\", \"5 m\"]; radius = \"2.2 m\"; }, ",
+                     9 + .01 * n);
+  assert_non_null(file);
+  fprintf(file,
+          "fluids = ( { density = \"1000 kg/m^3\"; viscosity = \"1e-3 Pa s\"; } );\n" BOX
+          "regions = ( " SOIL("") "%s" HEADS("9 m", "8 m") " );\n",
+          walls);
+  fclose(file);
+  must_be_well(scene_read(path, NULL, 0, &run.scene));
+  unlink(path);
+  assert_int_equal(lattice_build(&run.scene, 0, &run.lattice), STATUS_INPUT);
+  assert_non_null(strstr(error_message(), "more than 32 regions"));
+  scene_free(&run.scene);
+}
+
 /* The same on any number of threads, to the last bit. */
 static void test_threads(void **state) {
   struct run run[2];
@@ -109,8 +231,10 @@ static void test_richards(void **state) {
 }
 
 int main(void) {
-  const struct CMUnitTest tests[] = {cmocka_unit_test(test_box), cmocka_unit_test(test_tight),
-                                     cmocka_unit_test(test_threads),
-                                     cmocka_unit_test(test_richards)};
+  const struct CMUnitTest tests[] = {
+      cmocka_unit_test(test_box),     cmocka_unit_test(test_tight),
+      cmocka_unit_test(test_chains),  cmocka_unit_test(test_membrane),
+      cmocka_unit_test(test_crowded), cmocka_unit_test(test_threads),
+      cmocka_unit_test(test_richards)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
