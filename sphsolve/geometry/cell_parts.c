@@ -15,7 +15,7 @@
 #define CUBES_MAX CUBES_2D
 /* The lines lie this far beside the middles of the cubes, in spacings: not in the faces of walls
  * whose places are round numbers of a spacing's parts, where walls that touch would not be seen. */
-#define BESIDE_MIDDLE 1.618e-7
+#define BESIDE_MIDDLE 1e-7
 /* Beside a face, in spacings: of a wall that ends at the face, one side is in the wall. */
 #define BESIDE 1e-9
 /* Shares below count as closed, and within it of 1 as open: rounding of places. */
