@@ -284,6 +284,23 @@ static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_
   return open;
 }
 
+/* Whether a wall that ends in a cell shades a cube at its face from the middle of the cell: the
+ * line from there crosses the wall, and comes to the same part again. */
+static bool is_shaded(const struct lattice *l, struct cubes *c, int axis, int high, int at[3]) {
+  const int n = lines_along(l, axis), face = at[axis], inward = high ? -1 : 1;
+  const uint8_t part = *cube_at(c->part, at);
+  bool crossed = false, shaded = false;
+  for (int i = face; i != n / 2; i += inward) {
+    at[axis] = i;
+    crossed = crossed || !(*cube_at(c->ways, at) & way(axis, !high));
+    at[axis] = i + inward;
+    crossed = crossed || !(*cube_at(c->ways, at) & way(axis, high));
+    shaded = shaded || (crossed && *cube_at(c->part, at) == part);
+  }
+  at[axis] = face;
+  return shaded;
+}
+
 /* The volume is that along the lines which meet most ends, as those that run beside a thin wall
  * miss it. */
 void cell_find_parts(struct cell *c, struct cell_parts *parts) {
@@ -312,27 +329,32 @@ void cell_find_parts(struct cell *c, struct cell_parts *parts) {
         for (int column = 0; column < lines_along(l, along_face(axis)); column++) {
           at[axis] = high ? lines_along(l, axis) - 1 : 0;
           at[across_face(axis)] = row, at[along_face(axis)] = column;
-          for (int p = 0; p < CELL_PARTS; p++)
-            if (kept[p] > 0 && *cube_at(cubes.part, at) == kept[p] &&
-                (*cube_at(cubes.ways, at) & way(axis, high)))
+          for (int p = 0; p < CELL_PARTS; p++) {
+            if (kept[p] == 0 || *cube_at(cubes.part, at) != kept[p]) continue;
+            if (*cube_at(cubes.ways, at) & way(axis, high))
               parts->reached[2 * axis + high][p] |= bit_of(l, axis, row, column);
+            if (is_shaded(l, &cubes, axis, high, at))
+              parts->shaded[2 * axis + high] |= bit_of(l, axis, row, column);
+          }
         }
 }
 
-/* The part of a cell to which a piece of a line in its face is open: one that reaches the face
- * there, as the piece is connected. CELL_PARTS: none. Pieces between two lines of cubes count as
- * closed.
- */
-static enum cell_part part_at(const struct cell_parts *parts, const struct lattice *l, int axis,
-                              int high, int row, double from, double to) {
+/* The lines of cubes that meet a piece of a line in a face. */
+static uint64_t lines_in(const struct lattice *l, int axis, int row, double from, double to) {
   const int along = along_face(axis);
-  uint64_t columns = 0;
+  uint64_t lines = 0;
   for (int n = 0; n < lines_along(l, along); n++) {
     const double middle = middle_of(l, along, n);
-    if (middle >= from && middle <= to) columns |= bit_of(l, axis, row, n);
+    if (middle >= from && middle <= to) lines |= bit_of(l, axis, row, n);
   }
+  return lines;
+}
+
+/* The part of a cell to which such a piece is open: one that reaches the face there, as the piece
+ * is connected. CELL_PARTS: none. Pieces between two lines of cubes count as closed. */
+static enum cell_part part_at(const struct cell_parts *parts, int side, uint64_t lines) {
   for (enum cell_part p = CELL_OWN; p < CELL_PARTS; p++)
-    if (parts->reached[2 * axis + high][p] & columns) return p;
+    if (parts->reached[side][p] & lines) return p;
   return CELL_PARTS;
 }
 
@@ -358,14 +380,20 @@ void cell_find_areas(struct cell *low, const struct cell_parts *low_parts, struc
     }
     for (size_t m = 0; m + 1 < n; m++) {
       enum cell_part part[2] = {CELL_OWN, CELL_OWN};
+      const uint64_t lines = lines_in(l, axis, row, end[m], end[m + 1]);
+      uint64_t shaded = 0;
       bool open = end[m] < end[m + 1];
       for (int s = 0; s < 2 && open; s++) {
         if (cells[s] == NULL) continue;
         open = !is_wall(&line[s], 0.5 * (end[m] + end[m + 1]));
-        if (open) part[s] = part_at(parts[s], l, axis, s == 0, row, end[m], end[m + 1]);
+        if (open) part[s] = part_at(parts[s], 2 * axis + (s == 0), lines);
         open = open && part[s] != CELL_PARTS;
+        shaded |= parts[s]->shaded[2 * axis + (s == 0)] & lines;
       }
-      if (open) sum[part[0]][part[1]] += (end[m + 1] - end[m]) / (2 * half * rows);
+      if (open)
+        sum[part[0]][part[1]] +=
+            (end[m + 1] - end[m]) / (2 * half * rows) *
+            (1 - (double)__builtin_popcountll(shaded) / __builtin_popcountll(lines));
     }
   }
   for (int p = 0; p < CELL_PARTS; p++)

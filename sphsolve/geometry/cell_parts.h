@@ -25,6 +25,9 @@ struct cell_parts {
   float volume[CELL_PARTS]; /* over the cell's */
   /* By 2 axis + high: bits of the cubes at a face from which a part reaches it. */
   uint64_t reached[6][CELL_PARTS];
+  /* Of these, the ones that a wall ending in the cell parts from its middle: no flux along the axis
+   * passes there, though a way leads around the end. */
+  uint64_t shaded[6];
 };
 
 struct cell {
