@@ -260,10 +260,11 @@ static double fill_line(struct cell *c, struct cubes *cubes, int axis, int line_
                         size_t *ends) {
   const struct lattice *l = c->lattice;
   const double half = 0.5 * l->spacing[axis], width = l->spacing[axis] / lines_along(l, axis);
-  double open = 0, x[3], end[PIECES_MAX] = {-half, half};
+  double open = 0, x[3], end[PIECES_MAX];
   struct line line;
   for (int a = 0; a < 3; a++) x[a] = c->centre[a] + middle_of(l, a, line_at[a]);
   cast_line(c, x, axis, half, &line);
+  end[0] = -half, end[1] = half;
   const size_t n = add_ends(&line, 2, end);
   *ends += n - 2;
   for (size_t m = 0; m + 1 < n; m++) {
@@ -368,9 +369,10 @@ void cell_find_areas(struct cell *low, const struct cell_parts *low_parts, struc
   const double half = 0.5 * l->spacing[along];
   double sum[CELL_PARTS][CELL_PARTS] = {{0}};
   for (int row = 0; row < rows; row++) {
-    double end[PIECES_MAX] = {-half, half}, x[3] = {0};
+    double end[PIECES_MAX], x[3] = {0};
     struct line line[2];
     size_t n = 2;
+    end[0] = -half, end[1] = half;
     for (int s = 0; s < 2; s++) {
       if (cells[s] == NULL) continue;
       x[axis] = cells[s]->centre[axis] + (s == 0 ? 0.5 - BESIDE : BESIDE - 0.5) * l->spacing[axis];
