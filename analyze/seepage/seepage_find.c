@@ -59,7 +59,7 @@ static double surface_error(const struct seepage *s) {
  * = 0 on it and on the face, what flows out of the face is -xi' beside it, and on the face the
  * conjugate of (xi^2)'/2, so that xi = pi s/ln(1/s). Least squares for A and the end. Its error
  * is that of an intercept, and half of what the logarithm adds, since terms in ln ln d are left
- * out. */
+ * out. The end is not below the water outside. */
 static void find_exit(struct seepage *s, size_t i, int side) {
   const struct head_field *f = &s->field;
   const ptrdiff_t n = (ptrdiff_t)f->nx, at = (ptrdiff_t)i, out = at + 3 * side,
@@ -84,11 +84,13 @@ static void find_exit(struct seepage *s, size_t i, int side) {
                more = f->dx * (mean[2] - mean[0] * along[1] / square), water = s->phreatic[out],
                least = isfinite(water) ? water : 0;
   const double noise = s->surface_error * sqrt(1.0 / EXIT_COLUMNS + mean[0] * mean[0] / square);
-  if (!(along[0] > 0) || !(s->phreatic[at - side] > least + f->dz) || !(level + more > least))
+  const double error = hypot(0.5 * more, noise);
+  if (!(along[0] > 0) || !(s->phreatic[at - side] > least + f->dz) ||
+      !(level + more > least - error))
     return;
   s->exits[s->exit_count++] = (struct surface_exit){.x = head_field_x(f, i) + 0.5 * side * f->dx,
-                                                    .z = level + more,
-                                                    .error = hypot(0.5 * more, noise),
+                                                    .z = fmax(level + more, least),
+                                                    .error = error,
                                                     .outside = water};
 }
 

@@ -111,12 +111,14 @@ static void find_moves(struct isph *s, double dt, double (*speeds)[3], double (*
     }
 }
 
-/* Sums over the neighbours: of their weights V slope, and of the weighted steps. */
+/* Sums over the neighbours: of their weights V slope, and of the weighted steps; in soil limits
+ * `share` to the least fraction of soil among them. */
 ROW void steps_around(enum isph_images images, const struct isph *s, const struct isph_chunk *chunk,
-                      size_t i, double (*steps)[3], double sum[3], double *weights) {
+                      size_t i, double (*steps)[3], double sum[3], double *weights, double *share) {
   for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
     const uint32_t j = chunk->pair[p] & PAIR_MASK;
     const double weight = s->volume[j] * (double)chunk->slope[p];
+    if (s->on.soil) *share = fmin(*share, s->soil_fraction[j]);
     double step[3];
     isph_turn(images, s, chunk->pair[p], steps[j], step);
     for (int a = 0; a < 3; a++) sum[a] += weight * step[a];
@@ -124,25 +126,26 @@ ROW void steps_around(enum isph_images images, const struct isph *s, const struc
   }
 }
 
-/* Subtracts from the steps in thick water (isph/calm.h) the mean of their neighbourhoods, in which
- * a particle's own step has the mean weight of its pairs. */
+/* Subtracts from the steps in soil and in thick water (isph/calm.h) a share of the mean of their
+ * neighbourhoods, in which a particle's own step has the mean weight of its pairs. */
 static void subtract_mean_shift(struct isph *s, double (*steps)[3]) {
-  double(*mean)[3] = s->curvature; /* free for reuse at this point */
+  double *const mean[3] = {s->work[1], s->work[2], s->work[3]}; /* free for reuse at this point */
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(steps)});
 #pragma omp parallel for schedule(dynamic, 1)
   for (size_t c = 0; c < s->chunk_count; c++) {
     const struct isph_chunk *chunk = &s->chunks[c];
     for (size_t i = chunk->begin; i < chunk->end; i++) {
-      double sum[3] = {0}, weights = 0;
-      ISPH_ROW(s, i, steps_around, s, chunk, i, steps, sum, &weights);
+      double sum[3] = {0}, weights = 0, share = s->on.soil ? s->soil_fraction[i] : s->thick[i];
+      if (s->on.soil && s->on.surface) share *= 1 - s->near[i];
+      if (share > 0) ISPH_ROW(s, i, steps_around, s, chunk, i, steps, sum, &weights, &share);
       const double own = weights / fmax(1, s->pair_number[i]);
       for (int a = 0; a < 3; a++)
-        mean[i][a] = weights > 0 ? (sum[a] + own * steps[i][a]) / (weights + own) : 0;
+        mean[a][i] = weights > 0 ? share * ((sum[a] + own * steps[i][a]) / (weights + own)) : 0;
     }
   }
 #pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++)
-    for (int a = 0; a < 3; a++) steps[i][a] -= s->thick[i] * mean[i][a];
+    for (int a = 0; a < 3; a++) steps[i][a] -= mean[a][i];
 }
 
 void isph_move(struct isph *s, double dt) {
@@ -150,7 +153,7 @@ void isph_move(struct isph *s, double dt) {
   double(*displacement)[3] = s->predicted;
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
-  if (s->calm != NULL && s->on.shifting) subtract_mean_shift(s, steps);
+  if ((s->calm != NULL || s->on.soil) && s->on.shifting) subtract_mean_shift(s, steps);
   if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)

@@ -287,6 +287,13 @@ static bool carries_pressure(const struct isph *s) {
   return s->step > 0 && isph_is_free_water(s);
 }
 
+/* Adds `sign` times what the second projection of the last step gave to the pressure: both solves
+ * of a step begin with what they gave in the last one. */
+static void add_increment(struct isph *s, double sign) {
+  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
+    s->pressure[i] += sign * s->increment[i];
+}
+
 /* A second projection, of the divergence that the first, approximate one has left; for water
  * without a surface in soil, and for water that carries its pressure over. Where the drag jumps,
  * that divergence is so large in a step of full length that the flux through a layer four particles
@@ -296,8 +303,7 @@ static enum status project_again(struct isph *s, double dt) {
   double *first = s->scratch;
   memcpy(first, s->pressure, s->count * sizeof *first);
   memset(s->pressure, 0, s->count * sizeof *first);
-  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
-    s->pressure[i] = s->increment[i];
+  add_increment(s, 1);
   s->solve.again = true;
   isph_send(s, 1, (struct ghost_field[]){ISPH_FIELD(s->velocity)});
   isph_assemble(s);
@@ -372,8 +378,7 @@ enum status isph_project(struct isph *s, double dt) {
   ISPH_HOOK(s, mobile, dt);
   isph_assemble(s);
   now = clock_seconds(), s->seconds_predict += now - start, start = now;
-  for (size_t i = s->local.begin; i < s->local.end && s->increment != NULL; i++)
-    s->pressure[i] -= s->increment[i]; /* both solves begin with what they gave in the last step */
+  add_increment(s, -1);
   if (s->solve.carries)
     isph_carry_pressure(s);
   else

@@ -242,26 +242,33 @@ END
 
 # bats test_tags=long
 @test "the +- of a plane's flux holds the exact flux, in free water, too" {
-  for size in "5 mm" "1 cm"; do
-    sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set "regions.[0].grain_size=\"$size\"" \
-      --set scene.method=isph --set 'scene.end_time="2 s"' -o planes --quiet
-    analyze seepage planes.hdf --json > "planes-${size% *}.json"
+  for size in 4 5 6 7 8 10; do # each another draw of the same chance
+    sphsolve run "$ROOT/data-samples/scenes/seepage-heads.cfg" --set "regions.[0].grain_size=\"$size mm\"" \
+      --set scene.method=isph --set 'scene.end_time="2 s"' -o planes --quiet --force
+    analyze seepage planes.hdf --json > "planes-$size.json"
   done
   /usr/bin/python3 - <<'END'
-import json, math
-for name, d in (("planes-5.json", 5e-3), ("planes-1.json", 1e-2)):
-    e, nu, drive = 0.4, 1e-6, 9.81 * 0.5
+import json, math, statistics
+bars, held = {}, []
+for size in (4, 5, 6, 7, 8, 10):
+    d, e, nu, drive = 1e-3 * size, 0.4, 1e-6, 9.81 * 0.5
     a, b = 1000 * nu * (1 - e) ** 2 / (e**3 * d * d), 1.1 * (1 - e) / (e**3 * d)
     exact = 0.1 * 2 * drive / (a + math.sqrt(a * a + 4 * b * drive))
-    flux = json.load(open(name))["fluxes_m2_per_s"]
+    flux = json.load(open(f"planes-{size}.json"))["fluxes_m2_per_s"]
     for plane, f in flux.items():
-        assert abs(f["mean"] - exact) < 1.2 * f["error95"] < 0.1 * exact, (name, plane, f, exact)
+        assert abs(f["mean"] - exact) < 1.2 * f["error95"], (size, plane, f, exact)
+        held.append(abs(f["mean"] - exact) < f["error95"])
+        bars.setdefault(plane, []).append(f["error95"] / exact)
     # The mean over time alone is too sure of itself in free water: before finer soil, where shifting moves particles
     # against the flow, twice its own 95 % does not hold the truth. Before coarse soil the flux itself is exact.
-    if d < 1e-2:
+    if size == 5:
         assert abs(flux["in"]["mean"] - exact) > 2 * 2 * flux["in"]["standard_error"], flux
-    else:
+    elif size == 10:
         assert all(abs(f["mean"] / exact - 1) < 0.01 for f in flux.values()), flux
+# Of 18 draws of 95 %, three or more lie outside with a chance of 6 %.
+assert len(held) == 18 and held.count(False) <= 2, held
+for plane, shares in bars.items():
+    assert statistics.median(shares) < 0.03 and max(shares) < 0.15, (plane, shares)
 END
   # Without sections of soil alone that no open side cuts off nothing is known, and that is said.
   /usr/bin/python3 -c 'import h5py; f = h5py.File("planes.hdf", "r+"); del f["run/planes"]'
@@ -421,8 +428,9 @@ END
 }
 
 @test "a dam with upright faces: Dupuit's flow, which is exact, and the phreatic line" {
+  # For 20 s the water table rises; the row of particles on top of the pond settles after 50.
   cat > dupuit.cfg <<'END'
-scene = { name = "dupuit"; method = "isph"; end_time = "30 s"; };
+scene = { name = "dupuit"; method = "isph"; end_time = "90 s"; };
 domain = { size = ["2 m", "1.2 m"]; spacing = "5 cm"; periodic = [false, false]; };
 fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
 regions = ( { type = "porous"; box = ["0.5 m", "0", "1.5 m", "1.2 m"]; porosity = 0.4; permeability = "1 cm/s"; },
@@ -440,19 +448,19 @@ END
 import json
 run = json.load(open("dupuit.json"))
 exact = 1e-2 * (1.0**2 - 0.4**2) / 2 # k (h1^2 - h2^2) / 2 L (Charny 1951)
-assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] / exact - 1) < 0.03, run["fluxes_m2_per_s"]
-assert abs(run["flow_m2_per_s"] / exact - 1) < 0.04, run["flow_m2_per_s"]
-assert abs(run["flow_m2_per_s"] - exact) < run["flow_error95_m2_per_s"] < 0.15 * exact, run["flow_error95_m2_per_s"]
+assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] / exact - 1) < 0.02, run["fluxes_m2_per_s"]
+assert abs(run["flow_m2_per_s"] / exact - 1) < 0.03, run["flow_m2_per_s"]
+assert abs(run["flow_m2_per_s"] - exact) < run["flow_error95_m2_per_s"] < 0.12 * exact, run["flow_error95_m2_per_s"]
 mid = run["fluxes_m2_per_s"]["mid"]
-assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] - exact) < run["fluxes_m2_per_s"]["mid"]["error95"] < 0.13 * exact, run["fluxes_m2_per_s"]
+assert abs(run["fluxes_m2_per_s"]["mid"]["mean"] - exact) < run["fluxes_m2_per_s"]["mid"]["error95"] < 0.1 * exact, run["fluxes_m2_per_s"]
 assert run["through"] == {"plane": "mid", "flux_m2_per_s": mid["mean"], "error95": mid["error95"]}, run["through"]
 soil, pond = run["levels_m"]["soil"], run["levels_m"]["pond"]
 assert pond["error95"] < 0.01, pond
 # The surface at the middle by Baiocchi's variational inequality, and where it ends above the water by Polubarinova-Kochina.
 face = run["seepage_faces"][0]
 assert len(run["seepage_faces"]) == 1 and face["x_m"] == 1.5 and abs(face["water_m"] - 0.4) < 0.01, run["seepage_faces"]
-assert abs(soil["mean"] - 0.8205) < soil["error95"] < 0.025, soil
-assert abs(face["z_m"] - 0.4741) < face["error95"] < 0.05, face
+assert abs(soil["mean"] - 0.8205) < soil["error95"] < 0.02, soil
+assert abs(face["z_m"] - 0.4741) < face["error95"] < 0.04, face
 assert run["phreatic_line"]["error95"] == soil["error95"]
 line = dict(zip(run["phreatic_line"]["x_m"], run["phreatic_line"]["level_m"]))
 for x, level in line.items():

@@ -278,7 +278,7 @@ static void drained_pond(void) {
       if (part == 0)
         show(name, exact, measured, started);
       else
-        report(name, exact, measured, .03 * exact, started);
+        report(name, exact, measured, .01 * exact, started);
     }
     finish(&run);
   }
@@ -457,7 +457,7 @@ static void bends(void) {
     }
     const double rate = log(.2 / (sum / n)) / end, exact = 2 * k * conductance / width;
     snprintf(name, sizeof name, "under a wall between two ponds: rate, 1/s, %g cm", 100 * dx);
-    report(name, exact, rate, (fine ? .04 : .06) * exact, started);
+    report(name, exact, rate, (fine ? .02 : .03) * exact, started);
     finish(&run);
   }
 }

@@ -27,6 +27,9 @@
  * half of its energy at once. And where the water is thick the mean shift of a neighbourhood, with
  * weights V (- W'/r), is subtracted from each shift: differences from particle to particle even the
  * particles out, whereas a mean shift does work on the pressure and makes a wave on many rows grow.
+ * So it is in soil, by the least fraction of soil in the neighbourhood, less near a surface: no
+ * drag acts on a shift, and a mean shift, from where the water is denser by tenths of a per cent,
+ * would let particles move several per cent slower than v carries them.
  *
  * Nor is a particle shifted beside a gap to a wall if it is more asymmetric than disorder makes it:
  * shifting would close the gap within three steps. Nothing is shifted at rest. */
