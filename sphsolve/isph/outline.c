@@ -28,7 +28,7 @@ static bool is_on_side(const struct isph *s, const struct polygon *p, const doub
 /* Distance to a polygon in its plane, negative inside, and the normal there. */
 static double to_polygon(const struct isph *s, const struct polygon *p, const double at[2],
                          double normal[2]) {
-  double least = INFINITY, area = 0, out[2] = {0}, turned[2] = {0};
+  double nearest = INFINITY, area = 0, out[2] = {0}, turned[2] = {0};
   bool inside = false;
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
@@ -37,15 +37,16 @@ static double to_polygon(const struct isph *s, const struct polygon *p, const do
     const double part = square > 0 ? (to[0] * along[0] + to[1] * along[1]) / square : 0;
     const double off[2] = {to[0] - fmin(1, fmax(0, part)) * along[0],
                            to[1] - fmin(1, fmax(0, part)) * along[1]};
-    const double gap = hypot(off[0], off[1]);
+    const double gap = off[0] * off[0] + off[1] * off[1];
     area += a[0] * b[1] - a[1] * b[0];
     if ((a[1] > at[1]) != (b[1] > at[1]) && at[0] < a[0] + along[0] * (at[1] - a[1]) / along[1])
       inside = !inside;
-    if (!(gap < least) || !(square > 0) || is_on_side(s, p, a, b)) continue;
-    least = gap;
-    for (int c = 0; c < 2; c++) out[c] = off[c] / fmax(gap, 1e-300);
+    if (!(gap < nearest) || !(square > 0) || is_on_side(s, p, a, b)) continue;
+    nearest = gap;
+    for (int c = 0; c < 2; c++) out[c] = off[c] / fmax(sqrt(gap), 1e-300);
     turned[0] = along[1] / sqrt(square), turned[1] = -along[0] / sqrt(square);
   }
+  const double least = sqrt(nearest);
   const bool touches = least < 1e-9 * s->spacing;
   for (int c = 0; c < 2; c++)
     normal[c] = touches ? copysign(1, area) * turned[c] : inside ? -out[c] : out[c];
@@ -82,8 +83,8 @@ double isph_outline_distance(const struct isph *s, const struct isph_wall_box *b
     for (int a = 0; a < 3 && near; a++) {
       at[a] = x[a] + step[a] * (s->high[a] - s->low[a]);
       near = (step[a] == 0 || s->periodic[a]) &&
-             (!isph_uses_axis(s, a) || (at[a] > box->low[a] - s->support_max &&
-                                        at[a] < box->high[a] + s->support_max));
+             (!isph_uses_axis(s, a) ||
+              (at[a] > box->low[a] - s->support_max && at[a] < box->high[a] + s->support_max));
     }
     const double distance = near ? to_prism(s, box, at, own) : INFINITY;
     if (!(distance < least)) continue;

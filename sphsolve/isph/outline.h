@@ -7,10 +7,11 @@
  * normal n, and particles i and j at distances d_i and d_j before it,
  *   r' = x_i - x_j' = r_t + (d_i + d_j) n,   |r'|^2 = r^2 + 4 d_i d_j,   q' = q,   v_t' = v_t,
  * so that with slope' = slope(|r'|) a pair adds V_j slope' (v_i - v_j).r_t to the divergence, V_j
- * slope' (q_i - q_j) r_t to the gradient and 2 V_i V_j k slope' to the matrix (the method of images,
- * as in isph/reflection.h). At a curved wall n is along the sum of the normals of both. Without
- * images the rows beside a wall have four fifths of their weight along it, as if the soil began .15
- * spacings before the wall. What is along n, the wall's particles contribute as at all walls.
+ * slope' (q_i - q_j) r_t to the gradient and 2 V_i V_j k slope' to the matrix (the method of
+ * images, as in isph/reflection.h). At a curved wall n is along the sum of the normals of both.
+ * Without images the rows beside a wall have four fifths of their weight along it, as if the soil
+ * began .15 spacings before the wall. What is along n, the wall's particles contribute as at all
+ * walls.
  *
  * Without a surface alone: under one the fronts and ponds that constants were fitted to have walls
  * of boxes. Limits: images of images are left out, where water is between two walls. */

@@ -117,7 +117,7 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
       double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], across[3], back[3];
       double ratio, felt = 1;
-      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+      isph_wall_mirror(s, i, j, xj, mirror, &ratio);
       double image = 2 * isph_wall_volume(s, j) * slope;
       if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
       if (strains) symmetric_times(d, r, r);

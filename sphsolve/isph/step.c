@@ -204,7 +204,7 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
       if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
         if (s->porosity == NULL || s->soil_fraction[i] == 0 || isph_is_of_outline(s, j)) continue;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6];
-        isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+        isph_wall_mirror(s, i, j, xj, mirror, NULL);
         double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
         for (int a = 0; a < 3; a++)
           present[a] -=

@@ -207,6 +207,23 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
   return corner && isph_window_behind(s, x) >= 0;
 }
 
+/* isph_wall_mirror of a wall with an outline. */
+static void mirror_outline(const struct isph *s, size_t i, size_t j, const double xj[3],
+                           double mirror[6], double *ratio) {
+  const double *xi = s->position[i];
+  const size_t box = s->boundary_box[j];
+  struct isph_facing facing = s->facing[i];
+  double depth = 0;
+  if ((size_t)facing.box != box)
+    facing.distance = isph_outline_distance(s, &s->wall_boxes[box], xi, facing.normal);
+  for (int a = 0, k = 0; a < 3; a++) {
+    depth += (xi[a] - xj[a]) * facing.normal[a];
+    for (int b = a; b < 3; b++, k++) mirror[k] = facing.normal[a] * facing.normal[b];
+  }
+  if (ratio != NULL)
+    *ratio = fmax(0, depth - facing.distance) / fmax(facing.distance, WALL_NEAREST * s->spacing);
+}
+
 /* Radius, in spacings, by which edges of boxes are rounded for the mirror in soil. */
 #define EDGE 0.5
 
@@ -216,9 +233,10 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
  * along a face at the guard's distance still passes an edge in a few steps, in which its mirror
  * turns by a right angle, and the pressures beside it by 2 %: in soil the box has rounded edges for
  * the mirror, which then begins to turn earlier. */
-void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+void isph_wall_mirror(const struct isph *s, size_t i, size_t j, const double xj[3],
                       double mirror[6], double *ratio) {
   double near = 0, far = 0, turned = 0, normal[3] = {0};
+  const double *xi = s->position[i];
   const double edge = s->on.soil ? EDGE * s->spacing : 0;
   memset(mirror, 0, 6 * sizeof *mirror);
   if (s->boundary_kind[j] != BOUNDARY_WALL) {
@@ -228,12 +246,7 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
   }
   const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
   if (box->outline != NULL) {
-    double depth = 0;
-    near = isph_outline_distance(s, box, xi, normal);
-    for (int a = 0; a < 3; a++) depth += (xi[a] - xj[a]) * normal[a];
-    for (int a = 0, k = 0; a < 3; a++)
-      for (int b = a; b < 3; b++, k++) mirror[k] = normal[a] * normal[b];
-    if (ratio != NULL) *ratio = fmax(0, depth - near) / fmax(near, WALL_NEAREST * s->spacing);
+    mirror_outline(s, i, j, xj, mirror, ratio);
     return;
   }
   for (int a = 0; a < 3; a++) {

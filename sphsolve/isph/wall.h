@@ -16,9 +16,9 @@ bool isph_wall_holds(const struct isph *s, const double x[3]);
 /* Moves boxes and their particles by dt, and sets the boundary pressures at time s->time. */
 void isph_wall_move(struct isph *s, double dt);
 /* Projection tensor (symmetric.h) on the directions along which boundary particle j at xj (its
- * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi,
- * unless NULL. */
-void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+ * periodic image) mirrors particle i, and j's distance from the wall over that of i, unless
+ * NULL. */
+void isph_wall_mirror(const struct isph *s, size_t i, size_t j, const double xj[3],
                       double mirror[6], double *ratio);
 /* Reduces the velocity v (pore velocity scale * v) of a particle at x that would carry it through a
  * wall within dt. */
