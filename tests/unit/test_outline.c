@@ -39,8 +39,7 @@ static void cylinders_are_round(void **state) {
     for (size_t j = 0; j < run.s.boundary_count; j++) wall += isph_wall_volume(&run.s, j);
     assert_near(wall, M_PI * 4e-4, 2e-5);
     assert_near(water + wall, .0144, 1e-9);
-    for (int step = 0; step < 5; step++)
-      assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
+    for (int step = 0; step < 5; step++) assert_int_equal(isph_advance(&run.s, 1e-3), STATUS_OK);
     isph_darcy_velocity(&run.s, v);
     assert_near(v[0], .83947e-3, .01 * .83947e-3);
     finish(&run);
@@ -52,21 +51,19 @@ static void distances_are_those_of_the_polygon(void **state) {
   (void)state;
   struct run run;
   double n[3];
-  start(&run, ARRAY("{ type = \"wall\"; corners = [\"1 cm\", \"4 cm\", \"4 cm\", \"4 cm\", \"4 cm\", "
-                    "\"8 cm\", \"1 cm\", \"8 cm\"]; }"));
+  start(&run,
+        ARRAY("{ type = \"wall\"; corners = [\"1 cm\", \"4 cm\", \"4 cm\", \"4 cm\", \"4 cm\", "
+              "\"8 cm\", \"1 cm\", \"8 cm\"]; }"));
   const struct isph_wall_box *box = &run.s.wall_boxes[1];
   assert_non_null(box->outline);
   assert_near(isph_outline_distance(&run.s, box, (double[3]){.05, 0, .06}, n), .01, 1e-12);
   assert_near(n[0], 1, 1e-12);
-  assert_near(isph_outline_distance(&run.s, box, (double[3]){.035, 0, .06}, n), -.005,
-                      1e-12);
+  assert_near(isph_outline_distance(&run.s, box, (double[3]){.035, 0, .06}, n), -.005, 1e-12);
   assert_near(n[0], 1, 1e-12);
-  assert_near(isph_outline_distance(&run.s, box, (double[3]){.043, 0, .036}, n), .005,
-                      1e-12);
+  assert_near(isph_outline_distance(&run.s, box, (double[3]){.043, 0, .036}, n), .005, 1e-12);
   assert_near(n[0], .6, 1e-9);
   assert_near(n[2], -.8, 1e-9);
-  assert_near(isph_outline_distance(&run.s, box, (double[3]){.119, 0, .06}, n), .011,
-                      1e-12);
+  assert_near(isph_outline_distance(&run.s, box, (double[3]){.119, 0, .06}, n), .011, 1e-12);
   assert_near(n[0], -1, 1e-12);
   assert_int_equal(isph_outline_facing(&run.s, (double[3]){.08, 0, .06}).box, 0);
   finish(&run);
@@ -76,12 +73,14 @@ static void distances_are_those_of_the_polygon(void **state) {
 static void others_are_boxes(void **state) {
   (void)state;
   struct run run;
-  start(&run, "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-              "domain = { size = [\"12 cm\", \"12 cm\"]; spacing = \"1 cm\"; periodic = [false, "
-              "false]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"12 cm\", \"8 cm\"]; "
-              "porosity = 0.4; permeability = \"1e-3 m/s\"; }, { type = \"water\"; box = [\"0\", "
-              "\"0\", \"12 cm\", \"10 cm\"]; }, " ROUND("\"6.5 cm\"", "\"6.5 cm\"") ");\n"
-              "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+        "domain = { size = [\"12 cm\", \"12 cm\"]; spacing = \"1 cm\"; periodic = [false, "
+        "false]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"12 cm\", \"8 cm\"]; "
+        "porosity = 0.4; permeability = \"1e-3 m/s\"; }, { type = \"water\"; box = [\"0\", "
+        "\"0\", \"12 cm\", \"10 cm\"]; }, " ROUND(
+            "\"6.5 cm\"", "\"6.5 cm\"") ");\n"
+                                        "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
   assert_true(run.s.on.surface);
   assert_false(run.s.outlines);
   assert_null(run.s.facing);
