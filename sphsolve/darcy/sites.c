@@ -239,6 +239,22 @@ static double head_at_start(const struct richards *s, size_t i) {
   return fmax(h, soil->driest);
 }
 
+/* Refuses an inflow of which walls that cut cells leave no face open. */
+static enum status check_inflows(const struct richards *s) {
+  for (size_t r = 0; r < s->scene->region_count; r++) {
+    const struct region *region = &s->scene->regions[r];
+    bool open = region->type != REGION_INFLOW;
+    for (size_t e = 0; e < s->edge_count && !open; e++) open = s->edges[e].region == region;
+    for (size_t n = 0; n < s->source_count && !open; n++) open = s->sources[n].region == region;
+    if (!open)
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: a wall covers the whole of this inflow, so nothing comes in by it: leave "
+                  "a part of its side open",
+                  s->scene->path, region->line);
+  }
+  return STATUS_OK;
+}
+
 enum status richards_create(const struct scene *scene, const struct lattice *lattice,
                             struct richards *s) {
   enum status status = STATUS_OK;
@@ -285,6 +301,7 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
   add_faces(s, false);
+  if (s->full) TRY(check_inflows(s));
   s->turned = s->turned || (s->full && s->soil_count > 2);
   TRY(richards_holes_create(s));
   if (s->full) TRY(richards_saturated_bodies(s));

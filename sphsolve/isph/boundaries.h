@@ -15,7 +15,8 @@ struct isph_wall_box {
   /* as low and high, but infinite where a polygon continues in another box */
   double mirror_low[3], mirror_high[3];
   double velocity[3];
-  const struct region *region; /* NULL: the tank */
+  const struct region *region;   /* NULL: the tank */
+  const struct polygon *outline; /* NULL: it is a box; isph/outline.h */
   bool slip, tank;
 };
 

@@ -88,7 +88,6 @@ static void normalise_kernel(struct isph *s) {
 static enum status create_boundaries(struct isph *s) {
   enum status status = STATUS_OK;
   size_t capacity = 0;
-  TRY(isph_wall_find(s));
   TRY(isph_wall_fill_tank(s, &capacity));
   TRY(isph_open_fill(s, &capacity));
   for (size_t b = 1; b < s->wall_box_count; b++) TRY(isph_wall_fill_box(s, b, &capacity));
@@ -131,6 +130,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
     if (s->periodic[a]) s->support_max = fmin(s->support_max, s->high[a] - s->low[a]);
   TRY(memory_allocate(&s->soil_offset, scene->region_count, sizeof *s->soil_offset, "regions"));
   if (s->on.links) TRY(isph_links_create(s));
+  TRY(isph_wall_find(s));
   TRY(isph_choose_mass(s, lattice));
   TRY(isph_open_create(s));
   isph_images_create(s);

@@ -5,6 +5,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/calm.h"
 #include "sphsolve/isph/linear.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/well.h"
 

@@ -40,7 +40,7 @@ static void add_walls(const struct isph *s, const struct isph_chunk *chunk, size
     isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
     if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
       const double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
-      isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+      isph_wall_mirror(s, i, j, xj, mirror, NULL);
       gap = surface_gap(s, i, r, mirror);
     }
     const double f = isph_wall_volume(s, j) * (double)chunk->wall_slope[p], out = gap * f;

@@ -35,7 +35,7 @@ static double beside_gap(const struct isph *s, const struct isph_chunk *chunk, s
     double mirror[6];
     isph_separation(s, xi, s->boundary_position, chunk->wall[p], r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
-    isph_wall_mirror(s, xi, chunk->wall[p] & PAIR_MASK, xj, mirror, NULL);
+    isph_wall_mirror(s, i, chunk->wall[p] & PAIR_MASK, xj, mirror, NULL);
     gap = fmax(gap, surface_gap(s, i, r, mirror));
     trace += isph_wall_volume(s, chunk->wall[p] & PAIR_MASK) * (double)chunk->wall_slope[p] *
              (r[0] * r[0] + r[1] * r[1] + r[2] * r[2]);

@@ -50,16 +50,9 @@ double isph_reynolds(const struct isph *s, const double velocity[3]) {
 /* Whether there is a wall where a particle would cross a plane: water beside a thin wall comes
  * within the kernel's reach of a plane in it, but cannot pass. */
 static bool is_walled_off(const struct isph *s, size_t i, int axis, double position) {
-  for (size_t b = 1; b < s->wall_box_count; b++) {
-    const struct isph_wall_box *box = &s->wall_boxes[b];
-    bool inside = true;
-    for (int a = 0; a < 3; a++) {
-      const double at = a == axis ? position : s->position[i][a];
-      inside = inside && (!isph_uses_axis(s, a) || (at > box->low[a] && at < box->high[a]));
-    }
-    if (inside) return true;
-  }
-  return false;
+  double x[3] = {s->position[i][0], s->position[i][1], s->position[i][2]};
+  x[axis] = position;
+  return isph_wall_holds(s, x);
 }
 
 /* The part of the kernel beyond a side of the domain is compensated for by normalisation. */

@@ -5,8 +5,10 @@
 #include <string.h>
 
 #include "common/memory.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/particles.h"
+#include "sphsolve/isph/wall.h"
 
 /* Free water has a particle on each site of the lattice. In soil a site holds only the fraction eps
  * of that mass; a particle of so little mass would be smaller than those that flow in, and its
@@ -120,6 +122,31 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
   }
 }
 
+/* Whether an outline divides the cell of a site in soil. */
+static bool is_cut(const struct isph *s, const struct site *site) {
+  if (!s->outlines || !(site->porosity < 1)) return false;
+  const struct isph_facing facing = isph_outline_facing(s, site->x);
+  return facing.box > 0 && fabs(facing.distance) < 0.5 * sqrt(s->dimensions) * s->spacing;
+}
+
+/* Calls `take` for the parts of a cell of soil that are not in walls. */
+static enum status for_parts(struct isph *s, const struct site *site,
+                             enum status (*take)(struct isph *s, const struct site *site,
+                                                 void *context),
+                             void *context) {
+  for (int n = 0; n < OUTLINE_PLACES; n++) {
+    struct site part = {.volume = site->volume / OUTLINE_PLACES};
+    isph_outline_place(s, site->x, n, part.x);
+    for (int a = 0; a < 3; a++)
+      part.width[a] = isph_uses_axis(s, a) ? site->width[a] / isph_outline_places(s) : 1;
+    find_regions(s, &part);
+    if (!(part.porosity < 1) || isph_wall_holds(s, part.x)) continue;
+    enum status status = take(s, &part, context);
+    if (status != STATUS_OK) return status;
+  }
+  return STATUS_OK;
+}
+
 /* Calls `take` for each site of water, in their order; stops at the first failure. */
 static enum status for_sites(struct isph *s, const struct lattice *lattice,
                              enum status (*take)(struct isph *s, const struct site *site,
@@ -131,16 +158,17 @@ static enum status for_sites(struct isph *s, const struct lattice *lattice,
   for (size_t k = 0; k < lattice->size[2]; k++)
     for (size_t j = 0; j < lattice->size[1]; j++)
       for (size_t i = 0; i < lattice->size[0]; i++, index++) {
-        if (lattice->kind[index] != SITE_FLUID) continue;
         const size_t at[3] = {i, j, k};
         struct site site = {.volume = volume};
         for (int a = 0; a < 3; a++) {
           site.x[a] = lattice->origin[a] + (double)at[a] * lattice->spacing[a];
           site.width[a] = isph_uses_axis(s, a) ? lattice->spacing[a] : 1;
         }
-        fit_box(s, lattice, &site);
         find_regions(s, &site);
-        enum status status = take(s, &site, context);
+        const bool cut = is_cut(s, &site);
+        if (lattice->kind[index] != SITE_FLUID && !cut) continue;
+        if (!cut) fit_box(s, lattice, &site), find_regions(s, &site);
+        enum status status = cut ? for_parts(s, &site, take, context) : take(s, &site, context);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;

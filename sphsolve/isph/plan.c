@@ -38,6 +38,12 @@ static double steps_at(const struct plan *plan, const struct isph_speed_forecast
          (time - fast) / fmin(least, displacement / speeds->speed_after);
 }
 
+/* The next larger number of two digits; that number itself if x is one. */
+static double rounded_up(double x) {
+  const double unit = pow(10, floor(log10(x)) - 1);
+  return ceil(x / unit - 1e-6) * unit;
+}
+
 /* Refuses a run of more than HOPELESS_STEPS steps that takes HOPELESS_RATIO times as many as it
  * would without what shortens them: a given dt, or the explicit viscosity, as in 10 cm of tar. */
 static enum status check_steps(const struct plan *plan, const struct isph_speed_forecast *speeds) {
@@ -48,18 +54,19 @@ static enum status check_steps(const struct plan *plan, const struct isph_speed_
   const double usual = steps_at(plan, speeds, given ? plan->dt_limit : INFINITY);
   const double ratio = plan->steps / usual / HOPELESS_RATIO;
   if (!(plan->steps > HOPELESS_STEPS && ratio > 1)) return STATUS_OK;
+  const double excess = plan->steps / HOPELESS_STEPS, most = fmin(ratio, excess);
   if (given)
     return scene_error(context->scene, AT_ISPH_DT,
                        "%g s asks for %.2g steps, where dt = \"auto\" takes some %.3g; write that, "
-                       "or a dt above %.2g s",
-                       plan->dt, plan->steps, usual, plan->dt * ratio);
+                       "or a dt of at least %.2g s",
+                       plan->dt, plan->steps, usual, rounded_up(plan->dt * most));
   if (!(viscous <= plan->dt_limit)) return STATUS_OK;
   return scene_error(context->scene, AT_VISCOSITY,
                      "this viscosity allows no step above %g s, %g spacing^2/nu, and asks for %.2g "
                      "steps; take a viscosity below %.2g Pa s, or a domain.spacing above %.2g m",
                      plan->dt_limit, DT_VISCOSITY, plan->steps,
-                     context->scene->fluid.viscosity / ratio,
-                     context->spacing * cbrt(ratio * ratio));
+                     context->scene->fluid.viscosity / most,
+                     context->spacing * fmin(cbrt(ratio * ratio), sqrt(excess)));
 }
 
 /* Length of the soil along the flow axis, in spacings of the particles in it. Soil that spans the

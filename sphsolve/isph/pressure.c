@@ -9,6 +9,7 @@
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/matrix.h"
 #include "sphsolve/isph/multigrid.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
@@ -90,9 +91,13 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
         diagonal += (double)chunk->matrix[p];
     else
       ISPH_ROW(s, i, diagonal = assemble_pairs, s, chunk, i, &way, &whole);
+    const bool imaged = isph_faces_outline(s, i);
+    double fall = 0;
+    if (imaged && !again) diagonal += isph_outline_row(s, chunk, i, f, &fall, &whole);
     if (!again && s->pair_mobility != NULL) s->pair_mobility[i] = whole > 0 ? diagonal / whole : ki;
-    double source = rho * FOUR_DOT(way, f);
+    double source = rho * (FOUR_DOT(way, f) + fall);
     if (sources) ISPH_ROW(s, i, divergence = pairs_divergence, s, chunk, i, v, d);
+    if (sources && imaged) divergence += isph_outline_divergence(s, chunk, i, v);
     const bool linked = s->linked_mobility != NULL && s->ground[i] == GROUND_MIXED;
     double walled = 0, tied = 0;
     double beside = s->on.surface ? s->surface[i] : 0;
@@ -112,7 +117,7 @@ TARGETS static void assemble_chunk(struct isph *s, const struct isph_chunk *chun
       walled += 2 * vol * isph_wall_volume(s, j) * ki * slope;
       double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6], across[3], back[3];
       double ratio, felt = 1;
-      isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+      isph_wall_mirror(s, i, j, xj, mirror, &ratio);
       double image = 2 * isph_wall_volume(s, j) * slope;
       if (beside > 0) image *= 1 - beside * surface_gap(s, i, r, mirror);
       if (strains) symmetric_times(d, r, r);

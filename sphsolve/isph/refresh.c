@@ -6,6 +6,7 @@
 #include "common/log.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/neighbours.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/sort.h"
 
@@ -41,6 +42,7 @@ static void update_volumes(struct isph *s) {
         memcpy(s->soil_velocity[i], soil.velocity, sizeof soil.velocity);
       }
     }
+    if (s->facing != NULL) s->facing[i] = isph_outline_facing(s, s->position[i]);
     s->volume[i] = s->mass[i] / (eps * s->density);
     s->size[i] = isph_size_of(s, s->volume[i]);
     s->support[i] = fmin(ratio * s->size[i], s->support_max);

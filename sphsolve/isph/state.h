@@ -131,6 +131,7 @@ struct isph_petsc;
 struct isph_well; /* isph/well.h */
 struct isph_outlet;
 struct isph_ground; /* isph/link.h */
+struct isph_facing; /* isph/outline.h */
 
 struct isph {
   const struct scene *scene;
@@ -191,10 +192,11 @@ struct isph {
   /* boundary */
   size_t wall_box_count;
   struct isph_wall_box *wall_boxes;
+  bool outlines; /* some walls count by their outline: isph/outline.h */
   size_t boundary_count;
   double (*boundary_position)[3];
   double *boundary_pressure; /* open sides of given head; NULL without any */
-  double *boundary_volume;   /* NULL without open sides: all have wall_volume */
+  double *boundary_volume;   /* NULL without open sides and outlines: all have wall_volume */
   uint8_t *boundary_kind;
   uint16_t *boundary_box; /* wall box, or open side */
   size_t side_count, column_count;

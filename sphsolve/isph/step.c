@@ -24,6 +24,7 @@
 #include "sphsolve/isph/mobility.h"
 #include "sphsolve/isph/motion.h"
 #include "sphsolve/isph/open.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/outside.h"
 #include "sphsolve/isph/own.h"
 #include "sphsolve/isph/pressure.h"
@@ -165,9 +166,9 @@ ROW void pressure_gradient(enum isph_images images, const struct isph *s,
  * grad W, so that pressure takes energy from the flow and never adds any. (The full adjoint, with 2
  * q_i sum V grad W inside the water too, only adds noise.) In free water it is corrected to be
  * exact for linear fields (isph/linear.h), which noise costs less than the adjoint saves. In soil
- * the part of the moment along a wall that is missing beside it is compensated for; without this, a
- * column ten particles wide carries 2 % too little. In free water that would keep eddies alive at
- * rest. */
+ * the part of the moment along a wall that is missing beside it is compensated for, except beside
+ * an outline, where images supply it; without this, a column ten particles wide carries 2 % too
+ * little. In free water that would keep eddies alive at rest. */
 TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk *chunk,
                                   const struct reduced_pressure *q) {
   const bool again = s->solve.again;
@@ -193,15 +194,17 @@ TARGETS static void correct_chunk(const struct isph *s, const struct isph_chunk 
     } else {
       ISPH_ROW(s, i, pressure_gradient, s, chunk, i, q, f, reduced, NULL, NULL, NULL);
     }
+    if (isph_faces_outline(s, i))
+      isph_outline_gradient(s, chunk, i, q->q, q->across, reduced, flux);
     memcpy(plain, reduced, sizeof plain);
     for (size_t p = s->wall_first[i], n = p + s->wall_number[i]; p < n; p++) {
       uint32_t entry = chunk->wall[p], j = entry & PAIR_MASK;
       double r[3];
       isph_separation(s, xi, s->boundary_position, entry, r);
       if (s->boundary_kind[j] != BOUNDARY_OPEN_HEAD) {
-        if (s->porosity == NULL || s->soil_fraction[i] == 0) continue;
+        if (s->porosity == NULL || s->soil_fraction[i] == 0 || isph_is_of_outline(s, j)) continue;
         double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]}, mirror[6];
-        isph_wall_mirror(s, xi, j, xj, mirror, NULL);
+        isph_wall_mirror(s, i, j, xj, mirror, NULL);
         double weight = isph_wall_volume(s, j) * (double)chunk->wall_slope[p];
         for (int a = 0; a < 3; a++)
           present[a] -=

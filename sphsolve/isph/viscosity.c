@@ -84,10 +84,10 @@ TARGETS void isph_viscous(const struct isph *s, const struct isph_chunk *chunk, 
     if (s->boundary_box[j] != last)
       last = s->boundary_box[j], hold = wall_friction_viscosity(s, i, isph_wall_velocity(s, j));
     double r[3], mirror[6], ratio,
-        weight = 2 * s->wall_volume * hold * (double)chunk->wall_slope[p];
+        weight = 2 * isph_wall_volume(s, j) * hold * (double)chunk->wall_slope[p];
     isph_separation(s, xi, s->boundary_position, entry, r);
     double xj[3] = {xi[0] - r[0], xi[1] - r[1], xi[2] - r[2]};
-    isph_wall_mirror(s, xi, j, xj, mirror, &ratio);
+    isph_wall_mirror(s, i, j, xj, mirror, &ratio);
     for (int a = 0; a < 3; a++)
       friction[a] -= weight * (1 + ratio) * (vi[a] - isph_wall_velocity(s, j)[a]);
   }

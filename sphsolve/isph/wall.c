@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/isph/symmetric.h"
+#include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/window.h"
 #include "sphsolve/isph/constants.h"
 
@@ -42,13 +43,54 @@ enum status isph_wall_fill_tank(struct isph *s, size_t *capacity) {
 }
 
 static bool in_box(const struct isph *s, const struct isph_wall_box *box, const double x[3]) {
+  double normal[3];
   for (int a = 0; a < 3; a++)
     if (isph_uses_axis(s, a) && (x[a] <= box->low[a] || x[a] >= box->high[a])) return false;
-  return true;
+  return box->outline == NULL || isph_outline_distance(s, box, x, normal) < 0;
+}
+
+bool isph_wall_holds(const struct isph *s, const double x[3]) {
+  bool any = false;
+  for (size_t b = 1; b < s->wall_box_count; b++) any = any || in_box(s, &s->wall_boxes[b], x);
+  return any;
+}
+
+/* Fills the cells of the lattice by the share of the wall in them. */
+static enum status fill_outline(struct isph *s, size_t index, size_t *capacity) {
+  const struct isph_wall_box *box = &s->wall_boxes[index];
+  int from[3] = {0}, to[3] = {1, 1, 1};
+  for (int a = 0; a < 3; a++)
+    if (isph_uses_axis(s, a)) {
+      from[a] = (int)floor(box->low[a] / s->spacing);
+      to[a] = (int)ceil(box->high[a] / s->spacing);
+    }
+  for (int k = from[2]; k < to[2]; k++)
+    for (int j = from[1]; j < to[1]; j++)
+      for (int i = from[0]; i < to[0]; i++) {
+        const double centre[3] = {(i + 0.5) * s->spacing, (j + 0.5) * s->spacing,
+                                  (k + 0.5) * s->spacing};
+        double x[3], middle[3] = {0}, inside = 0;
+        for (int n = 0; n < OUTLINE_PLACES; n++) {
+          isph_outline_place(s, centre, n, x);
+          bool taken = !in_box(s, box, x);
+          for (size_t later = index + 1; later < s->wall_box_count; later++)
+            taken = taken || in_box(s, &s->wall_boxes[later], x);
+          if (taken) continue;
+          inside++;
+          for (int a = 0; a < 3; a++) middle[a] += x[a];
+        }
+        if (inside == 0) continue;
+        for (int a = 0; a < 3; a++) middle[a] /= inside;
+        enum status status = isph_boundary_add(s, capacity, middle, BOUNDARY_WALL, index,
+                                               s->wall_volume * inside / OUTLINE_PLACES);
+        if (status != STATUS_OK) return status;
+      }
+  return STATUS_OK;
 }
 
 enum status isph_wall_fill_box(struct isph *s, size_t index, size_t *capacity) {
   const struct isph_wall_box *box = &s->wall_boxes[index];
+  if (box->outline != NULL) return fill_outline(s, index, capacity);
   int n[3];
   double pitch[3];
   for (int a = 0; a < 3; a++) {
@@ -105,15 +147,18 @@ enum status isph_wall_find(struct isph *s) {
   memcpy(tank->high, s->high, sizeof tank->high);
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
-    if (region->type != REGION_WALL) continue;
+    const bool outline = isph_has_outline(s, region);
+    if (region->type != REGION_WALL || (outline && k != region->first)) continue;
     struct isph_wall_box *box = &s->wall_boxes[s->wall_box_count++];
     box->slip = region->slip;
     for (int a = 0; a < 3; a++) {
-      box->low[a] = isph_uses_axis(s, a) ? region->box[a] : s->low[a];
-      box->high[a] = isph_uses_axis(s, a) ? region->box[a + 3] : s->high[a];
+      const double *corners = outline ? region->extent : region->box;
+      box->low[a] = isph_uses_axis(s, a) ? corners[a] : s->low[a];
+      box->high[a] = isph_uses_axis(s, a) ? corners[a + 3] : s->high[a];
       box->velocity[a] = region->velocity[a];
     }
     box->region = region;
+    if (outline) box->outline = region->polygon, s->outlines = true;
     join_parts(s, box);
   }
   s->wall_volume = pow(s->spacing, s->dimensions);
@@ -162,6 +207,23 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
   return corner && isph_window_behind(s, x) >= 0;
 }
 
+/* isph_wall_mirror of a wall with an outline. */
+static void mirror_outline(const struct isph *s, size_t i, size_t j, const double xj[3],
+                           double mirror[6], double *ratio) {
+  const double *xi = s->position[i];
+  const size_t box = s->boundary_box[j];
+  struct isph_facing facing = s->facing[i];
+  double depth = 0;
+  if ((size_t)facing.box != box)
+    facing.distance = isph_outline_distance(s, &s->wall_boxes[box], xi, facing.normal);
+  for (int a = 0, k = 0; a < 3; a++) {
+    depth += (xi[a] - xj[a]) * facing.normal[a];
+    for (int b = a; b < 3; b++, k++) mirror[k] = facing.normal[a] * facing.normal[b];
+  }
+  if (ratio != NULL)
+    *ratio = fmax(0, depth - facing.distance) / fmax(facing.distance, WALL_NEAREST * s->spacing);
+}
+
 /* Radius, in spacings, by which edges of boxes are rounded for the mirror in soil. */
 #define EDGE 0.5
 
@@ -171,9 +233,10 @@ static bool window_beside(const struct isph *s, const double xj[3], int a) {
  * along a face at the guard's distance still passes an edge in a few steps, in which its mirror
  * turns by a right angle, and the pressures beside it by 2 %: in soil the box has rounded edges for
  * the mirror, which then begins to turn earlier. */
-void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+void isph_wall_mirror(const struct isph *s, size_t i, size_t j, const double xj[3],
                       double mirror[6], double *ratio) {
   double near = 0, far = 0, turned = 0, normal[3] = {0};
+  const double *xi = s->position[i];
   const double edge = s->on.soil ? EDGE * s->spacing : 0;
   memset(mirror, 0, 6 * sizeof *mirror);
   if (s->boundary_kind[j] != BOUNDARY_WALL) {
@@ -182,6 +245,10 @@ void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const 
     return;
   }
   const struct isph_wall_box *box = &s->wall_boxes[s->boundary_box[j]];
+  if (box->outline != NULL) {
+    mirror_outline(s, i, j, xj, mirror, ratio);
+    return;
+  }
   for (int a = 0; a < 3; a++) {
     if (!isph_uses_axis(s, a)) continue;
     double out = 0, j_distance = 0;
@@ -221,6 +288,18 @@ static void guard_plane(double distance, double dt, double gap, double sign, dou
   if (towards > allowed) *velocity = (wall_velocity - sign * allowed) / scale;
 }
 
+/* The same at an outline. */
+static void guard_outline(const struct isph *s, const struct isph_wall_box *box, const double x[3],
+                          double dt, double scale, double v[3]) {
+  double normal[3], along = 0, wall = 0;
+  const double distance = isph_outline_distance(s, box, x, normal);
+  if (!(distance < s->spacing)) return;
+  for (int a = 0; a < 3; a++) along += v[a] * normal[a], wall += box->velocity[a] * normal[a];
+  double held = along;
+  guard_plane(distance, dt, WALL_GUARD * s->spacing, 1, wall, scale, &held);
+  for (int a = 0; a < 3; a++) v[a] += (held - along) * normal[a];
+}
+
 void isph_wall_guard(const struct isph *s, const double x[3], double scale, double dt,
                      double v[3]) {
   double gap = WALL_GUARD * s->spacing, reach = s->spacing;
@@ -242,6 +321,10 @@ void isph_wall_guard(const struct isph *s, const double x[3], double scale, doub
     int face = -1;
     double most = -INFINITY, sign = 0;
     bool near = true;
+    if (box->outline != NULL) {
+      guard_outline(s, box, x, dt, scale, v);
+      continue;
+    }
     for (int a = 0; a < 3; a++) {
       if (!isph_uses_axis(s, a)) continue;
       double low = box->low[a] - x[a], high = x[a] - box->high[a];

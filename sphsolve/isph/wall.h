@@ -11,12 +11,14 @@ enum status isph_wall_fill_tank(struct isph *s, size_t *capacity);
 enum status isph_wall_fill_box(struct isph *s, size_t index, size_t *capacity);
 /* Whether a wall box is in the domain; one that has left it does not drive the water. */
 bool isph_wall_is_inside(const struct isph *s, const struct isph_wall_box *box);
+/* Whether x is in a wall other than the tank. */
+bool isph_wall_holds(const struct isph *s, const double x[3]);
 /* Moves boxes and their particles by dt, and sets the boundary pressures at time s->time. */
 void isph_wall_move(struct isph *s, double dt);
 /* Projection tensor (symmetric.h) on the directions along which boundary particle j at xj (its
- * periodic image) mirrors a particle at xi, and j's distance from the wall over that of xi,
- * unless NULL. */
-void isph_wall_mirror(const struct isph *s, const double xi[3], size_t j, const double xj[3],
+ * periodic image) mirrors particle i, and j's distance from the wall over that of i, unless
+ * NULL. */
+void isph_wall_mirror(const struct isph *s, size_t i, size_t j, const double xj[3],
                       double mirror[6], double *ratio);
 /* Reduces the velocity v (pore velocity scale * v) of a particle at x that would carry it through a
  * wall within dt. */

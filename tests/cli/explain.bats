@@ -24,6 +24,23 @@ setup_file() {
   [ $failed -eq 0 ]
 }
 
+@test "isph: the least dt that a refusal names is one that passes" {
+  cd "$BATS_TEST_TMPDIR"
+  cat > tank.cfg <<'SCENE'
+scene = { name = "tank"; method = "isph"; end_time = "1 s"; };
+domain = { size = ["1 m", "0.5 m"]; spacing = "2 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "1 m", "0.4 m"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+SCENE
+  for end in "1 s" "70 s"; do
+    run sphsolve explain tank.cfg --set isph.dt='1e-9 s' --set scene.end_time="$end"
+    [ "$status" -ne 0 ]
+    least=$(sed -n 's/.*a dt of at least \(.*\) s$/\1/p' <<< "$output")
+    sphsolve explain tank.cfg --set isph.dt="$least s" --set scene.end_time="$end"
+  done
+}
+
 @test "no golden file without its scene" {
   for golden in "$ROOT"/tests/cli/golden/*.txt; do
     [ -e "$ROOT/data-samples/scenes/$(basename "$golden" .txt).cfg" ]

@@ -241,3 +241,21 @@ with h5py.File("weir.hdf") as file:
 EOF
   done
 }
+
+@test "darcy: an inflow behind a wedge that covers all of its side is refused, one with a part open is not" {
+  cd "$BATS_TEST_TMPDIR"
+  cat > wedge.cfg <<'SCENE'
+scene = { name = "wedge"; method = "darcy"; end_time = "1 s"; };
+domain = { size = ["20 cm", "10 cm"]; spacing = "1 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "porous"; box = ["0", "0", "20 cm", "10 cm"]; porosity = 0.4; permeability = "1e-3 m/s"; },
+  { type = "inflow"; box = ["0", "0", "1 cm", "10 cm"]; head = "1 m"; },
+  { type = "inflow"; box = ["19 cm", "0", "20 cm", "10 cm"]; head = "0.5 m"; },
+  { type = "wall"; corners = ["0", "0", "4 cm", "0", "0", "10 cm"]; } );
+SCENE
+  run sphsolve run wedge.cfg -o wedge
+  [ "$status" -ne 0 ]
+  [[ "$output" == *"wedge.cfg:5: a wall covers the whole of this inflow"* ]]
+  sed 's/"0", "10 cm"\]; } );/"0", "9 cm"]; } );/' wedge.cfg > open.cfg
+  sphsolve run open.cfg -o open
+}

@@ -239,6 +239,76 @@ static void cylinder(void) {
   }
 }
 
+/* Starts soil of conductivity 1e-3 m/s that repeats every l x h spacings of 1 cm, with walls, under
+ * a head gradient of 1 at an angle to x; returns the velocity along it, m/s, when the water has
+ * moved by 5 to 10 spacings. */
+static double through_walls(double l, double h, double angle, const char *walls) {
+  struct run run = {0};
+  double sum = 0;
+  start(&run,
+        "scene = { method = \"isph\"; end_time = \"1000 s\"; };\n"
+        "domain = { size = [\"%.12g cm\", \"%.12g cm\"]; spacing = \"1 cm\"; periodic = [true, "
+        "true]; };\nregions = ( { type = \"porous\"; box = [\"0\", \"0\", \"%.12g cm\", \"%.12g "
+        "cm\"]; porosity = 0.4; permeability = \"1e-3 m/s\"; },\n%s );\n"
+        "force = { body_acceleration = [\"%.12g m/s^2\", \"%.12g m/s^2\"]; };\n",
+        l, h, l, h, walls, 9.80665 * cos(angle), 9.80665 * sin(angle));
+  for (int n = 1; n <= 10; n++) {
+    double v[3];
+    advance(&run, 20 + 2 * n);
+    isph_darcy_velocity(&run.s, v);
+    sum += (v[0] * cos(angle) + v[2] * sin(angle)) / 10;
+  }
+  finish(&run);
+  return sum;
+}
+
+/* Wall cylinders, some spacings across, every so many in both directions, off the lattice's middle:
+ * Perrins, McKenzie, McPhedran 1979, as above. */
+static void cylinders(void) {
+  static const double cases[][5] = {{4, 12, .13, .37, .02}, {4, 12, .25, .25, .02},
+                                    {4, 12, .4, .1, .02},   {5.5, 16, .07, .31, .01},
+                                    {7, 21, .25, .25, .01}, {8, 24, .4, .1, .01},
+                                    {8, 12, .13, .37, .02}, {8, 12, .25, .25, .02}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    const double *size = cases[n], *off = size + 2, middle = floor(.5 * size[1]);
+    const double started = clock_seconds(), c = .25 * M_PI * pow(size[0] / size[1], 2);
+    const double c4 = pow(c, 4), c8 = pow(c, 8);
+    const double exact =
+        1e-3 * (1 - 2 * c / (1 + c - .305827 * c4 / (1 - 1.402958 * c8) - .013362 * c8));
+    char wall[160], name[96];
+    snprintf(wall, sizeof wall,
+             "{ type = \"wall\"; centre = [\"%.9g cm\", \"%.9g cm\"]; radius = \"%g cm\"; }",
+             middle + off[0], middle + off[1], .5 * size[0]);
+    snprintf(name, sizeof name, "wall cylinders of %g spacings every %g, off by (%g, %g)", size[0],
+             size[1], off[0], off[1]);
+    report(name, exact, through_walls(size[1], size[1], 0, wall), size[4] * exact, started);
+  }
+}
+
+/* Soil between plates at a slope to the lattice, that are `thick` spacings high in x = const and
+ * repeat every `rise`: along them k times what is open. */
+static void plates(void) {
+  static const struct {
+    double rise, thick, at;
+  } cases[] = {{10, 3, 2.4}, {16, 3.3, 5.17}, {24, 4, 7.4}, {33, 6.1, 9.05}};
+  for (size_t n = 0; n < sizeof cases / sizeof *cases; n++) {
+    const double started = clock_seconds(), rise = cases[n].rise, thick = cases[n].thick;
+    const double at = cases[n].at, first = (rise - at - thick) / rise * 40,
+                 last = (rise - at) / rise * 40, angle = atan2(rise, 40);
+    const double exact = 1e-3 * (1 - thick / rise);
+    char walls[480], name[96];
+    snprintf(walls, sizeof walls,
+             "{ type = \"wall\"; corners = [\"0\", \"%.12g cm\", \"%.12g cm\", \"%g cm\", "
+             "\"%.12g cm\", \"%g cm\", \"0\", \"%.12g cm\"]; },\n"
+             "{ type = \"wall\"; corners = [\"%.12g cm\", \"0\", \"40 cm\", \"%.12g cm\", "
+             "\"40 cm\", \"%.12g cm\", \"%.12g cm\", \"0\"]; }",
+             at, last, rise, first, rise, at + thick, last, at, at + thick, first);
+    snprintf(name, sizeof name, "soil between plates at %.3g degrees, %.3g spacings wide",
+             angle * 180 / M_PI, (rise - thick) * cos(angle));
+    report(name, exact, through_walls(40, rise, angle, walls), .015 * exact, started);
+  }
+}
+
 /* A drain of 4 spacings across under a pond that falls, Q/(k H) in soil 20 deep, 40 from the next:
  * sinks within the drain, fitted to the head on its perimeter to 1e-8, each with its images in the
  * bed, the floor and the next drains; deep and alone it is 2 pi/acosh(depth/radius) to 2e-4. At
@@ -495,10 +565,19 @@ static void pile(void) {
 }
 
 int main(int argc, char **argv) {
-  static const struct verify_case cases[] = {
-      {"recharge", recharge},     {"drain", drained_square}, {"narrow", narrow_drain},
-      {"sides", drains_at_sides}, {"pond", drained_pond},    {"cylinder", cylinder},
-      {"well", pumped_square},    {"strip", drained_strip},  {"ditch", ditch},
-      {"zones", zones},           {"bends", bends},          {"pile", pile}};
+  static const struct verify_case cases[] = {{"recharge", recharge},
+                                             {"drain", drained_square},
+                                             {"narrow", narrow_drain},
+                                             {"sides", drains_at_sides},
+                                             {"pond", drained_pond},
+                                             {"cylinder", cylinder},
+                                             {"well", pumped_square},
+                                             {"strip", drained_strip},
+                                             {"ditch", ditch},
+                                             {"zones", zones},
+                                             {"bends", bends},
+                                             {"pile", pile},
+                                             {"wall cylinders", cylinders},
+                                             {"plates", plates}};
   return run_cases(argc, argv, cases, sizeof cases / sizeof *cases);
 }
