@@ -8,10 +8,13 @@
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/vector.h"
 
+bool isph_may_have_outline(const struct scene *scene, const struct region *region) {
+  const struct region *first = &scene->regions[region->first];
+  return region->type == REGION_WALL && first->polygon != NULL && !first->filled;
+}
+
 bool isph_has_outline(const struct isph *s, const struct region *region) {
-  const struct region *first = &s->scene->regions[region->first];
-  return s->on.soil && !s->on.surface && region->type == REGION_WALL && first->polygon != NULL &&
-         !first->filled;
+  return s->on.outlines && isph_may_have_outline(s->scene, region);
 }
 
 /* Whether both ends of an edge lie on a side of the domain. */

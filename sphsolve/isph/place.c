@@ -124,7 +124,7 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
 
 /* Whether an outline divides the cell of a site in soil. */
 static bool is_cut(const struct isph *s, const struct site *site) {
-  if (!s->outlines || !(site->porosity < 1)) return false;
+  if (!s->on.outlines || !(site->porosity < 1)) return false;
   const struct isph_facing facing = isph_outline_facing(s, site->x);
   return facing.box > 0 && fabs(facing.distance) < 0.5 * sqrt(s->dimensions) * s->spacing;
 }

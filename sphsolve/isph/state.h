@@ -43,7 +43,7 @@
 struct isph_switches {
   bool soil, moving_soil, drag_linear, drag_forchheimer, interfaces, links;
   bool viscous, turbulence, relaxation, surface, shifting, artificial_viscosity, energy;
-  bool no_slip, moving_walls, open_sides, wells;
+  bool no_slip, moving_walls, outlines, open_sides, wells;
   /* the mobility of a pair: see isph_mobility_between */
   bool mean_of_ends, own_mobilities;
   uint32_t budget; /* bit set of the terms of the active effects */
@@ -192,7 +192,6 @@ struct isph {
   /* boundary */
   size_t wall_box_count;
   struct isph_wall_box *wall_boxes;
-  bool outlines; /* some walls count by their outline: isph/outline.h */
   size_t boundary_count;
   double (*boundary_position)[3];
   double *boundary_pressure; /* open sides of given head; NULL without any */

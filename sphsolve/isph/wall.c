@@ -158,7 +158,7 @@ enum status isph_wall_find(struct isph *s) {
       box->velocity[a] = region->velocity[a];
     }
     box->region = region;
-    if (outline) box->outline = region->polygon, s->outlines = true;
+    if (outline) box->outline = region->polygon;
     join_parts(s, box);
   }
   s->wall_volume = pow(s->spacing, s->dimensions);

@@ -82,7 +82,7 @@ static void others_are_boxes(void **state) {
             "\"6.5 cm\"", "\"6.5 cm\"") ");\n"
                                         "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n");
   assert_true(run.s.on.surface);
-  assert_false(run.s.outlines);
+  assert_false(run.s.on.outlines);
   assert_null(run.s.facing);
   finish(&run);
 }
