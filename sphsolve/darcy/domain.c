@@ -32,6 +32,18 @@ size_t domain_soil_at(const struct scene *scene, const double x[3]) {
   return scene->region_count;
 }
 
+enum region_type domain_filled_at(const struct scene *scene, const struct lattice *l, size_t at) {
+  double x[3];
+  domain_place(l, at, x);
+  for (size_t r = scene->region_count; r-- > 0;) {
+    const enum region_type type = scene->regions[r].type;
+    if ((type == REGION_POROUS || type == REGION_WATER || type == REGION_EMPTY) &&
+        domain_holds(scene, scene->regions[r].box, x))
+      return type;
+  }
+  return REGION_EMPTY;
+}
+
 bool domain_is_water(const struct scene *scene, const struct lattice *l, size_t at) {
   return l->kind[at] == SITE_FLUID && l->region[at] > 0 &&
          scene->regions[l->region[at] - 1].type == REGION_WATER && !domain_is_full(scene);

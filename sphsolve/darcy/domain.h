@@ -16,6 +16,9 @@ bool domain_is_full(const struct scene *scene);
 bool domain_holds(const struct scene *scene, const double box[6], const double x[3]);
 /* Region of the soil at a place, the last that contains it; region_count: none. */
 size_t domain_soil_at(const struct scene *scene, const double x[3]);
+/* The type of what is at a site but for walls: porous, water or empty. */
+enum region_type domain_filled_at(const struct scene *scene, const struct lattice *lattice,
+                                  size_t at);
 /* Whether a site is of free water beside soil that need not be full; or open: of that, or empty. */
 bool domain_is_water(const struct scene *scene, const struct lattice *lattice, size_t at);
 bool domain_is_open(const struct scene *scene, const struct lattice *lattice, size_t at);

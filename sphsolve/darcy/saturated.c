@@ -348,8 +348,10 @@ static void fix_bodies(struct richards *s) {
   for (size_t i = 0; i < s->count; i++) s->target[i] = STORAGE_MIN;
   for (size_t e = 0; e < s->edge_count; e++)
     if (s->limited[e] == 0) s->target[s->body[s->edges[e].site]] = 0;
-  for (size_t i = 0; i < s->count; i++)
-    s->rows.value[s->rows.diagonal[i]] *= 1 + s->target[s->body[i]];
+  for (size_t i = 0; i < s->count; i++) {
+    double *diagonal = &s->rows.value[s->rows.diagonal[i]];
+    *diagonal = *diagonal == 0 ? 1 : *diagonal * (1 + s->target[s->body[i]]); /* 0: enclosed */
+  }
 }
 
 /* Which limits hold for the present fluxes, to `near` m/s; whether any has changed. */

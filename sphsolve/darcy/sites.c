@@ -67,8 +67,12 @@ cleanup:
  * soil that need not be full does not. */
 static bool is_soil(const struct richards *s, size_t site) {
   const size_t at = wall_cuts_site(&s->walls, s->scene, s->lattice, site);
-  return wall_cuts_volume(&s->walls, site) > 0 && s->lattice->kind[at] == SITE_FLUID &&
-         !domain_is_water(s->scene, s->lattice, at);
+  if (!(wall_cuts_volume(&s->walls, site) > 0)) return false;
+  if (wall_cuts_own(&s->walls, at)) {
+    const enum region_type type = domain_filled_at(s->scene, s->lattice, at);
+    return type == REGION_POROUS || (s->full && type == REGION_WATER);
+  }
+  return s->lattice->kind[at] == SITE_FLUID && !domain_is_water(s->scene, s->lattice, at);
 }
 
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
@@ -285,7 +289,8 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
     double x[3];
     const size_t at = wall_cuts_site(&s->walls, scene, lattice, s->site[i]);
     domain_place(lattice, at, x);
-    const size_t r = s->full ? domain_soil_at(scene, x) : (size_t)(lattice->region[at] - 1);
+    const size_t r = s->full || wall_cuts_own(&s->walls, at) ? domain_soil_at(scene, x)
+                                                             : (size_t)(lattice->region[at] - 1);
     s->soil[i] = r < scene->region_count ? of_region[r] : NO_SOIL;
     if (s->soil[i] == NO_SOIL) s->soil[i] = (uint16_t)(s->soil_count - 1);
   }

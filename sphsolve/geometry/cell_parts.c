@@ -8,10 +8,10 @@
 #include "sphsolve/scene/scene_shapes.h"
 #include "sphsolve/scene/stl.h"
 
-/* Small cubes of a cell along each axis, on the lines by which volumes are found, and areas in 3-D.
- */
-#define CUBES_2D 16
-#define CUBES_3D 8
+/* Small cubes of a cell along each axis, on the lines by which volumes are found, and areas in 3-D:
+ * odd numbers, so that one has the cell's centre in its middle. */
+#define CUBES_2D 17
+#define CUBES_3D 7
 #define CUBES_MAX CUBES_2D
 /* The lines lie this far beside the middles of the cubes, in spacings: not in the faces of walls
  * whose places are round numbers of a spacing's parts, where walls that touch would not be seen. */
@@ -124,6 +124,7 @@ static void cast_line(struct cell *c, const double x[3], int axis, double reach,
     struct stretch *on = &line->region[k];
     double at[POLYGON_CORNERS_MAX];
     const size_t n = find_ends(c, c->region[k], x, axis, at);
+    c->crowded = c->crowded || n == POLYGON_CORNERS_MAX;
     on->wall = c->region[k]->type == REGION_WALL, on->inside = false, on->count = 0;
     for (size_t m = 0; m < n; m++) {
       const double t = at[m] - c->centre[axis];
@@ -156,14 +157,15 @@ static size_t add_ends(const struct line *line, size_t n, double end[PIECES_MAX]
   return n;
 }
 
-/* Whether the surface of a region may be in a box. */
+/* Whether the surface of a region may be in a box. What is beyond the domain is not looked at. */
 static bool may_meet(const struct cell *c, const struct region *r, const double from[3],
                      const double to[3]) {
-  const double *extent = extent_of(c->scene, r);
+  const double *extent = extent_of(c->scene, r), *size = c->scene->domain_size;
   const struct polygon *p = r->polygon;
   for (int a = 0; a < 3; a++)
     if (is_used(c->lattice, a) && (p != NULL ? a == p->axis : !has_shape(c->scene, r)) &&
-        !(from[a] > extent[a] && to[a] < extent[a + 3]))
+        ((from[a] <= extent[a] && extent[a] > 0) ||
+         (to[a] >= extent[a + 3] && extent[a + 3] < size[a])))
       return true;
   if (p != NULL)
     return polygon_may_meet(p, (double[2]){from[p->plane[0]], from[p->plane[1]]},
@@ -171,12 +173,34 @@ static bool may_meet(const struct cell *c, const struct region *r, const double 
   return has_shape(c->scene, r) && stl_may_meet(r->stl, from, to);
 }
 
+/* Whether a region holds the centre of a cell. */
+static bool holds_centre(const struct cell *c, const struct region *r) {
+  double at[POLYGON_CORNERS_MAX];
+  const size_t n = find_ends(c, r, c->centre, 0, at);
+  bool holds = false;
+  for (size_t k = 0; k < n; k++) holds = holds != (at[k] < c->centre[0]);
+  return holds;
+}
+
+/* Adds a region that reaches into a cell; one that fills it covers those before it. */
+static void add_region(struct cell *c, const struct region *r, const double from[3],
+                       const double to[3]) {
+  const bool meets = may_meet(c, r, from, to);
+  if (!meets && !holds_centre(c, r)) return;
+  if (!meets) c->region_count = 0, c->is_cut = c->crowded = false;
+  c->is_cut = c->is_cut || meets;
+  if (c->region_count == CELL_REGIONS_MAX)
+    c->crowded = true;
+  else
+    c->region[c->region_count++] = r;
+}
+
 void cell_begin(const struct scene *scene, const struct lattice *l,
                 const struct region *const *regions, size_t count, size_t site, struct cell *c) {
   const size_t row = site / l->size[0],
                place[3] = {site % l->size[0], row % l->size[1], row / l->size[1]};
   double from[3], to[3];
-  *c = (struct cell){.scene = scene, .lattice = l};
+  c->scene = scene, c->lattice = l, c->region_count = 0, c->is_cut = c->crowded = false;
   for (int a = 0; a < 3; a++) {
     const double reach = (0.5 + BESIDE_MIDDLE) * l->spacing[a];
     c->centre[a] = l->origin[a] + (double)place[a] * l->spacing[a];
@@ -187,12 +211,7 @@ void cell_begin(const struct scene *scene, const struct lattice *l,
     bool reaches = true;
     for (int a = 0; a < 3 && reaches; a++)
       reaches = !is_used(l, a) || (to[a] > extent[a] && from[a] < extent[a + 3]);
-    if (!reaches) continue;
-    c->is_cut = c->is_cut || may_meet(c, regions[n], from, to);
-    if (c->region_count == CELL_REGIONS_MAX)
-      c->crowded = true;
-    else
-      c->region[c->region_count++] = regions[n];
+    if (reaches) add_region(c, regions[n], from, to);
   }
 }
 
@@ -242,11 +261,9 @@ static void choose_parts(const struct lattice *l, struct cubes *c, double volume
         all += count[numbers] = number_part(l, c, at, numbers);
         if (count[numbers] > count[kept[CELL_OWN]]) kept[CELL_OWN] = numbers;
       }
-  for (int n = 7; n >= 0; n--) {
-    int at[3];
-    for (int a = 0; a < 3; a++) at[a] = is_used(l, a) ? lines_along(l, a) / 2 - (n >> a & 1) : 0;
-    if (*cube_at(c->part, at) > 0) kept[CELL_OWN] = *cube_at(c->part, at);
-  }
+  const int centre[3] = {lines_along(l, 0) / 2, lines_along(l, 1) / 2, lines_along(l, 2) / 2};
+  parts->holds_centre = *cube_at(c->part, centre) > 0;
+  if (parts->holds_centre) kept[CELL_OWN] = *cube_at(c->part, centre);
   for (uint8_t n = 1; n <= numbers; n++)
     if (n != kept[CELL_OWN] && count[n] > count[kept[CELL_OTHER]]) kept[CELL_OTHER] = n;
   for (int p = 0; p < CELL_PARTS && all > 0; p++)

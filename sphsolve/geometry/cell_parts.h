@@ -13,8 +13,9 @@
 #include "sphsolve/geometry/lattice.h"
 #include "sphsolve/scene/scene.h"
 
-/* Most regions that reach into one cell, and ends of one on a line there. */
-#define CELL_REGIONS_MAX 32
+/* Most regions that reach into one cell, but for those that others cover there, and ends of one on
+ * a line there. */
+#define CELL_REGIONS_MAX 128
 #define CELL_ENDS_MAX 32
 
 /* The parts that are kept: that which holds the cell's centre, or the largest where that is in a
@@ -23,6 +24,7 @@ enum cell_part { CELL_OWN, CELL_OTHER, CELL_PARTS };
 
 struct cell_parts {
   float volume[CELL_PARTS]; /* over the cell's */
+  bool holds_centre;        /* whether the centre is in no wall */
   /* By 2 axis + high: bits of the cubes at a face from which a part reaches it. */
   uint64_t reached[6][CELL_PARTS];
   /* Of these, the ones that a wall ending in the cell parts from its middle: no flux along the axis

@@ -5,6 +5,7 @@
 
 #include "common/memory.h"
 #include "sphsolve/geometry/cell_parts.h"
+#include "sphsolve/scene/scene_shapes.h"
 
 /* Shares within it of 1 count as open: rounding of places. */
 #define SHARE_LEAST 1e-6
@@ -45,6 +46,7 @@ static const struct cell_parts *parts_of(const struct cells *cells, size_t site)
       [WALL] = {.volume = {0}},
       [OPEN] = {
           .volume = {1},
+          .holds_centre = true,
           .reached = {
               {UINT64_MAX}, {UINT64_MAX}, {UINT64_MAX}, {UINT64_MAX}, {UINT64_MAX}, {UINT64_MAX}}}};
   const uint32_t number = cells->number[site];
@@ -98,13 +100,15 @@ static enum status find_parts(const struct scene *scene, const struct lattice *l
   }
   if (crowded == l->count) return STATUS_OK;
   const size_t row = crowded / l->size[0];
-  return FAIL(STATUS_INPUT,
-              "%s: more than %d regions, or %d faces of one, are within a spacing of (%g m, %g m, "
-              "%g m), where a wall is; a smaller domain.spacing parts them",
-              scene->path, CELL_REGIONS_MAX, CELL_ENDS_MAX,
-              l->origin[0] + (double)(crowded % l->size[0]) * l->spacing[0],
-              l->origin[1] + (double)(row % l->size[1]) * l->spacing[1],
-              l->origin[2] + (double)(row / l->size[1]) * l->spacing[2]);
+  return FAIL(
+      STATUS_INPUT,
+      "%s: the cell around (%g m, %g m, %g m) is cut by more than %d regions, or by one that "
+      "has more than %d faces in it or %d on a line; use a smaller domain.spacing, or "
+      "smoother walls",
+      scene->path, l->origin[0] + (double)(crowded % l->size[0]) * l->spacing[0],
+      l->origin[1] + (double)(row % l->size[1]) * l->spacing[1],
+      l->origin[2] + (double)(row / l->size[1]) * l->spacing[2], CELL_REGIONS_MAX, CELL_ENDS_MAX,
+      POLYGON_CORNERS_MAX);
 }
 
 /* Whether a lattice has more than one site along an axis. */
@@ -252,9 +256,15 @@ static bool join(const struct scene *scene, const struct lattice *l, struct wall
   return most > 0;
 }
 
-/* In 3-D a corner of a cell may be open to wall sites alone, which join first. */
-static bool join_all(const struct scene *scene, const struct lattice *l, struct wall_cuts *cuts) {
+/* In 3-D a corner of a cell may be open to wall sites alone, which join first. Sites that a thin
+ * wall takes up (scene/lost_wall.h) and whose centres are in no wall are filled by what is there.
+ */
+static bool join_all(const struct scene *scene, const struct lattice *l, const struct cells *cells,
+                     struct wall_cuts *cuts) {
   bool any = false;
+  for (size_t site = 0; site < l->count; site++)
+    if (l->kind[site] == SITE_WALL && parts_of(cells, site)->holds_centre)
+      cuts->joined[site] = WALL_CUTS_OWN, any = true;
   for (int round = 0; round < l->dimensions; round++)
     for (size_t site = 0; site < l->count; site++)
       if (l->kind[site] == SITE_WALL && cuts->volume[site] > 0 && cuts->joined[site] == 0)
@@ -290,7 +300,7 @@ enum status wall_cuts_find(const struct scene *scene, const struct lattice *l,
   TRY(find_cells(scene, l, &cells));
   open_own(scene, l, &cells, cuts);
   take_parts(scene, l, &cells, cuts);
-  cut = join_all(scene, l, cuts);
+  cut = join_all(scene, l, &cells, cuts);
   for (size_t site = 0; site < l->count && !cut; site++)
     cut = l->kind[site] != SITE_WALL && !is_whole(scene, l, cuts, site);
 cleanup:
@@ -324,7 +334,8 @@ void wall_cuts_free(struct wall_cuts *cuts) {
 
 size_t wall_cuts_site(const struct wall_cuts *cuts, const struct scene *scene,
                       const struct lattice *l, size_t site) {
-  while (l->kind[site] == SITE_WALL && cuts->joined != NULL && cuts->joined[site] > 0) {
+  while (l->kind[site] == SITE_WALL && cuts->joined != NULL && cuts->joined[site] > 0 &&
+         cuts->joined[site] != WALL_CUTS_OWN) {
     const int n = cuts->joined[site] - 1;
     site = beside(scene, l, site, n / 2, n % 2);
   }

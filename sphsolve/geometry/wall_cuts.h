@@ -22,9 +22,10 @@ struct wall_cuts {
                         * is open to both of its cells; NULL: no cell is cut */
   float *volume;       /* [sites]: open share of the cell */
   /* [sites]: of a wall site with an open part, 1 + 2 axis + high of the site beside it that this
-   * part leads to; else 0 */
+   * part leads to, or WALL_CUTS_OWN where its centre is in no wall; else 0 */
   uint8_t *joined;
 };
+#define WALL_CUTS_OWN 7
 
 /* Finds the cut cells of a domain's lattice. Free with wall_cuts_free, also after a failure. */
 enum status wall_cuts_find(const struct scene *scene, const struct lattice *lattice,
@@ -37,11 +38,15 @@ void wall_cuts_free(struct wall_cuts *cuts);
 enum status wall_cuts_closed_faces(const struct scene *scene, const struct lattice *lattice,
                                    uint8_t **closed);
 
-/* The site, itself or beside it, that says what fills the open part of a cell; a wall site: none.
- */
+/* The site, itself or beside it, that says what fills the open part of a cell; a wall site: none,
+ * or what is at its centre (wall_cuts_own). */
 size_t wall_cuts_site(const struct wall_cuts *cuts, const struct scene *scene,
                       const struct lattice *lattice, size_t site);
 
+/* Whether a wall site counts by what is at its centre. */
+static inline bool wall_cuts_own(const struct wall_cuts *cuts, size_t site) {
+  return cuts->joined != NULL && cuts->joined[site] == WALL_CUTS_OWN;
+}
 static inline double wall_cuts_face(const struct wall_cuts *cuts, size_t site, int axis,
                                     bool high) {
   return cuts->face == NULL ? 1 : (double)cuts->face[site][axis][high];

@@ -303,10 +303,14 @@ enum status stl_sort(struct stl *stl, double width) {
   enum status status = STATUS_OK;
   for (int a = 0; a < 3; a++) {
     struct stl_columns *columns = &stl->columns[a];
-    *columns = (struct stl_columns){.width = width};
+    const int across = (a + 1) % 3, up = (a + 2) % 3;
+    const double area =
+        (stl->extent[across + 3] - stl->extent[across]) * (stl->extent[up + 3] - stl->extent[up]);
+    *columns = (struct stl_columns){.width = fmin(width, sqrt(area / (double)stl->count))};
+    if (!(columns->width > 0)) columns->width = width; /* a body without extent has no inside */
     for (int n = 0; n < 2; n++) {
       const int b = (a + 1 + n) % 3;
-      columns->size[n] = (size_t)((stl->extent[b + 3] - stl->extent[b]) / width) + 1;
+      columns->size[n] = (size_t)((stl->extent[b + 3] - stl->extent[b]) / columns->width) + 1;
     }
     const size_t all = columns->size[0] * columns->size[1];
     TRY(memory_allocate(&columns->start, all + 2, sizeof *columns->start, "an STL file"));
@@ -360,9 +364,9 @@ bool stl_may_meet(const struct stl *stl, const double from[3], const double to[3
       for (size_t k = columns->start[column]; k < columns->start[column + 1]; k++) {
         double(*x)[3] = stl->corner[columns->triangle[k]];
         bool meets = true;
-        for (int a = 0; a < 3 && meets; a++)
-          meets = fmin(fmin(x[0][a], x[1][a]), x[2][a]) <= to[a] &&
-                  fmax(fmax(x[0][a], x[1][a]), x[2][a]) >= from[a];
+        for (int a = 2; a >= 0 && meets; a--)
+          meets = !(x[0][a] > to[a] && x[1][a] > to[a] && x[2][a] > to[a]) &&
+                  !(x[0][a] < from[a] && x[1][a] < from[a] && x[2][a] < from[a]);
         if (meets) return true;
       }
     }

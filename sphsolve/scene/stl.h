@@ -34,7 +34,8 @@ void stl_free(struct stl *stl);
  * `across`; false if it has none. Triangles that share an edge have the same end there, to the last
  * bit. */
 bool stl_section(double corner[3][3], int run, int across, int up, double v, double end[2][2]);
-/* Sorts triangles for stl_scan, into columns of this width, m. */
+/* Sorts triangles for stl_scan, into columns of this width, m, or less: as many columns as
+ * triangles, about. */
 enum status stl_sort(struct stl *stl, double width);
 /* Where the line through x along an axis crosses the surface, `most` times at most, sorted; returns
  * how often. */

@@ -169,15 +169,15 @@ static void test_membrane(void **state) {
 
 /* More regions than a cell has room for are refused with their place. */
 static void test_crowded(void **state) {
-  char walls[8192] = "", path[] = "/tmp/test_crowded_XXXXXX";
+  char walls[16384] = "", path[] = "/tmp/test_crowded_XXXXXX";
   struct run run;
   int used = 0;
   FILE *file = fdopen(mkstemp(path), "w");
   (void)state;
-  for (int n = 0; n < 40; n++)
+  for (int n = 0; n < 140; n++)
     used += snprintf(walls + used, sizeof walls - (size_t)used,
                      "{ type = \"wall\"; centre = [\"%g m\", \"5 m\"]; radius = \"2.2 m\"; }, ",
-                     9 + .01 * n);
+                     9 + .003 * n);
   assert_non_null(file);
   fprintf(file,
           "fluids = ( { density = \"1000 kg/m^3\"; viscosity = \"1e-3 Pa s\"; } );\n" BOX
@@ -187,7 +187,7 @@ static void test_crowded(void **state) {
   must_be_well(scene_read(path, NULL, 0, &run.scene));
   unlink(path);
   assert_int_equal(lattice_build(&run.scene, 0, &run.lattice), STATUS_INPUT);
-  assert_non_null(strstr(error_message(), "more than 32 regions"));
+  assert_non_null(strstr(error_message(), "cut by more than 128 regions"));
   scene_free(&run.scene);
 }
 
