@@ -243,7 +243,7 @@ static double head_at_start(const struct richards *s, size_t i) {
   return fmax(h, soil->driest);
 }
 
-/* Refuses an inflow of which walls that cut cells leave no face open. */
+/* Refuses an inflow of which walls that cut cells, or later inflows, leave no face open. */
 static enum status check_inflows(const struct richards *s) {
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *region = &s->scene->regions[r];
@@ -251,10 +251,11 @@ static enum status check_inflows(const struct richards *s) {
     for (size_t e = 0; e < s->edge_count && !open; e++) open = s->edges[e].region == region;
     for (size_t n = 0; n < s->source_count && !open; n++) open = s->sources[n].region == region;
     if (!open)
-      return FAIL(STATUS_INPUT,
-                  "%s:%d: a wall covers the whole of this inflow, so nothing comes in by it: leave "
-                  "a part of its side open",
-                  s->scene->path, region->line);
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: a wall or a later inflow covers the whole of this inflow, so nothing comes "
+          "in by it: leave a part of its side open, or leave it out",
+          s->scene->path, region->line);
   }
   return STATUS_OK;
 }

@@ -167,6 +167,58 @@ static void test_membrane(void **state) {
   }
 }
 
+/* The same of two that are polygons, whose rows of sites they take up between them. */
+static void test_two_membranes(void **state) {
+  (void)state;
+  for (int n = 0; n < 24; n++) {
+    const double low = 3 + .131 * (n % 8), high = low + 1.17 + .33 * (n / 8.), thick = .03;
+    double q = 0;
+    struct run run;
+    start(
+        &run,
+        BOX "regions = ( " SOIL(
+            "") "{ type = \"wall\"; corners = [\"0\", \"%.9g m\", \"20 m\", \"%.9g m\", \"20 m\", "
+                "\"%.9g m\", \"0\", \"%.9g m\"]; }, "
+                "{ type = \"wall\"; corners = [\"0\", \"%.9g m\", \"20 m\", \"%.9g m\", \"20 m\", "
+                "\"%.9g m\", \"0\", \"%.9g m\"]; }, " HEADS("9 m", "8 m") " );\n",
+        low, low, low + thick, low + thick, high, high, high + thick, high + thick);
+    for (size_t e = 0; e < run.s.edge_count; e++) q += fmax(0, run.s.edge_flux[e].q);
+    assert_true(fabs(q / (.01 / 20 * (10 - 2 * thick)) - 1) < 2 / 340.);
+    finish(&run);
+  }
+}
+
+/* A membrane anywhere between two rows of sites, or on one, parts these two rows alone. */
+static void test_membrane_on_lattice(void **state) {
+  static const double places[] = {5.02, 5.3, 5.49, 5.499, 5.5, 5.501, 5.51, 5.53, 5.7, 5.98, 6};
+  (void)state;
+  for (size_t n = 0; n < sizeof places / sizeof *places; n++) {
+    struct run run;
+    struct lattice lattice;
+    size_t cut = 0, row = 0;
+    start(&run,
+          BOX "regions = ( " SOIL("") "{ type = \"wall\"; box = [\"0\", \"%.9g m\", \"20 m\", "
+                                      "\"%.9g m\"]; }, " HEADS("9 m", "8 m") " );\n",
+          places[n], places[n] + .0099);
+    assert_int_equal(lattice_build(&run.scene, 4, &lattice), STATUS_OK);
+    if (run.lattice.wall_count > 0) { /* a row of sites lies in it */
+      for (size_t s = 0; s < lattice.count; s++)
+        assert_true(lattice.cut == NULL || !lattice.cut[s]);
+    } else {
+      assert_non_null(lattice.cut);
+      for (size_t s = 0; s < lattice.count; s++) {
+        if (lattice.cut[s] == 0) continue;
+        assert_int_equal(lattice.cut[s], 4);
+        assert_true(cut == 0 || row == s / lattice.size[0]);
+        row = s / lattice.size[0], cut++;
+      }
+      assert_int_equal(cut, 20);
+    }
+    lattice_free(&lattice);
+    finish(&run);
+  }
+}
+
 /* More regions than a cell has room for are refused with their place. */
 static void test_crowded(void **state) {
   char walls[16384] = "", path[] = "/tmp/test_crowded_XXXXXX";
@@ -231,9 +283,10 @@ static void test_richards(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_box),     cmocka_unit_test(test_tight),
-      cmocka_unit_test(test_chains),  cmocka_unit_test(test_membrane),
-      cmocka_unit_test(test_crowded), cmocka_unit_test(test_threads),
+      cmocka_unit_test(test_box),           cmocka_unit_test(test_tight),
+      cmocka_unit_test(test_chains),        cmocka_unit_test(test_membrane),
+      cmocka_unit_test(test_two_membranes), cmocka_unit_test(test_membrane_on_lattice),
+      cmocka_unit_test(test_crowded),       cmocka_unit_test(test_threads),
       cmocka_unit_test(test_richards)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
