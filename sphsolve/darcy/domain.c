@@ -178,7 +178,8 @@ static const char *other_than_seepage(const struct effect_context *context) {
     const struct region *region = &scene->regions[r];
     if (region->type == REGION_POROUS && is_moving(region->soil_velocity)) return "soil moves";
     if (region->type == REGION_WATER && is_moving(region->velocity)) return "water starts moving";
-    if (region->type == REGION_WALL && *region->name) return "the force on a wall is asked for";
+    if (region->type == REGION_WALL && *region->name)
+      return "a wall has a name, which asks for the force on it";
     if (region->radiates) return "waves leave by a side";
     heads = heads || region->boundary == BOUNDARY_HEAD || region->type == REGION_DRAIN;
   }
