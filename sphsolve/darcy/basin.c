@@ -40,7 +40,7 @@ static void flood(struct search *s, size_t from, size_t foot, size_t top) {
     const size_t at = s->found[next_out++];
     for (int side = 0; side < 6; side++) {
       const bool low = side % 2 == 0;
-      const size_t next = domain_beyond(s->scene, s->l, at, side / 2, low);
+      const size_t next = lattice_beyond(s->scene->periodic, s->l, at, side / 2, low);
       if (next == s->l->count || next / s->plane < foot || next / s->plane > top ||
           s->open[next] != 0 || !domain_is_open(s->scene, s->l, next) ||
           thin_wall_on_face(s->l, low ? next : at, side / 2))
@@ -56,7 +56,8 @@ static const struct region *other_water(const struct search *s, size_t first, si
   for (size_t k = first; k < s->count; k++)
     for (int side = 0; side < 6; side++) {
       const bool low = side % 2 == 0;
-      const size_t at = s->found[k], next = domain_beyond(s->scene, s->l, at, side / 2, low);
+      const size_t at = s->found[k],
+                   next = lattice_beyond(s->scene->periodic, s->l, at, side / 2, low);
       double x[3];
       domain_place(s->l, at, x);
       const struct region *window =

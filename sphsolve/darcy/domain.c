@@ -59,15 +59,6 @@ void domain_place(const struct lattice *l, size_t at, double x[3]) {
   for (int a = 0; a < 3; a++) x[a] = l->origin[a] + (double)place[a] * l->spacing[a];
 }
 
-size_t domain_beyond(const struct scene *scene, const struct lattice *l, size_t at, int axis,
-                     bool low) {
-  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
-  const size_t n = l->size[axis], here = at / stride[axis] % n;
-  if (low ? here > 0 : here + 1 < n) return low ? at - stride[axis] : at + stride[axis];
-  if (!scene->periodic[axis] || n == 1) return l->count;
-  return low ? at + (n - 1) * stride[axis] : at - (n - 1) * stride[axis];
-}
-
 double domain_share(const struct lattice *l, const double x[3], int axis, const double box[6]) {
   double share = 1;
   for (int a = 0; a < 3; a++) {
@@ -112,8 +103,8 @@ const struct region *domain_window_at(const struct scene *scene, const struct la
 /* Whether nothing is above a site. */
 static bool is_under_sky(const struct scene *scene, const struct lattice *lattice, size_t at) {
   size_t below = at;
-  for (size_t above = domain_beyond(scene, lattice, at, 2, false); above != lattice->count;
-       above = domain_beyond(scene, lattice, above, 2, false)) {
+  for (size_t above = lattice_beyond(scene->periodic, lattice, at, 2, false);
+       above != lattice->count; above = lattice_beyond(scene->periodic, lattice, above, 2, false)) {
     if (above == at || !domain_is_open(scene, lattice, above) ||
         thin_wall_on_face(lattice, below, 2))
       return false;
@@ -126,7 +117,7 @@ static bool is_under_sky(const struct scene *scene, const struct lattice *lattic
 
 size_t domain_source_at(const struct scene *scene, const struct lattice *lattice, size_t at,
                         int axis, bool low, size_t from, double *share) {
-  const bool side = domain_beyond(scene, lattice, at, axis, low) == lattice->count;
+  const bool side = lattice_beyond(scene->periodic, lattice, at, axis, low) == lattice->count;
   double x[3];
   domain_place(lattice, at, x);
   for (size_t r = from; r < scene->region_count; r++) {
@@ -226,7 +217,7 @@ static void follow(const struct scene *scene, const struct lattice *l, size_t fr
       const bool low = side % 2 == 0;
       double share, y[3];
       if (l->dimensions == 2 && axis == 1) continue;
-      const size_t next = domain_beyond(scene, l, at, axis, low);
+      const size_t next = lattice_beyond(scene->periodic, l, at, axis, low);
       if (next == l->count) {
         const size_t flux = domain_source_at(scene, l, at, axis, low, 0, &share);
         add_window(domain_window_at(scene, l, x, axis, low), body);

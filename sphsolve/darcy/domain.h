@@ -24,9 +24,6 @@ bool domain_is_water(const struct scene *scene, const struct lattice *lattice, s
 bool domain_is_open(const struct scene *scene, const struct lattice *lattice, size_t at);
 /* Place of the middle of site `at`, m. */
 void domain_place(const struct lattice *lattice, size_t at, double x[3]);
-/* The site beyond a face of site `at`, or the lattice's count if there is none. */
-size_t domain_beyond(const struct scene *scene, const struct lattice *lattice, size_t at, int axis,
-                     bool low);
 /* Share of the face of a site at `x`, normal to `axis`, that lies in a box. */
 double domain_share(const struct lattice *lattice, const double x[3], int axis,
                     const double box[6]);

@@ -31,7 +31,7 @@ static bool is_at_window(const struct fill *f, size_t at) {
   const struct lattice *l = f->l;
   for (int side = 0; side < 6; side++) {
     double x[3];
-    if (domain_beyond(f->scene, l, at, side / 2, side % 2 == 0) != l->count) continue;
+    if (lattice_beyond(f->scene->periodic, l, at, side / 2, side % 2 == 0) != l->count) continue;
     if (l->dimensions == 2 && side / 2 == 1) continue;
     domain_place(l, at, x);
     const struct region *window = domain_window_at(f->scene, l, x, side / 2, side % 2 == 0);
@@ -75,7 +75,7 @@ static enum status fill_from(struct fill *f, size_t from) {
     for (int side = 0; side < 6; side++) {
       const int axis = side / 2;
       const bool low = side % 2 == 0, down = axis == 2 && low;
-      const size_t next = domain_beyond(f->scene, l, at, axis, low);
+      const size_t next = lattice_beyond(f->scene->periodic, l, at, axis, low);
       if (next == l->count || next / plane > top || f->region[next] == number ||
           !is_below(f, next) || thin_wall_on_face(l, low ? next : at, axis))
         continue;

@@ -234,7 +234,7 @@ static void add_face(struct richards *s, size_t e, size_t layer) {
 /* What falls or flows into a basin at one of its places. */
 static enum status add_catch(struct richards *s, struct richards_pool *p, size_t at, size_t layer) {
   const struct lattice *l = s->lattice;
-  const size_t below = domain_beyond(s->scene, l, at, 2, true);
+  const size_t below = lattice_beyond(s->scene->periodic, l, at, 2, true);
   const bool floor = below == l->count || s->open[below] != s->open[at];
   s->pool_areas[layer] += s->spacing * s->spacing;
   for (int side = 0; side < 6; side++) {

@@ -119,7 +119,7 @@ static bool is_beside_water(const struct effect_context *context, const struct r
                             const uint16_t *water, size_t site) {
   const struct lattice *l = context->lattice;
   for (int side = 0; side < 6; side++) {
-    const size_t next = domain_beyond(context->scene, l, site, side / 2, side % 2 == 0);
+    const size_t next = lattice_beyond(context->scene->periodic, l, site, side / 2, side % 2 == 0);
     if (next != l->count && water[next] == window->first + 1) return true;
   }
   return false;
@@ -131,7 +131,7 @@ static const struct region *other_at(const struct scene *scene, const struct lat
                                      const struct region *region, size_t site, int axis, bool low) {
   double x[3], share;
   domain_place(l, site, x);
-  if (domain_beyond(scene, l, site, axis, low) == l->count) {
+  if (lattice_beyond(scene->periodic, l, site, axis, low) == l->count) {
     const struct region *window = domain_window_at(scene, l, x, axis, low);
     if (window != NULL) return window;
   }
@@ -156,7 +156,7 @@ static enum status look_at_face(const struct scene *scene, const struct lattice 
   double x[3], share;
   domain_place(l, site, x);
   if (region->type != REGION_RAIN && region->boundary != BOUNDARY_FLUX) {
-    *reached = *reached || (domain_beyond(scene, l, site, axis, low) == l->count &&
+    *reached = *reached || (lattice_beyond(scene->periodic, l, site, axis, low) == l->count &&
                             domain_window_at(scene, l, x, axis, low) == region);
     return STATUS_OK;
   }

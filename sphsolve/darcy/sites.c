@@ -76,7 +76,7 @@ static bool is_soil(const struct richards *s, size_t site) {
 }
 
 static size_t beyond(const struct richards *s, size_t at, int axis, bool low) {
-  return domain_beyond(s->scene, s->lattice, at, axis, low);
+  return lattice_beyond(s->scene->periodic, s->lattice, at, axis, low);
 }
 
 /* Adds what is given at the face of a site to its edge. */

@@ -87,5 +87,16 @@ enum status lattice_restore(struct lattice *lattice, struct lattice_spill *spill
 bool lattice_holds_fluid(const struct lattice *lattice);
 /* Number of faces between sites of different kind, by the axis normal to them; periodic. */
 void lattice_count_faces(const struct lattice *lattice, size_t faces[3]);
+/* The site beyond a face of site `at` of a scene's lattice, or the lattice's count if there is
+ * none.
+ */
+static inline size_t lattice_beyond(const bool periodic[3], const struct lattice *l, size_t at,
+                                    int axis, bool low) {
+  const size_t stride[3] = {1, l->size[0], l->size[0] * l->size[1]};
+  const size_t n = l->size[axis], here = at / stride[axis] % n;
+  if (low ? here > 0 : here + 1 < n) return low ? at - stride[axis] : at + stride[axis];
+  if (!periodic[axis] || n == 1) return l->count;
+  return low ? at + (n - 1) * stride[axis] : at - (n - 1) * stride[axis];
+}
 
 #endif

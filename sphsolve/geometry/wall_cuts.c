@@ -31,16 +31,6 @@ struct cells {
   struct cut *cut;
 };
 
-/* The site beside another; the lattice's count outside of a domain that ends there. */
-static size_t beside(const struct scene *scene, const struct lattice *l, size_t site, int axis,
-                     bool high) {
-  const size_t stride = axis == 0 ? 1 : axis == 1 ? l->size[0] : l->size[0] * l->size[1];
-  const size_t n = l->size[axis], at = site / stride % n;
-  if (high ? at + 1 < n : at > 0) return high ? site + stride : site - stride;
-  if (!scene->periodic[axis]) return l->count;
-  return high ? site - (n - 1) * stride : site + (n - 1) * stride;
-}
-
 static const struct cell_parts *parts_of(const struct cells *cells, size_t site) {
   static const struct cell_parts whole[] = {
       [WALL] = {.volume = {0}},
@@ -127,7 +117,8 @@ static void find_faces(const struct scene *scene, const struct lattice *l, struc
     begin(scene, l, cells, site, &own);
     for (int a = 0; a < 3; a++) {
       if (!is_used(l, a)) continue;
-      const size_t next = beside(scene, l, site, a, true), last = beside(scene, l, site, a, false);
+      const size_t next = lattice_beyond(scene->periodic, l, site, a, false),
+                   last = lattice_beyond(scene->periodic, l, site, a, true);
       if (next != l->count) begin(scene, l, cells, next, &other);
       cell_find_areas(&own, &cut->parts, next != l->count ? &other : NULL,
                       next != l->count ? parts_of(cells, next) : NULL, a, cut->area[a]);
@@ -146,7 +137,7 @@ static bool is_whole(const struct scene *scene, const struct lattice *l,
   const float least = 1 - (float)SHARE_LEAST;
   bool whole = cuts->volume[site] >= least;
   for (int a = 0; a < 3 && whole; a++) {
-    const size_t next = beside(scene, l, site, a, true);
+    const size_t next = lattice_beyond(scene->periodic, l, site, a, false);
     whole = (next != l->count && l->kind[next] == SITE_WALL) || cuts->face[site][a][1] >= least;
   }
   return whole;
@@ -185,7 +176,7 @@ static size_t taker_of(const struct scene *scene, const struct lattice *l,
   float most = 0;
   if (!(parts_of(cells, site)->volume[CELL_OTHER] > 0)) return taker;
   for (int n = 0; n < 6; n++) {
-    const size_t next = beside(scene, l, site, n / 2, n % 2);
+    const size_t next = lattice_beyond(scene->periodic, l, site, n / 2, n % 2 == 0);
     if (!is_used(l, n / 2) || next == l->count || next == site) continue;
     const float area = n % 2 ? area_between(l, cells, site, CELL_OTHER, next, CELL_OWN, n / 2)
                              : area_between(l, cells, next, CELL_OWN, site, CELL_OTHER, n / 2);
@@ -197,7 +188,8 @@ static size_t taker_of(const struct scene *scene, const struct lattice *l,
 /* Adds to the open share of a face that is open already, so that no wall is opened. */
 static bool widen(const struct scene *scene, const struct lattice *l, size_t site, int axis,
                   float area, struct wall_cuts *cuts) {
-  const size_t next = site != l->count ? beside(scene, l, site, axis, true) : l->count;
+  const size_t next =
+      site != l->count ? lattice_beyond(scene->periodic, l, site, axis, false) : l->count;
   if (next == l->count || !(cuts->face[site][axis][1] > 0)) return false;
   cuts->face[site][axis][1] += area, cuts->face[next][axis][0] += area;
   return true;
@@ -207,7 +199,7 @@ static bool widen(const struct scene *scene, const struct lattice *l, size_t sit
  * that take it. */
 static void take_face(const struct scene *scene, const struct lattice *l, const struct cells *cells,
                       size_t site, int axis, struct wall_cuts *cuts) {
-  const size_t next = beside(scene, l, site, axis, true);
+  const size_t next = lattice_beyond(scene->periodic, l, site, axis, false);
   const size_t of_site = taker_of(scene, l, cells, site), of_next = taker_of(scene, l, cells, next);
   for (enum cell_part p = CELL_OWN; p < CELL_PARTS; p++)
     for (enum cell_part q = CELL_OWN; q < CELL_PARTS; q++) {
@@ -216,7 +208,7 @@ static void take_face(const struct scene *scene, const struct lattice *l, const 
       if ((p == CELL_OWN && q == CELL_OWN) || !(area > 0) || low == l->count || high == l->count ||
           low == high)
         continue;
-      const size_t before = beside(scene, l, high, axis, false);
+      const size_t before = lattice_beyond(scene->periodic, l, high, axis, true);
       if (before == low || !widen(scene, l, before, axis, area, cuts))
         widen(scene, l, low, axis, area, cuts);
     }
@@ -231,12 +223,14 @@ static void take_parts(const struct scene *scene, const struct lattice *l,
     for (int a = 0; a < 3; a++) {
       if (!is_used(l, a)) continue;
       for (int high = 0; high < 2 && taker != l->count; high++)
-        if (beside(scene, l, taker, a, high) == l->count &&
-            beside(scene, l, site, a, high) == l->count && cuts->face[taker][a][high] > 0)
+        if (lattice_beyond(scene->periodic, l, taker, a, !high) == l->count &&
+            lattice_beyond(scene->periodic, l, site, a, !high) == l->count &&
+            cuts->face[taker][a][high] > 0)
           cuts->face[taker][a][high] +=
               high ? area_between(l, cells, site, CELL_OTHER, l->count, CELL_OWN, a)
                    : area_between(l, cells, l->count, CELL_OWN, site, CELL_OTHER, a);
-      if (beside(scene, l, site, a, true) != l->count) take_face(scene, l, cells, site, a, cuts);
+      if (lattice_beyond(scene->periodic, l, site, a, false) != l->count)
+        take_face(scene, l, cells, site, a, cuts);
     }
   }
 }
@@ -246,7 +240,7 @@ static bool join(const struct scene *scene, const struct lattice *l, struct wall
                  size_t site) {
   float most = 0;
   for (int n = 0; n < 6; n++) {
-    const size_t next = beside(scene, l, site, n / 2, n % 2);
+    const size_t next = lattice_beyond(scene->periodic, l, site, n / 2, n % 2 == 0);
     if (!is_used(l, n / 2) || next == l->count || next == site) continue;
     const float share = cuts->face[site][n / 2][n % 2];
     if ((l->kind[next] == SITE_WALL && cuts->joined[next] == 0) || !(share > most)) continue;
@@ -278,7 +272,8 @@ static void open_own(const struct scene *scene, const struct lattice *l, const s
   for (size_t site = 0; site < l->count; site++) {
     cuts->volume[site] = parts_of(cells, site)->volume[CELL_OWN];
     for (int a = 0; a < 3; a++) {
-      const size_t next = beside(scene, l, site, a, true), last = beside(scene, l, site, a, false);
+      const size_t next = lattice_beyond(scene->periodic, l, site, a, false),
+                   last = lattice_beyond(scene->periodic, l, site, a, true);
       cuts->face[site][a][0] = cuts->face[site][a][1] = 1;
       if (!is_used(l, a)) continue;
       cuts->face[site][a][0] = area_between(l, cells, last, CELL_OWN, site, CELL_OWN, a);
@@ -318,7 +313,7 @@ enum status wall_cuts_closed_faces(const struct scene *scene, const struct latti
   TRY(find_cells(scene, l, &cells));
   for (size_t site = 0; site < l->count; site++)
     for (int a = 0; a < 3; a++) {
-      const size_t next = beside(scene, l, site, a, true);
+      const size_t next = lattice_beyond(scene->periodic, l, site, a, false);
       if (is_used(l, a) && next != l->count &&
           !(area_between(l, &cells, site, CELL_OWN, next, CELL_OWN, a) > 0))
         (*closed)[site] |= (uint8_t)(1U << a);
@@ -337,7 +332,7 @@ size_t wall_cuts_site(const struct wall_cuts *cuts, const struct scene *scene,
   while (l->kind[site] == SITE_WALL && cuts->joined != NULL && cuts->joined[site] > 0 &&
          cuts->joined[site] != WALL_CUTS_OWN) {
     const int n = cuts->joined[site] - 1;
-    site = beside(scene, l, site, n / 2, n % 2);
+    site = lattice_beyond(scene->periodic, l, site, n / 2, n % 2 == 0);
   }
   return site;
 }
