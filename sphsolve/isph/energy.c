@@ -34,7 +34,8 @@
  * Shifting lifts free water near a surface while it lies on soil (effects/shifting.h); this is
  * limited to friction and to what shifting lowers elsewhere,
  *   lift_factor <= (friction + sum of -m f.dx < 0) / sum of -m f.dx > 0,
- * with friction as above. Otherwise three rows of uneven water stir themselves for ever.
+ * with friction as above. Otherwise three rows of uneven water stir themselves for ever. That holds
+ * whatever else drives the water, so this limit is not the effect's alone but shifting's.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
  * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is
@@ -89,6 +90,10 @@ static double taken_by_drag(const struct isph *s, size_t i, double dt) {
   return -s->mass[i] * dt * (dot(linear, v) + dot(forchheimer, v)) / s->porosity[i];
 }
 
+void isph_energy_find_friction(struct isph *s) {
+  s->friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
+}
+
 void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt) {
   enum { EXPANDS, CONTRACTS, CROWD, DRAG, EXCESS, VOLUME, COUNT };
   double total[COUNT];
@@ -108,11 +113,9 @@ void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double
     memcpy(s->sums[c], sum, sizeof sum);
   }
   isph_sum_chunks(s, COUNT, total);
-  const double friction = isph_kinetic_energy(s) - kinetic_of(s, s->predicted);
-  s->friction = fmax(0, friction);
   double free = fmin(1, total[EXCESS] / total[VOLUME] / DENSITY_EXCESS - 1);
   if (total[EXPANDS] > 0)
-    s->relaxation_factor = fmin(1, fmax(0, friction + total[CONTRACTS]) / total[EXPANDS]);
+    s->relaxation_factor = fmin(1, fmax(0, s->friction + total[CONTRACTS]) / total[EXPANDS]);
   s->relaxation_excess = free > s->relaxation_factor ? 1 - s->relaxation_factor / free : 0;
   s->relaxation_factor = fmax(s->relaxation_factor, free);
   if (total[CROWD] > 0) s->crowd_factor = fmin(1, total[DRAG] / total[CROWD]);
@@ -147,7 +150,7 @@ void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*s
     memcpy(s->sums[c], sum, sizeof sum);
   }
   isph_sum_chunks(s, COUNT, total);
-  const double allowed = s->friction + total[LOWERS];
+  const double allowed = fmax(0, s->friction) + total[LOWERS];
   if (!(total[LIFTS] > allowed && square > 0)) return;
   const double less = 1 - allowed / total[LIFTS];
 #pragma omp parallel for schedule(static)

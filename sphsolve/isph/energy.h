@@ -7,6 +7,8 @@
 
 double isph_kinetic_energy(const struct isph *s);
 double isph_potential_energy(const struct isph *s);
+/* Between predictor and projection: the kinetic energy that v* has lost, s->friction. */
+void isph_energy_find_friction(struct isph *s);
 /* Between predictor and projection: limits the expansion of compressed water. */
 void isph_energy_limit_relaxation(struct isph *s, double relaxation_time, double dt);
 /* After the projection: the energy that relaxation added in a step, J or J/m, beyond what friction

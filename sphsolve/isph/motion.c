@@ -154,7 +154,7 @@ void isph_move(struct isph *s, double dt) {
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
   if ((s->calm != NULL || s->on.soil) && s->on.shifting) subtract_mean_shift(s, steps);
-  if (s->on.energy && s->on.soil) isph_energy_bound_lift(s, lift, steps);
+  if (s->on.soil && s->on.surface && s->on.shifting) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {

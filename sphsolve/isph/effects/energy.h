@@ -40,6 +40,7 @@ static inline enum status isph_energy_begins(void *state, double dt) {
 
 static inline enum status isph_energy_predicted(void *state, double dt) {
   struct isph *s = state;
+  isph_energy_find_friction(s);
   if (s->on.relaxation) isph_energy_limit_relaxation(s, s->relaxation_time, dt);
   return STATUS_OK;
 }

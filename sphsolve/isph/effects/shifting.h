@@ -42,6 +42,7 @@
 #include "sphsolve/plan/plan.h"
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/constants.h"
+#include "sphsolve/isph/energy.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
 
@@ -82,9 +83,16 @@ static inline bool isph_shifting_wanted(const struct effect_context *context,
   return true;
 }
 
+static inline enum status isph_shifting_predicted(void *state, double dt) {
+  struct isph *s = state;
+  (void)dt;
+  if (s->on.soil && s->on.surface && !s->on.energy) isph_energy_find_friction(s);
+  return STATUS_OK;
+}
+
 #endif
 
 EFFECT(isph_shifting, .model = "particles drift to where they are sparse",
        .citation = "Lind et al. 2012; Skillen et al. 2013", .wanted = isph_shifting_wanted,
        .switches_on = EFFECT_SWITCH(struct isph_switches, shifting),
-       .budget = 1u << BUDGET_SHIFTING)
+       .budget = 1u << BUDGET_SHIFTING, .predicted = isph_shifting_predicted)
