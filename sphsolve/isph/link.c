@@ -231,7 +231,10 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
   double *n = linked->normal;
   memset(linked, 0, sizeof *linked);
   if (s->ground[i] != GROUND_MIXED) return;
-  memcpy(n, links->normal, sizeof links->normal);
+  /* Between soils their interface's normal, in whose frame v* was found: along another one the
+   * velocity along the interface would count twice, and grow. */
+  if (s->interface != NULL) memcpy(n, s->interface[i].normal, sizeof linked->normal);
+  if (dot(n, n) == 0) memcpy(n, links->normal, sizeof linked->normal);
   const double size = sqrt(dot(n, n));
   for (int a = 0; a < 3; a++) n[a] = size > 0 ? n[a] / size : 0;
   const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);
