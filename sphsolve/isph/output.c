@@ -17,6 +17,7 @@
 #include "sphsolve/isph/open.h"
 #include "sphsolve/isph/particles.h"
 #include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/section.h"
 #include "sphsolve/isph/wall.h"
 
 static double domain_volume(const struct isph *s) {
@@ -38,45 +39,12 @@ void isph_darcy_velocity(const struct isph *s, double velocity[3]) {
     memcpy(s->sums[c], own, sizeof own);
   }
   isph_sum_chunks(s, 4, sum);
-  const double counted =
-      s->on.links && !s->on.surface && !s->on.moving_walls && sum[3] > 0 ? s->room / sum[3] : 1;
+  const double counted = isph_fills_room(s) && sum[3] > 0 ? s->room / sum[3] : 1;
   for (int a = 0; a < 3; a++) velocity[a] = sum[a] * counted * s->thickness / domain_volume(s);
 }
 
 double isph_reynolds(const struct isph *s, const double velocity[3]) {
   return reynolds_of_soil(s->scene, s->kinematic_viscosity, velocity);
-}
-
-/* Whether there is a wall where a particle would cross a plane: water beside a thin wall comes
- * within the kernel's reach of a plane in it, but cannot pass. */
-static bool is_walled_off(const struct isph *s, size_t i, int axis, double position) {
-  double x[3] = {s->position[i][0], s->position[i][1], s->position[i][2]};
-  x[axis] = position;
-  return isph_wall_holds(s, x);
-}
-
-/* The part of the kernel beyond a side of the domain is compensated for by normalisation. */
-double isph_plane_flux(const struct isph *s, int axis, double position) {
-  double flux;
-#pragma omp parallel for schedule(static)
-  for (size_t c = 0; c < s->chunk_count; c++) {
-    double sum = 0;
-    for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
-      double r = s->position[i][axis] - position, length = s->high[axis] - s->low[axis];
-      double h = 0.5 * s->support[i], within = 1;
-      if (s->periodic[axis])
-        r -= length * round(r / length);
-      else
-        within = kernel_integral((s->high[axis] - position) / h) -
-                 kernel_integral((s->low[axis] - position) / h);
-      if (fabs(r) < s->support[i] && is_walled_off(s, i, axis, position)) continue;
-      sum += s->volume[i] * s->velocity[i][axis] * kernel_w(KERNEL_CUBIC, 1, fabs(r), h) /
-             fmax(within, 0.5);
-    }
-    s->sums[c][0] = sum;
-  }
-  isph_sum_chunks(s, 1, &flux);
-  return flux * s->thickness;
 }
 
 /* Volume of water (not bulk volume) in a region's box, where its soil is now. A particle, taken as
@@ -192,9 +160,8 @@ static void walk_columns(struct history_columns *columns, const void *row) {
     if (n > 5) history_number(columns, "m", read[5], "level_%s", name);
   }
   for (size_t k = 0; k < scene->plane_count; k++)
-    history_number(columns, "m^3/s",
-                   isph_plane_flux(s, scene->planes[k].axis, scene->planes[k].position), "flux_%s",
-                   scene->planes[k].name);
+    history_number(columns, "m^3/s", isph_section_flux(s, &scene->planes[k], s->section_room[k]),
+                   "flux_%s", scene->planes[k].name);
   for (size_t k = 0; k < s->on.active_count; k++)
     if (s->on.active[k]->columns != NULL) s->on.active[k]->columns(columns, s);
 }

@@ -21,7 +21,5 @@ enum status isph_read_checkpoint(struct isph *s, struct h5_file *file);
 double isph_reynolds(const struct isph *s, const double velocity[3]);
 /* Volume integral of v_D over the bulk volume of the domain, m/s. */
 void isph_darcy_velocity(const struct isph *s, double velocity[3]);
-/* Water passing a plane, m^3/s, positive along the axis. */
-double isph_plane_flux(const struct isph *s, int axis, double position);
 
 #endif

@@ -152,7 +152,7 @@ struct isph {
   double force[3];                     /* g + a - grad P / rho, m/s^2 */
   double relaxation_factor;            /* factor of the expansion by relaxation; isph/energy.c */
   double relaxation_excess, crowd_factor; /* its share beyond friction's work; factor for crowds */
-  double friction;             /* kinetic energy that v* lost in the last step, J (J/m in 2-D) */
+  double friction;             /* kinetic energy that v* has lost in a step, J (J/m in 2-D) */
   double relaxation_time, dt;  /* s, of the present step */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
   double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
@@ -203,8 +203,9 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of the foremost particle behind the side, 0 .. 1.1 pitches */
   double wall_volume;
-  double room;       /* bulk volume of the water at the start, m^3 (m^2 in 2-D) */
-  double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
+  double room;          /* bulk volume of the water at the start, m^3 (m^2 in 2-D) */
+  double *section_room; /* [scene's planes]: isph/section.h */
+  double mass_ratio;    /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest possible, and the present largest */
   double soil_porosity_least;
 

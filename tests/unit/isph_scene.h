@@ -17,6 +17,7 @@
 #include "sphsolve/scene/scene_read.h"
 #include "sphsolve/isph/create.h"
 #include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/section.h"
 #include "sphsolve/isph/step.h"
 #include "sphsolve/isph/time_step.h"
 #include "sphsolve/isph/switches.h"
@@ -69,6 +70,11 @@ static inline void finish(struct run *run) {
   isph_free(&run->s);
   lattice_free(&run->lattice);
   scene_free(&run->scene);
+}
+
+/* Through a plane at x, as its particles' volumes count, m^3/s. */
+static inline double flux_at(const struct isph *s, double x) {
+  return isph_section_flux(s, &(struct flux_plane){.axis = 0, .position = x}, 0);
 }
 
 /* Pa. */

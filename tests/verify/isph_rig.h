@@ -14,6 +14,7 @@
 #include "common/error.h"
 #include "common/json_number.h"
 #include "common/log.h"
+#include "sphsolve/isph/section.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/method.h"
 #include "sphsolve/scene/scene_read.h"
@@ -34,6 +35,11 @@ struct run {
   struct plan plan;
   struct isph s;
 };
+
+/* Through a plane at x, as its particles' volumes count, m^3/s. */
+static inline double flux_at(const struct isph *s, double x) {
+  return isph_section_flux(s, &(struct flux_plane){.axis = 0, .position = x}, 0);
+}
 
 /* Pa. */
 static inline double pressure_at(const struct isph *s, const double point[3]) {

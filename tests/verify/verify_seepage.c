@@ -64,7 +64,7 @@ static void series(void) {
           fine ? .005 : .01);
     for (int k = 1; k <= 20; k++) {
       advance(&run, 1 + 0.1 * k);
-      flux += isph_plane_flux(&run.s, 0, 0.2) / 20;
+      flux += flux_at(&run.s, 0.2) / 20;
       head += (pressure_at(&run.s, contact) / 9810 + .05) / 20;
     }
     double a[2], b[2], eps[2] = {.4, .3}, low = 0, high = 1;
@@ -190,7 +190,7 @@ static void given_flux(void) {
         dx);
     for (int k = 1; k <= 100; k++) {
       advance(&run, .5 + .02 * k);
-      double flux = isph_plane_flux(&run.s, 0, .05) / (.1 * dx);
+      double flux = flux_at(&run.s, .05) / (.1 * dx);
       mean += flux / 100, square += flux * flux / 100;
     }
     snprintf(name, sizeof name, "given flux: plane 5 cm behind the side, %g mm", 1e3 * dx);
@@ -246,7 +246,7 @@ static void piston(void) {
           dx);
     for (int k = 1; k <= 50; k++) {
       advance(&run, .02 * k);
-      double flux = isph_plane_flux(&run.s, 0, .25) / (.1 * dx);
+      double flux = flux_at(&run.s, .25) / (.1 * dx);
       if (k > 10) worst = fmax(worst, fabs(flux / .1 - 1));
     }
     snprintf(name, sizeof name, "piston: worst error of the flux, spacing %g mm", 1e3 * dx);

@@ -50,7 +50,7 @@ static void recharge(void) {
     for (int n = 0; n < rows; n++) {
       advance(&run, 25 + 0.2 * (n + 1));
       for (int p = 0; p < 3; p++)
-        flux[p] += isph_plane_flux(&run.s, 0, .5 * (p + 1)) / (run.s.thickness * rows);
+        flux[p] += flux_at(&run.s, .5 * (p + 1)) / (run.s.thickness * rows);
       pressure += pressure_at(&run.s, foot) / rows;
     }
     for (int p = 0; p < 3; p++) {
@@ -230,7 +230,7 @@ static void cylinder(void) {
           dx, .25 + off[0] * dx, .25 + off[1] * dx, 2 * dx);
     for (int row = 0; row < 20; row++) {
       advance(&run, 2 + .2 * row);
-      flow += isph_plane_flux(&run.s, 0, row % 2 ? .05 : .45) / (run.s.thickness * 20);
+      flow += flux_at(&run.s, row % 2 ? .05 : .45) / (run.s.thickness * 20);
     }
     snprintf(name, sizeof name, "cylinder of 4 spacings in soil, %g mm, off by (%g, %g)", 1e3 * dx,
              off[0], off[1]);
@@ -488,7 +488,7 @@ static void zones(void) {
           dx, shell, along ? .3 : .44, along ? .7 : .56, along ? .1 : .2, core);
     for (int row = 0; row < 10; row++, n++) {
       advance(&run, .15 + .015 * row);
-      flux += isph_plane_flux(&run.s, 0, .5);
+      flux += flux_at(&run.s, .5);
     }
     const double thick = run.s.thickness;
     const double exact = along ? .1 / .4 * .1 * (shell + core) * thick
@@ -558,8 +558,8 @@ static void pile(void) {
         dx, k, 1 - dx, 1 + dx, dx, 2 - dx);
     advance(&run, .2);
     snprintf(name, sizeof name, "under a pile two spacings thick: flux, %g mm", 1e3 * dx);
-    report(name, exact * run.s.thickness, isph_plane_flux(&run.s, 0, .5),
-           .6 * dx * exact * run.s.thickness, started);
+    report(name, exact * run.s.thickness, flux_at(&run.s, .5), .6 * dx * exact * run.s.thickness,
+           started);
     finish(&run);
   }
 }
