@@ -351,12 +351,8 @@ bool thin_wall_cuts(const struct lattice *l, const size_t at[3], const int step[
   return true;
 }
 
-/* The site after one along an axis, across the periodic boundary. */
-static size_t next_site(const struct lattice *l, size_t site, int axis) {
-  const size_t stride = axis == 0 ? 1 : axis == 1 ? l->size[0] : l->size[0] * l->size[1];
-  const size_t n = l->size[axis];
-  return site / stride % n + 1 < n ? site + stride : site - (n - 1) * stride;
-}
+/* Faces are stored as those of a lattice that is periodic along all axes. */
+static const bool around[3] = {true, true, true};
 
 enum status thin_wall_find_faces(struct lattice *l) {
   enum status status = STATUS_OK;
@@ -373,7 +369,7 @@ enum status thin_wall_find_faces(struct lattice *l) {
       for (int a = 0; a < 3; a++) {
         if (l->size[a] == 1) continue;
         const int step[3] = {a == 0, a == 1, a == 2};
-        const size_t next = next_site(l, s, a);
+        const size_t next = lattice_beyond(around, l, s, a, false);
         if (l->kind[next] == SITE_WALL) continue;
         if (!(closed != NULL && (closed[s] >> a & 1) != 0) &&
             !thin_wall_cuts(l, at, step, NULL, NULL))
@@ -398,7 +394,7 @@ enum status thin_wall_fill(struct lattice *l) {
   for (size_t s = 0; s < l->count; s++)
     for (int a = 0; a < 3; a++) {
       if (!thin_wall_on_face(l, s, a)) continue;
-      const size_t next = next_site(l, s, a);
+      const size_t next = lattice_beyond(around, l, s, a, false);
       if (l->kind[s] != SITE_FLUID || l->kind[next] != SITE_FLUID) continue;
       wall[l->wall_distance[next] < l->wall_distance[s] ? next : s] = 1;
     }
@@ -460,7 +456,7 @@ enum status thin_wall_closed_faces(const struct lattice *l, uint8_t **closed) {
     for (int a = 0; a < 3 && l->kind[s] == SITE_WALL; a++) {
       const size_t all = l->size[a] * stride[a];
       const size_t last = at[a] > 0 ? s - stride[a] : s + all - stride[a];
-      const size_t next = next_site(l, s, a);
+      const size_t next = lattice_beyond(around, l, s, a, false);
       size_t from[3] = {at[0], at[1], at[2]};
       const int step[3] = {a == 0 ? 2 : 0, a == 1 ? 2 : 0, a == 2 ? 2 : 0};
       from[a] = at[a] > 0 ? at[a] - 1 : l->size[a] - 1;

@@ -11,8 +11,8 @@ static inline bool isph_fills_room(const struct isph *s) {
   return s->on.links && !s->on.surface && !s->on.moving_walls;
 }
 
-/* Where water fills its room: finds `section_room`, the area of each plane of the scene that is open
- * to water, m^2 (m in 2-D). All volumes that water has at the start, m^3 (m^2) at x, are added
+/* Where water fills its room: finds `section_room`, the area of each plane of the scene that is
+ * open to water, m^2 (m in 2-D). All volumes that water has at the start, m^3 (m^2) at x, are added
  * between begin, which allocates it (isph_free frees it), and end. Without them it is 0. */
 enum status isph_sections_begin(struct isph *s);
 void isph_sections_add(struct isph *s, const double x[3], double volume);
