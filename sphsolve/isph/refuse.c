@@ -7,9 +7,11 @@
 #include "common/log.h"
 #include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/effects/rain.h"
+#include "sphsolve/isph/effects/wall_outline.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/window.h"
+#include "sphsolve/scene/scene_shapes.h"
 
 /* Least thickness in spacings of a wall with water on both sides: within a kernel's support
  * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
@@ -28,12 +30,40 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
   return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
 }
 
+/* Refuses the first wall that counts by its outline, with water on both sides, that is too thin;
+ * the tips of its boxes do not matter. A circle is a polygon, a thousandth narrower between its
+ * edges. */
+static enum status check_outlines(const struct effect_context *context) {
+  const struct scene *scene = context->scene;
+  const double *size = scene->domain_size, least = WALL_THICKNESS_MIN * context->spacing;
+  char unused[EFFECT_WHY];
+  for (size_t k = 0; k < scene->region_count && isph_outline_wanted(context, unused); k++) {
+    const struct region *wall = &scene->regions[k];
+    if (wall->first != k || !isph_may_have_outline(scene, wall)) continue;
+    const struct polygon *p = wall->polygon;
+    const double *extent = wall->extent, near = 1e-6 * context->spacing;
+    double thick = polygon_thickness(p, (double[2]){size[p->plane[0]], size[p->plane[1]]});
+    if (scene->dimensions == 3 && extent[p->axis] > near &&
+        extent[p->axis + 3] < size[p->axis] - near)
+      thick = fmin(thick, extent[p->axis + 3] - extent[p->axis]);
+    if (thick < least * (1 - 1e-3))
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: a wall %g m thick with water on both sides lets pressure through; make it "
+          "%g m thick, two spacings, or domain.spacing %g m",
+          scene->path, wall->line, thick, least, thick / WALL_THICKNESS_MIN);
+  }
+  return STATUS_OK;
+}
+
 /* Refuses the first wall with water on both sides that is too thin. */
 static enum status check_walls(const struct effect_context *context) {
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
+  char unused[EFFECT_WHY];
+  const bool outlines = isph_outline_wanted(context, unused);
   if (l->boxes != NULL && l->cut != NULL)
     return FAIL(STATUS_INPUT,
                 "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
@@ -45,6 +75,7 @@ static enum status check_walls(const struct effect_context *context) {
         const size_t at[3] = {i, j, k};
         if (l->kind[site] != SITE_WALL || l->region == NULL || l->region[site] == 0) continue;
         const struct region *wall = &scene->regions[l->region[site] - 1];
+        if (outlines && isph_may_have_outline(scene, wall)) continue;
         for (int a = 0; a < 3; a++) {
           const double thick = wall->box[a + 3] - wall->box[a];
           if (!isph_scene_uses_axis(context, a) || thick > least * (1 - 1e-6) ||
@@ -405,6 +436,7 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_periodic(context));
   TRY(check_soils(context->scene));
   TRY(check_end(context));
+  TRY(check_outlines(context));
   TRY(check_walls(context));
   TRY(check_windows(context));
   for (size_t k = 0; isph_effects[k] != NULL; k++)

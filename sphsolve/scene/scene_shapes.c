@@ -161,6 +161,37 @@ size_t polygon_scan(const struct polygon *p, int w, double v, double at[POLYGON_
 }
 
 /* Neither beside the box along the axes, nor with all of its corners on one side of the edge. */
+static bool is_within(const double x[2], const double size[2]) {
+  const double near = 1e-6 * fmin(size[0], size[1]);
+  return x[0] > near && x[0] < size[0] - near && x[1] > near && x[1] < size[1] - near;
+}
+
+double polygon_thickness(const struct polygon *p, const double size[2]) {
+  double area = 0, least = INFINITY;
+  for (size_t i = 0; i < p->count; i++)
+    area += cross((double[2]){0}, p->corner[i], p->corner[(i + 1) % p->count]);
+  for (size_t i = 0; i < p->count; i++) {
+    const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
+    const double middle[2] = {0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])};
+    const double length = copysign(hypot(b[0] - a[0], b[1] - a[1]), area);
+    const double into[2] = {(a[1] - b[1]) / length, (b[0] - a[0]) / length};
+    double way = INFINITY;
+    for (size_t j = 0; j < p->count; j++) {
+      const double *c = p->corner[j], *d = p->corner[(j + 1) % p->count];
+      const double from = (c[0] - middle[0]) * into[1] - (c[1] - middle[1]) * into[0];
+      const double to = (d[0] - middle[0]) * into[1] - (d[1] - middle[1]) * into[0];
+      if (j == i || (from > 0) == (to > 0)) continue;
+      const double t = from / (from - to);
+      const double at = (c[0] + t * (d[0] - c[0]) - middle[0]) * into[0] +
+                        (c[1] + t * (d[1] - c[1]) - middle[1]) * into[1];
+      if (at > 0) way = fmin(way, at);
+    }
+    const double end[2] = {middle[0] + way * into[0], middle[1] + way * into[1]};
+    if (is_within(middle, size) && is_within(end, size)) least = fmin(least, way);
+  }
+  return least;
+}
+
 bool polygon_may_meet(const struct polygon *p, const double from[2], const double to[2]) {
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
