@@ -31,8 +31,7 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
 }
 
 /* Refuses the first wall that counts by its outline, with water on both sides, that is too thin;
- * the tips of its boxes do not matter. A circle is a polygon, a thousandth narrower between its
- * edges. */
+ * the tips of its boxes do not matter. A circle is a polygon, .3 % narrower beside its corners. */
 static enum status check_outlines(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const double *size = scene->domain_size, least = WALL_THICKNESS_MIN * context->spacing;
@@ -46,7 +45,7 @@ static enum status check_outlines(const struct effect_context *context) {
     if (scene->dimensions == 3 && extent[p->axis] > near &&
         extent[p->axis + 3] < size[p->axis] - near)
       thick = fmin(thick, extent[p->axis + 3] - extent[p->axis]);
-    if (thick < least * (1 - 1e-3))
+    if (thick < least * (1 - 3e-3))
       return FAIL(
           STATUS_INPUT,
           "%s:%d: a wall %g m thick with water on both sides lets pressure through; make it "
