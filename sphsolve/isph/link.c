@@ -6,6 +6,7 @@
 #include "common/memory.h"
 #include "sphsolve/isph/effects/drag_forchheimer.h"
 #include "sphsolve/isph/images.h"
+#include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/reflection.h"
 #include "sphsolve/isph/symmetric.h"
@@ -231,18 +232,24 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
   double *n = linked->normal;
   memset(linked, 0, sizeof *linked);
   if (s->ground[i] != GROUND_MIXED) return;
-  /* Between soils their interface's normal, in whose frame v* was found: along another one the
-   * velocity along the interface would count twice, and grow. */
-  if (s->interface != NULL) memcpy(n, s->interface[i].normal, sizeof linked->normal);
-  if (dot(n, n) == 0) memcpy(n, links->normal, sizeof linked->normal);
+  memcpy(n, links->normal, sizeof links->normal);
   const double size = sqrt(dot(n, n));
   for (int a = 0; a < 3; a++) n[a] = size > 0 ? n[a] / size : 0;
   const double all = symmetric_along(links->all, n), carried = symmetric_along(links->carried, n);
   if (!(all > 0)) memset(n, 0, sizeof links->normal);
   if (!(all > 0)) return;
   const double keeps = fmin(1, fmax(0, 1 - carried / all));
-  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * isph_speed_through_soil(s, i));
-  const double change = (keeps - left) * dot(u, n);
+  const double speed = isph_speed_through_soil(s, i);
+  const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed);
+  /* What is left of u in v*. Disorder tilts n against the interface's normal: if what the
+   * particle's own drag leaves across that interface were replaced, the velocity along it would
+   * count twice, and grow. */
+  double kept[3] = {left * u[0], left * u[1], left * u[2]};
+  if (s->interface != NULL) {
+    const struct isph_interface *along = &s->interface[i];
+    isph_interface_turn(along, along->drag_factor * (1 + t * along->drag_b * speed) / left, kept);
+  }
+  const double change = keeps * dot(u, n) - dot(kept, n);
   for (int a = 0; a < 3; a++) predicted[a] += change * n[a];
   linked->inertia = symmetric_along(links->inertia, n) / all;
   linked->drag_a = symmetric_along(links->linear, n) / all;
