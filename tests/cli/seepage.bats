@@ -513,6 +513,31 @@ assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.
 END
 }
 
+@test "a level that rises drifts, whether its gauge is in the water or above it" {
+  cat > rises.cfg <<'END'
+scene = { name = "rises"; method = "isph"; end_time = "10 s"; };
+domain = { size = ["0.6 m", "0.6 m"]; spacing = "2 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.6 m", "0.24 m"]; },
+  { type = "porous"; box = ["0", "0", "0.6 m", "0.6 m"]; porosity = 0.4; permeability = "1 cm/s"; saturated = false; },
+  { type = "inflow"; box = ["0", "0", "2 cm", "0.46 m"]; head = "0.46 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+gauges = ( { name = "low"; at = ["0.3 m", "0.1 m"]; }, { name = "high"; at = ["0.3 m", "0.5 m"]; } );
+output = { history_interval = "0.05 s"; };
+END
+  sphsolve run rises.cfg -o rises --quiet
+  analyze seepage rises.hdf --json > rises.json
+  /usr/bin/python3 - <<'END'
+import h5py, json
+levels = json.load(open("rises.json"))["levels_m"]
+for name in "low", "high":
+    level = h5py.File("rises.hdf")["history/level_" + name][()]
+    rise = level[-1] - level[len(level) // 2]
+    print(name, levels[name], rise)
+    assert rise > 0.02 and rise < levels[name]["drift_error"] < levels[name]["error95"], (name, levels[name], rise)
+END
+}
+
 fills() { # fills.cfg and its run
   cat > fills.cfg <<'END'
 scene = { name = "fills"; method = "isph"; end_time = "4 s"; };
