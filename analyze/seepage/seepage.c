@@ -185,7 +185,8 @@ static double surface_at(const struct seepage *s, const char *name, double level
   return f->soil[row * f->nx + column] != REGION_NONE ? z : NAN;
 }
 
-/* Drift of the head of a gauge, m; the level of its outermost particles goes in steps. */
+/* Drift of the head of a gauge, m. It is steadier than that of its level, whose outermost particles
+ * go in steps, but none where the gauge is above the water: there its head is its height. */
 static double head_drift(const struct run *run, const char *gauge) {
   char name[80];
   double mean, error, drift = 0;
@@ -235,7 +236,7 @@ static void show_columns(const struct seepage *s, const char *prefix, const char
       const double surface = surface_at(s, name, mean);
       half = 2 * error + drift;
       if (isfinite(surface)) {
-        mean = surface, drift = head_drift(run, name);
+        mean = surface, drift = fmax(drift, head_drift(run, name));
         json_put_number(entry, "mean", mean);
         json_put_number(entry, "drift_error", drift);
         half = s->surface_error + drift;

@@ -9,6 +9,7 @@
 #include "sphsolve/isph/fields.h"
 #include "sphsolve/isph/link.h"
 #include "sphsolve/isph/multigrid.h"
+#include "sphsolve/isph/neighbours.h"
 #include "sphsolve/isph/packing.h"
 #include "sphsolve/isph/petsc.h"
 #include "sphsolve/isph/own.h"
@@ -142,6 +143,7 @@ enum status isph_create(const struct scene *scene, const struct lattice *lattice
   TRY(isph_place_water(s, lattice));
   TRY(isph_refresh(s));
   if (s->on.surface) isph_packing_begin(s);
+  if (s->on.surface) TRY(isph_find_neighbours(s));
   ISPH_HOOK(s, start, 0);
   isph_budget_begin(s);
 cleanup:

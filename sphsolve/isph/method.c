@@ -33,7 +33,14 @@ static double row_after(double time, double interval) {
 
 /* The pressure at the start, of the first row and snapshot, is that in the first step, and *first
  * the length that its velocities allow it. All else that the step has changed is taken back. If it
- * fails, the run goes on: its first step fails as well, and is then tried with a shorter dt. */
+ * fails, the run goes on: its first step fails as well, and is then tried with a shorter dt.
+ *
+ * In a step a wall has its mean velocity, so that water and walls keep their volumes. From one step
+ * to the next that rises by the wall's acceleration times dt, but in the first step by half of it:
+ * the pressure of that step is short of half the force that water exerts on a wall that accelerates
+ * from rest (added mass: Westergaard 1933, Trans. ASCE 98). On trial the wall's velocity is that at
+ * the end of the step, and the pressure of the first step remains the one on trial (isph_advance).
+ */
 static enum status find_first_pressure(struct isph *s, double dt, struct isph_copy *copy,
                                        double *first) {
   enum status status = STATUS_OK;
@@ -42,7 +49,9 @@ static enum status find_first_pressure(struct isph *s, double dt, struct isph_co
   if (isnan(dt)) dt = isph_stable_dt(s, &unused);
   dt = isph_dt_to_end(&ending, s->scene->end_time - s->time, dt);
   TRY(isph_copy_state(s, copy));
+  s->on_trial = true, s->trial_dt = dt;
   status = isph_project(s, dt);
+  s->on_trial = false;
   const bool found = status == STATUS_OK;
   if (!found && status != STATUS_NUMERIC) goto cleanup;
   if (!found) error_clear();

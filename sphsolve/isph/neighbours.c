@@ -201,10 +201,10 @@ static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
   isph_moment_inverse(s->dimensions, sums.moment, inverse);
   for (int c = 0; c < 9; c++) s->correction[i][c] = (float)inverse[c];
   for (int k = 0; k < 6; k++) sums.moment[k] += sums.wall_moment[k];
-  if (s->on.soil) {
-    const double one_sided = s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
-    isph_moment_defect(s, i, sums.moment, one_sided);
-  }
+  const double one_sided =
+      s->on.soil && s->on.surface ? isph_front_find(s, chunk, i, sums.moment) : 0;
+  if (s->on.surface) s->surface[i] = isph_packing_surface(s, i);
+  if (s->on.soil) isph_moment_defect(s, i, sums.moment, one_sided);
   for (int k = 0; k < 6 && s->linear != NULL; k++) s->linear[i][k] = (float)sums.moment[k];
 cleanup:
   return status;

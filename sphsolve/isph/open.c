@@ -160,8 +160,8 @@ void isph_apply_tables(struct isph *s, double dt) {
     struct isph_wall_box *box = &s->wall_boxes[b];
     const struct time_table *table = &box->region->table;
     for (int a = 0; a < 3 && table->count > 0; a++)
-      box->velocity[a] =
-          dt > 0 ? time_table_integral(table, s->time, t, a) / dt : time_table_at(table, t, a);
+      box->velocity[a] = dt > 0 && !s->on_trial ? time_table_integral(table, s->time, t, a) / dt
+                                                : time_table_at(table, t, a);
   }
   for (size_t k = 0; k < s->side_count; k++) {
     struct isph_open_side *side = &s->sides[k];

@@ -64,6 +64,20 @@ static double depth_of(const struct isph *s, size_t i, double size) {
   return sign * (top - x[up]);
 }
 
+/* Whether all places around particle i, at the distance of its size, are within water or behind a
+ * wall. */
+static bool is_inside(const struct isph *s, size_t i) {
+  const double *x = s->position[i];
+  bool inside = true;
+  for (int a = 0; a < 3; a++)
+    for (int side = -1; side < 2 && isph_uses_axis(s, a); side += 2) {
+      double beside[3] = {x[0], x[1], x[2]};
+      beside[a] += side * s->size[i];
+      inside = inside && is_filled(s, beside, a, 1, NULL);
+    }
+  return inside;
+}
+
 /* Whether particle i or a neighbour is on a surface that is not a level top: there water is lacking
  * and is to come. */
 static bool is_beside_void(const struct isph *s, const struct isph_chunk *chunk, size_t i,
@@ -81,19 +95,20 @@ void isph_packing_begin(struct isph *s) {
   double top = -INFINITY, *depth = s->work[0]; /* INFINITY: not on a level top */
   for (size_t i = 0; i < s->count; i++) {
     const double size = s->size[i];
+    s->submerged[i] = s->surface[i] > 0 && is_inside(s, i) ? (float)s->surface[i] : 0;
+    if (s->submerged[i] > 0) s->surface[i] = 0;
     depth[i] = s->surface[i] > 0 && force > 0 ? depth_of(s, i, size) / size : INFINITY;
-    if (!(fabs(depth[i] - 0.5) < 0.25)) depth[i] = INFINITY;
   }
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {
       const double *m = s->gradient_sum[i], up = force > 0 ? -dot(m, f) / force : 0;
       const double uneven = s->kernel_sum[i] - 1, size = s->size[i];
       const bool level = isfinite(depth[i]);
-      const double kept = level ? uneven : fmax(-PACKING_MOST, fmin(PACKING_MOST, uneven));
-      s->packing[i][0] = is_beside_void(s, &s->chunks[c], i, depth) ? 0 : (float)kept;
+      s->packing[i][0] = is_beside_void(s, &s->chunks[c], i, depth) ? 0 : (float)uneven;
       for (int a = 0; a < 3; a++)
         s->packing[i][1 + a] = level ? (float)(m[a] + up * f[a] / force) : 0;
       s->packing[i][4] = level ? (float)(2 * depth[i] - 1) : 0;
+      s->packing[i][5] = level ? 1 : 0;
       const double to_top = s->surface[i] > 0 ? isph_packing_depth(s, i, size) : 0;
       top = fmax(top, force * to_top - dot(f, s->position[i]));
     }
@@ -104,5 +119,6 @@ void isph_packing_begin(struct isph *s) {
 
 void isph_packing_fade(struct isph *s, size_t i, const double step[3]) {
   const double left = exp(-sqrt(dot(step, step)) / (FADES_WITHIN * s->size[i]));
-  for (int k = 0; k < 5; k++) s->packing[i][k] *= (float)left;
+  for (int k = 0; k < 6; k++) s->packing[i][k] *= (float)left;
+  s->submerged[i] *= (float)left;
 }

@@ -1,19 +1,24 @@
 /* The initial arrangement of the particles under a surface is at rest.
  *
  * The water is placed on lattices, whose sums over neighbours are not those of even water where two
- * lattices meet: at an edge of soil phi = sum V W is .9 to 1.08, and beside soil, walls or
- * particles of another size the sum that points out of a level surface (effects/surface.h) is 15
- * degrees off. Taken for a lack of water and for a slope, that set still water in motion, by 3 to 6
- * mm/s, and in soil moved more water for a minute than seeps. But all of the water is in its place
- * at the start. So each particle keeps in `packing`
+ * lattices meet: at an edge of soil phi = sum V W is .8 to 1.2, the more the lower its porosity,
+ * and beside soil, walls or particles of another size the sum that points out of a level surface
+ * (effects/surface.h) is 15 degrees off. Taken for a lack of water, for a surface within the water
+ * and for a slope, that set still water in motion, by 3 to 9 mm/s, and in soil moved more water for
+ * a minute than seeps. But all of the water is in its place at the start. So each particle keeps in
+ * `packing`
  *
- *   0  phi - 1 at the start (inside the water at most PACKING_MOST), but not beside a void,
+ *   0  phi - 1 at the start, but not beside a void,
  *
  *   1 to 3  on a level top of the water, the horizontal part of that sum,
  *
  *   4  the depth of its middle under that top, over half of its size, less 1,
  *
- * and relaxation and surface subtract these from the present sums and depth. As the particle moves
+ *   5  whether it is on a level top, 0 or 1: there the row of the pressure equation is closed by
+ *      what is at rest, whatever its sums lack,
+ *
+ * and in `submerged` its weight as a surface if there is water or wall all around it. Relaxation
+ * and surface subtract these from the present sums, depth and weight. As the particle moves
  * its neighbours change, and what it keeps fades by exp(-distance/(size/4)). */
 #ifndef TOSUI_SPHSOLVE_ISPH_PACKING_H
 #define TOSUI_SPHSOLVE_ISPH_PACKING_H
@@ -25,6 +30,11 @@
 void isph_packing_begin(struct isph *s);
 /* Particle i has moved by `step`, m. */
 void isph_packing_fade(struct isph *s, size_t i, const double step[3]);
+
+/* The surface weight, without that of the initial arrangement. */
+static inline double isph_packing_surface(const struct isph *s, size_t i) {
+  return fmax(0, s->surface[i] - (double)s->submerged[i]);
+}
 
 /* 1 - phi, without the part that is that of the initial arrangement. */
 static inline double isph_packing_deficit(const struct isph *s, size_t i) {

@@ -155,6 +155,9 @@ struct isph {
   double friction;             /* kinetic energy that v* has lost in a step, J (J/m in 2-D) */
   double relaxation_time, dt;  /* s, of the present step */
   double time, viscosity_most; /* s; the largest nu + nu_T of the last step */
+  /* the step whose pressure is that of the first rows is on trial; its length, s: isph/method.c */
+  bool on_trial;
+  double trial_dt;
   double artificial_viscosity; /* m^2/s, lower bound of the eddy viscosity */
   int64_t step;
   struct isph_ending ending;

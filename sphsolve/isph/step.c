@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "common/log.h"
+#include "common/memory.h"
 #include "common/variants.h"
 #include "sphsolve/isph/effects/drag_linear.h"
 #include "sphsolve/isph/effects/surface.h"
@@ -404,11 +405,17 @@ cleanup:
 
 enum status isph_advance(struct isph *s, double dt) {
   enum status status = STATUS_OK;
+  double *tried = NULL;
+  if (s->step == 0 && dt == s->trial_dt && s->on.moving_walls) {
+    TRY(memory_allocate(&tried, s->count, sizeof *tried, "pressure of the first step"));
+    memcpy(tried, s->pressure, s->count * sizeof *tried);
+  }
   TRY(isph_project(s, dt));
   double start = clock_seconds();
   TRY(ranks_agree(check_finite(s)));
   ISPH_HOOK(s, corrected, dt);
   isph_budget_forces(s, dt);
+  if (tried != NULL) memcpy(s->pressure, tried, s->count * sizeof *tried);
   isph_move(s, dt);
   isph_budget_moved(s);
   TRY(isph_remove_outside(s, dt));
@@ -421,5 +428,6 @@ enum status isph_advance(struct isph *s, double dt) {
   isph_budget_settled(s);
   ISPH_HOOK(s, settled, dt);
 cleanup:
+  memory_free(&tried);
   return status;
 }

@@ -69,6 +69,32 @@ for head in heads("piston"):  # 1 ms later, nothing has moved by more than .05 m
 END
 }
 
+@test "a wall that accelerates from rest has its added mass from the first row on" {
+  cat > shaken.cfg << END
+scene = { name = "shaken"; method = "isph"; end_time = "10 ms"; };
+domain = { size = ["1.305 m", "0.42 m"]; spacing = "1.5 cm"; periodic = [false, false]; };
+fluids = ( { name = "water"; density = "1000 kg/m^3"; viscosity = "1e-6 Pa s"; } );
+regions = ( { type = "water"; box = ["0.105 m", "0", "1.305 m", "0.3 m"]; },
+  { type = "wall"; name = "dam"; box = ["0.06 m", "0", "0.105 m", "0.42 m"]; times = ["0 s", "1 s"];
+    velocity = ["0 m/s", "0", "2 m/s", "0"]; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+isph = { wall = { slip = true; }; };
+output = { history_interval = "1e-9 s"; };
+END
+  sphsolve run shaken.cfg -o shaken --quiet
+  /usr/bin/python3 - << 'END'
+# Westergaard 1933, of water that a fixed wall ends: F = 16 rho a h^2 / pi^3 sum coth(k L) / (2 n - 1)^3, k = (2 n - 1) pi / (2 h)
+import math
+import h5py
+a, h, length = 2, 0.3, 1.2
+exact = 16e3 * a * h * h / math.pi ** 3 * sum(1 / math.tanh(n * math.pi * length / (2 * h)) / n ** 3 for n in range(1, 99, 2))
+force = -h5py.File("shaken.hdf")["history/force_dam"][:4, 0] / 0.015
+added = (force - 500 * 9.81 * h * h) / exact
+print(added)
+assert abs(added - 1).max() < 0.04, added  # a row of particles is 5 % of the depth
+END
+}
+
 @test "inflows: room for what comes in, and a row at least" {
   corner='{ type = "inflow"; box = ["0", "0.2 m", "0.01 m", "0.3 m"]; flux = "0.1 m/s"; }'
   taken 1s "$WATER, $corner"
@@ -484,6 +510,31 @@ import json
 mid = json.load(open("falls.json"))["fluxes_m2_per_s"]["mid"]
 assert mid["mean"] - 4.2e-3 > 2 * mid["standard_error"], mid
 assert 0.5 * (mid["mean"] - 4.2e-3) < mid["drift_error"] < 2 * (mid["mean"] - 4.2e-3), mid
+END
+}
+
+@test "a level that rises drifts, whether its gauge is in the water or above it" {
+  cat > rises.cfg <<'END'
+scene = { name = "rises"; method = "isph"; end_time = "10 s"; };
+domain = { size = ["0.6 m", "0.6 m"]; spacing = "2 cm"; periodic = [false, false]; };
+fluids = ( { density = "1000 kg/m^3"; viscosity = "1e-3 Pa s"; } );
+regions = ( { type = "water"; box = ["0", "0", "0.6 m", "0.24 m"]; },
+  { type = "porous"; box = ["0", "0", "0.6 m", "0.6 m"]; porosity = 0.4; permeability = "1 cm/s"; saturated = false; },
+  { type = "inflow"; box = ["0", "0", "2 cm", "0.46 m"]; head = "0.46 m"; } );
+force = { gravity = ["0", "-9.81 m/s^2"]; };
+gauges = ( { name = "low"; at = ["0.3 m", "0.1 m"]; }, { name = "high"; at = ["0.3 m", "0.5 m"]; } );
+output = { history_interval = "0.05 s"; };
+END
+  sphsolve run rises.cfg -o rises --quiet
+  analyze seepage rises.hdf --json > rises.json
+  /usr/bin/python3 - <<'END'
+import h5py, json
+levels = json.load(open("rises.json"))["levels_m"]
+for name in "low", "high":
+    level = h5py.File("rises.hdf")["history/level_" + name][()]
+    rise = level[-1] - level[len(level) // 2]
+    print(name, levels[name], rise)
+    assert rise > 0.02 and rise < levels[name]["drift_error"] < levels[name]["error95"], (name, levels[name], rise)
 END
 }
 

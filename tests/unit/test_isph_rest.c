@@ -20,6 +20,10 @@
   "{ type = \"porous\"; box = [\"" x0 " m\", \"" z0 " m\", \"" x1 " m\", \"" z1                    \
   " m\"]; porosity = " porosity "; permeability = \"" k " m/s\"; },\n"
 
+#define SLOPE(corners, porosity, k)                                                                \
+  "{ type = \"porous\"; corners = [" corners "]; porosity = " porosity "; permeability = \"" k     \
+  " m/s\"; },\n"
+
 static const struct {
   const char *name, *soils;
   bool sealed; /* coarse soil that only clay joins to the surface */
@@ -46,6 +50,20 @@ static const struct {
     {"a bed under open water", SOIL("0", "0", "1", "0.2", "0.4", "1e-3"), false},
     {"two rows of the upper of two soils",
      SOIL("0", "0", "1", "0.46", "0.37", "1e-6") SOIL("0", "0.46", "1", "0.56", "0.54", "1e-4"),
+     false},
+    {"a block of tight soil in open water", SOIL("0.3", "0.1", "0.7", "0.32", "0.26", "1e-3"),
+     false},
+    {"open water beside tight soil", SOIL("0", "0", "0.46", "0.38", "0.25", "1e-3"), false},
+    {"a row of open water over two soils",
+     SOIL("0", "0", "1", "0.2", "0.26", "1e-9") SOIL("0", "0.2", "1", "0.472", "0.337", "6e-4"),
+     false},
+    {"a slope of tight soil",
+     SLOPE("\"0\", \"0\", \"0.73 m\", \"0\", \"0.5 m\", \"0.56 m\", \"0\", \"0.56 m\"", "0.151",
+           "1e-3"),
+     false},
+    {"a bank of tight soil",
+     SLOPE("\"0\", \"0\", \"0.8 m\", \"0\", \"0.3 m\", \"0.44 m\", \"0\", \"0.44 m\"", "0.25",
+           "1e-3"),
      false},
 };
 
@@ -105,6 +123,7 @@ static void disturbed_water_returns_to_rest(void **state) {
     if (grounds[k].sealed) continue;
     begin(&run, k);
     memset(run.s.packing, 0, run.s.count * sizeof *run.s.packing);
+    memset(run.s.submerged, 0, run.s.count * sizeof *run.s.submerged);
     memset(run.s.pressure, 0, run.s.count * sizeof *run.s.pressure);
     for (int step = 0; step < 40; step++)
       assert_int_equal(isph_advance(&run.s, isph_stable_dt(&run.s, &limit)), STATUS_OK);

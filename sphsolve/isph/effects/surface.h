@@ -118,7 +118,9 @@ static inline bool surface_falls(const struct isph *s, size_t i) {
  * sum of the a_ij of its neighbours. A second projection solves for an increment of the pressure,
  * with neither force nor a pressure outside. A drop or a sheet backed by a side with its image
  * (`backed`, 0 .. 1) lies on that side, with few neighbours but all those behind it: its ghost is
- * that of a level surface, which carries it. */
+ * that of a level surface, which carries it. So is the ghost of what began as a level top: over
+ * larger particles, in soil, that may have as few neighbours, and is not at rest with more than
+ * |Q|/d. */
 static inline void surface_row(const struct isph *s, size_t i, double pairs, double backed,
                                double *coefficient, double *load) {
   double w = s->surface[i];
@@ -131,7 +133,8 @@ static inline void surface_row(const struct isph *s, size_t i, double pairs, dou
   isph_packing_void(s, i, m);
   double moment = scale * sqrt(m[0] * m[0] + m[1] * m[1] + m[2] * m[2]);
   double missing = scale * s->slope_sum / (size * size) - pairs;
-  *coefficient = w * fmax(moment / isph_packing_depth(s, i, size), (1 - backed) * missing);
+  *coefficient = w * fmax(moment / isph_packing_depth(s, i, size),
+                          (1 - fmax(backed, (double)s->packing[i][5])) * missing);
   if (s->solve.again) return;
   *load = -w * s->density * scale * (f[0] * m[0] + f[1] * m[1] + f[2] * m[2]);
   if (s->surface_pressure != NULL) *load += *coefficient * s->surface_pressure[i];
