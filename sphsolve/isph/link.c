@@ -241,9 +241,9 @@ void isph_link_predict(struct isph *s, size_t i, const struct isph_links *links,
   const double keeps = fmin(1, fmax(0, 1 - carried / all));
   const double speed = isph_speed_through_soil(s, i);
   const double left = s->drag_factor[i] * (1 + t * s->drag_b[i] * speed);
-  /* What is left of u in v*. Disorder tilts n against the interface's normal: if what the
-   * particle's own drag leaves across that interface were replaced, the velocity along it would
-   * count twice, and grow. */
+  /* What drag has left of u in v*, across the interface of soils and along it; its part along n is
+   * replaced. Disorder tilts n: if only what the drag across the interface left were replaced, the
+   * velocity along coarse soil before fine would in part count twice, and grow in each step. */
   double kept[3] = {left * u[0], left * u[1], left * u[2]};
   if (s->interface != NULL) {
     const struct isph_interface *along = &s->interface[i];
