@@ -40,6 +40,36 @@ static double mean_conductivity(const struct retention_state *i, const struct re
   return far > 0 ? far * df / dh + (1 - far) * near : near;
 }
 
+/* Bounds of the steady flux through any soil whose k increases with h. It is that by suction and
+ * pull times a mean of k along the path, which lies between the k of both ends. And it is on that
+ * side of pull times k to which suction drives, at the upper end as all along: h would not fall or
+ * rise to the other end otherwise. An exponential k oversteps them where k is far from one, as at
+ * the edge of saturation for n < 2. Against gravity the second bound is left out: on it the flux
+ * would not depend on the lower head. */
+static void hold_within_bounds(double conductivity, double distance, double pull, double suction,
+                               const struct retention_state *i, const struct retention_state *j,
+                               struct flux *flux, double *by_distance) {
+  const double sign = i->h > j->h ? 1 : -1, by_i = conductivity / distance * i->k,
+               by_j = -conductivity / distance * j->k, weight = conductivity * pull;
+  const struct flux at_i = {weight * i->k, weight * i->slope, 0},
+                    at_j = {weight * j->k, 0, weight * j->slope};
+  const struct flux alone = pull > 0 ? at_i : at_j, under = pull > 0 ? at_j : at_i,
+                    most = {suction + alone.q, by_i + alone.di, by_j + alone.dj},
+                    least = {suction + under.q, by_i + under.di, by_j + under.dj};
+  const bool steep = sign * pull > 0 && sign * alone.q > sign * least.q;
+  if (sign * flux->q > sign * most.q)
+    *flux = most, *by_distance = -suction / distance;
+  else if (!(sign * flux->q < sign * (steep ? alone.q : least.q)))
+    return;
+  else if (steep) {
+    *flux = alone, *by_distance = 0;
+    /* as of water that stands on it */
+    if (i->h >= 0) flux->di += by_i;
+    if (j->h >= 0) flux->dj += by_j;
+  } else
+    *flux = least, *by_distance = -suction / distance;
+}
+
 /* Flux along a path that is saturated all along, or nowhere; *by_distance: its derivative by the
  * length of the path. */
 static void flux_along(double conductivity, double distance, double pull,
@@ -72,21 +102,24 @@ static void flux_along(double conductivity, double distance, double pull,
                              pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
   *by_distance = conductivity * mean * dh *
                  (pull * rate * pull * rate * along_slope - 1 / (distance * distance));
+  if (pull != 0)
+    hold_within_bounds(conductivity, distance, pull, conductivity * mean * dh / distance, i, j,
+                       flux, by_distance);
 }
 
-/* Where the path is saturated at its lower end only, the length s of its saturated part is that at
- * which both parts carry the same flux; the difference of the two is monotonic in s. */
+/* Where the path is saturated at one end only, the length s of its saturated part is that at which
+ * both parts carry the same flux; the difference of the two is monotonic in s. */
 void flux_in_soil(double conductivity, double distance, double pull,
                   const struct retention_state *i, const struct retention_state *j,
                   struct flux *flux) {
   const struct retention_state *wet = i->h > j->h ? i : j, *dry = i->h > j->h ? j : i;
   const double sign = wet == j ? 1 : -1;
   const struct retention_state table = {.k = 1, .potential = wet->potential - wet->h};
-  double low = 0, high = distance, by_distance, in_wet, fall;
+  double low = 0, high = distance, last = distance, before = distance, by_distance, in_wet, fall;
   struct flux rest;
   /* without gravity it is this; within rounding of an end, there is one part only */
   double s = distance * wet->h / (wet->h + retention_fall(&table, dry));
-  if (!(wet->h > 0 && dry->h < 0 && sign * pull > 0 && s > low && s < high)) {
+  if (!(wet->h > 0 && dry->h < 0 && pull != 0 && s > low && s < high)) {
     flux_along(conductivity, distance, pull, i, j, flux, &by_distance);
     return;
   }
@@ -101,9 +134,11 @@ void flux_in_soil(double conductivity, double distance, double pull,
       high = s;
     fall = conductivity * wet->h + sign * by_distance * s * s;
     double next = s - open * s * s / fall;
-    if (!(next > low && next < high)) next = 0.5 * (low + high);
-    if (fabs(next - s) <= TABLE_ROUNDING * s || round == FACE_ITERATIONS_MAX) break;
-    s = next;
+    if (!(next > low && next < high && fabs(next - s) < 0.5 * before)) next = 0.5 * (low + high);
+    if (fabs(open) <= TABLE_ROUNDING * fabs(in_wet) || fabs(next - s) <= TABLE_ROUNDING * s ||
+        round == FACE_ITERATIONS_MAX)
+      break;
+    before = last, last = fabs(next - s), s = next;
   }
   const double by_dry = wet == j ? rest.di : rest.dj, part = conductivity * wet->h / fall;
   const double dq_dry = part * by_dry, dq_wet = -conductivity * s * by_distance / fall;
@@ -120,7 +155,8 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
   struct flux one, two;
   /* The interface gains water for heads below `low`, and loses water above `high`. */
   double low = fmin(i->h, j->h) - distance * fabs(pull),
-         high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h;
+         high = fmax(i->h, j->h) + distance * fabs(pull), h = i->h > j->h ? i->h : j->h,
+         last = high - low, before = last;
   for (int round = 0; round < FACE_ITERATIONS_MAX; round++) {
     retention_at(soil_i, h, &at_i);
     retention_at(soil_j, h, &at_j);
@@ -132,12 +168,13 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
     else
       high = h;
     double next = fall < 0 ? h - open / fall : NAN;
-    if (!(next > low && next < high)) {
+    /* Bisect where Newton's method leaves the bracket, or goes to and fro in it. */
+    if (!(next > low && next < high && fabs(next - h) < 0.5 * before)) {
       /* Between -1e4 m and 0 bisect the logarithms. */
       next = low < -1e-6 && high < -1e-12 ? -sqrt(low * high) : 0.5 * (low + high);
     }
     if (fabs(next - h) <= 1e-14 * fmax(fabs(h), 1e-6) || open == 0) break;
-    h = next;
+    before = last, last = fabs(next - h), h = next;
   }
   const double fall = one.dj - two.di;
   flux->q = one.q;

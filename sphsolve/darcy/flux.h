@@ -9,12 +9,15 @@
  * Darcy's, and zero for water at rest, whatever the soil. For a soil with exponential k steady flow
  * is exact (exponential fitting of Scharfetter and Gummel 1969; Szymkiewicz 2009 compares means of
  * K). Where gravity outweighs suction over d, k is that upstream, so that no profile oscillates.
- * Where a water table lies between, the soil saturated below it and not above, this holds down to
- * the table, and below it Darcy's law. With a mean r over both parts more water would flow down to
- * a higher head, which by the steady flow between two heads is never so, and soil under which water
- * is perched would have no steady state that Newton's method finds.
+ * Where the soil is saturated at one end only, this holds up to the place where h = 0, and beyond
+ * it Darcy's law. With a mean r over both parts more water would flow down to a higher head, which
+ * by the steady flow between two heads is never so, and soil under which water is perched would
+ * have no steady state that Newton's method finds. The flux is held within the bounds that it has
+ * in any soil (hold_within_bounds): without them that of soil with n < 2 is up to 13 % larger or 15
+ * % smaller than that of saturated soil drained by gravity, at pressure heads within 1 cm of 0.
  * Between two soils the two halves of the path are in series: h at the interface is where both
- * carry the same flux. */
+ * carry the same flux. Where that flux depended on h as it does in no soil, there were several such
+ * h, the flux jumped from one to another, and no heads would balance a site, at any time step. */
 #ifndef TOSUI_SPHSOLVE_DARCY_FLUX_H
 #define TOSUI_SPHSOLVE_DARCY_FLUX_H
 

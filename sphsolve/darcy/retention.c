@@ -136,7 +136,7 @@ static double potential_at(const struct retention *soil, int column, double x) {
 
 void retention_at(const struct retention *soil, double h, struct retention_state *state) {
   const double range = soil->theta_s - soil->theta_r;
-  *state = (struct retention_state){.h = h, .theta = soil->theta_s, .k = 1};
+  *state = (struct retention_state){.h = h, .theta = soil->theta_s, .saturation = 1, .k = 1};
   if (h >= 0) {
     state->potential = soil->full + h;
     state->missing = -h;
@@ -147,6 +147,7 @@ void retention_at(const struct retention *soil, double h, struct retention_state
     *state = (struct retention_state){.h = h,
                                       .theta = soil->theta_r + range * k,
                                       .capacity = range * soil->alpha * k,
+                                      .saturation = k,
                                       .k = k,
                                       .slope = soil->alpha * k,
                                       .potential = k / soil->alpha,
@@ -157,6 +158,7 @@ void retention_at(const struct retention *soil, double h, struct retention_state
   double s, dk;
   at_suction(soil, soil->n * x, &s, &state->k, &dk);
   state->theta = soil->theta_r + range * s;
+  state->saturation = s;
   state->capacity = range * soil->m * soil->n * s / (1 + exp(-soil->n * x)) / -h;
   if (x < soil->first) {
     state->slope = soil->fall * soil->alpha / RETENTION_STRAIGHT;

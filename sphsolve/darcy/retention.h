@@ -36,6 +36,7 @@ struct retention {
 /* State of a place: h and the values there. */
 struct retention_state {
   double h, theta, capacity; /* d theta / d h, 1/m */
+  double saturation;         /* effective, with all digits in dry soil */
   double k, slope;           /* k and dk/dh */
   double potential, missing; /* F; F(0) - F, below 0 under pressure */
 };

@@ -243,14 +243,26 @@ static double head_at_start(const struct richards *s, size_t i) {
   return fmax(h, soil->driest);
 }
 
+/* Whether an inflow has an open face of soil, fills empty space, or feeds a body of water. */
+static bool comes_in(const struct richards *s, const struct region *inflow) {
+  const size_t number = (size_t)(inflow - s->scene->regions);
+  for (size_t e = 0; e < s->edge_count; e++)
+    if (s->edges[e].region == inflow) return true;
+  for (size_t n = 0; n < s->source_count; n++)
+    if (s->sources[n].region == inflow) return true;
+  for (size_t at = 0; at < s->lattice->count && s->open != NULL; at++)
+    if (s->open[at] == number + 1) return true;
+  for (size_t p = 0; p < s->pool_count; p++)
+    for (size_t n = 0; n < s->pools[p].source_count; n++)
+      if (s->sources[s->pools[p].source + n].region == inflow) return true;
+  return false;
+}
+
 /* Refuses an inflow of which walls that cut cells, or later inflows, leave no face open. */
 static enum status check_inflows(const struct richards *s) {
   for (size_t r = 0; r < s->scene->region_count; r++) {
     const struct region *region = &s->scene->regions[r];
-    bool open = region->type != REGION_INFLOW;
-    for (size_t e = 0; e < s->edge_count && !open; e++) open = s->edges[e].region == region;
-    for (size_t n = 0; n < s->source_count && !open; n++) open = s->sources[n].region == region;
-    if (!open)
+    if (region->type == REGION_INFLOW && !comes_in(s, region))
       return FAIL(
           STATUS_INPUT,
           "%s:%d: a wall or a later inflow covers the whole of this inflow, so nothing comes "
@@ -307,12 +319,12 @@ enum status richards_create(const struct scene *scene, const struct lattice *lat
   TRY(memory_allocate(&s->edges, s->edge_count, sizeof *s->edges, "faces to the outside"));
   TRY(memory_allocate(&s->sources, s->source_count, sizeof *s->sources, "faces to the outside"));
   add_faces(s, false);
-  if (s->full) TRY(check_inflows(s));
   s->turned = s->turned || (s->full && s->soil_count > 2);
   TRY(richards_holes_create(s));
   if (s->full) TRY(richards_saturated_bodies(s));
   if (s->turned) TRY(richards_saturated_corners(s));
   TRY(richards_pond_create(s));
+  TRY(check_inflows(s));
   TRY(make_rows(s));
   double **const arrays[] = {&s->h,      &s->water,    &s->before,    &s->target, &s->first,
                              &s->second, &s->residual, &s->term_size, &s->change};

@@ -89,17 +89,11 @@ static void assemble(struct richards *s, double dt) {
  * which gravity's share of a flux counts as much as suction's, m. */
 static double updated_head(const struct retention *soil, const struct retention_state *state,
                            double diagonal, double near, double change) {
-  const double saturation = retention_saturation(soil, state->theta);
+  const double saturation = state->saturation;
   const double range = soil->theta_s - soil->theta_r, fluxes = diagonal - state->capacity;
   const bool dry = saturation < SATURATION_SWITCH;
   if (state->h < 0 && (dry || state->capacity > fluxes)) {
-    double more = state->capacity * change / range;
-    if (fabs(more) < SATURATION_ROUNDING) {
-      /* In the driest soil rounding would change h. But where the fluxes depend on h more than the
-       * storage, as beside a head, such soil has to store what they bring. */
-      more = diagonal * change / range;
-      if (!(more >= SATURATION_ROUNDING)) return state->h;
-    }
+    const double more = state->capacity * change / range;
     const double wanted = fmax(saturation + more, DRIED_SHARE * saturation);
     if (dry || wanted < 1)
       return retention_head(soil, dry ? fmin(wanted, SATURATION_WETTED_MAX) : wanted);

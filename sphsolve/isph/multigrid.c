@@ -128,20 +128,59 @@ static void find_mobilities(const struct isph *s, double cell, double *value) {
   }
 }
 
-/* Mean mobility of the finest cells. */
+/* What a particle fills along one axis, in cells. */
+struct filled {
+  double low, high;
+  int first, last;
+};
+
+static struct filled filled_along(const struct isph *s, size_t i, int a) {
+  const struct isph_multigrid *grid = s->multigrid;
+  const double h = grid->levels.at[0].h[a];
+  const double low = (s->position[i][a] - 0.5 * s->size[i] - grid->origin[a]) / h,
+               high = low + s->size[i] / h;
+  if (!grid->levels.used[a]) return (struct filled){0, 1, 0, 0};
+  return (struct filled){low, high, (int)floor(low), (int)floor(high)};
+}
+
+static double share_in(const struct filled *at, int cell) {
+  return (fmin(at->high, cell + 1) - fmax(at->low, cell)) / (at->high - at->low);
+}
+
+/* The cell of this number along axis a; beyond the grid the one at its end. */
+static size_t cell_within(const struct level *fine, int a, int cell) {
+  const int n = fine->cells[a];
+  if (fine->periodic[a]) return (size_t)((cell % n + n) % n);
+  return (size_t)(cell < 0 ? 0 : cell < n ? cell : n - 1);
+}
+
+/* Mean mobility of the finest cells. A particle counts in all cells that it fills: in soil of
+ * porosity eps its side is spacing/sqrt(eps), in 3-D spacing/cbrt(eps), and many cells hold the
+ * centre of none, which would be holes of the grid where water is. */
 static void find_coefficients(const struct isph *s) {
   struct isph_multigrid *grid = s->multigrid;
   struct level *fine = &grid->levels.at[0];
-  const size_t nx = (size_t)fine->nodes[0], ny = (size_t)fine->nodes[1];
   const double volume = fine->h[0] * fine->h[1] * fine->h[2];
   double *value = s->work[1];
   find_mobilities(s, volume, value);
   const double unit = unit_of(s, value), scale = 1 / unit;
   memset(grid->whole, 0, fine->cell_count * sizeof *grid->whole);
+#pragma omp parallel for schedule(static)
   for (size_t i = s->local.begin; i < s->local.end; i++) {
-    const size_t base = grid->base[i - s->local.begin], row = base / nx;
-    const size_t cell = (row / ny * (size_t)fine->cells[1] + row % ny) * (size_t)fine->cells[0];
-    grid->whole[cell + base % nx] += (int64_t)(scale * value[i]);
+    const struct filled x = filled_along(s, i, 0), y = filled_along(s, i, 1),
+                        z = filled_along(s, i, 2);
+    for (int c = z.first; c <= z.last; c++)
+      for (int b = y.first; b <= y.last; b++) {
+        const double part = scale * value[i] * share_in(&y, b) * share_in(&z, c);
+        const size_t row =
+            (cell_within(fine, 2, c) * (size_t)fine->cells[1] + cell_within(fine, 1, b)) *
+            (size_t)fine->cells[0];
+        for (int k = x.first; k <= x.last; k++) {
+          const int64_t more = (int64_t)(part * share_in(&x, k));
+#pragma omp atomic
+          grid->whole[row + cell_within(fine, 0, k)] += more;
+        }
+      }
   }
   add_up(grid, fine->cell_count, unit, fine->k);
 }

@@ -1,9 +1,9 @@
 /* Preconditioner of the pressure equation on background cells (after an idea of Osaki, Morikawa,
  * Asai 2023): M^-1 r = D^-1 r + P B P^T r, where P is the trilinear interpolation from a grid of
  * about two spacings to the particles and B one symmetric V-cycle for the trilinear finite elements
- * of div k grad on that grid. The elements take their k from the particles in them (at edges of
- * soil from those particles' pairs), so no Galerkin product of the particles' matrix is formed. M
- * is symmetric and positive for any arrangement of water. */
+ * of div k grad on that grid. The elements take their k from the particles that fill them (at edges
+ * of soil from those particles' pairs), so no Galerkin product of the particles' matrix is formed.
+ * M is symmetric and positive for any arrangement of water. */
 #ifndef TOSUI_SPHSOLVE_ISPH_MULTIGRID_H
 #define TOSUI_SPHSOLVE_ISPH_MULTIGRID_H
 

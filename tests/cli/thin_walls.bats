@@ -242,7 +242,7 @@ EOF
   done
 }
 
-@test "darcy: an inflow behind a wedge that covers all of its side is refused, one with a part open is not" {
+@test "darcy, richards: an inflow behind a wedge that covers all of its side is refused, one with a part open is not" {
   cd "$BATS_TEST_TMPDIR"
   cat > wedge.cfg <<'SCENE'
 scene = { name = "wedge"; method = "darcy"; end_time = "1 s"; };
@@ -256,6 +256,11 @@ SCENE
   run sphsolve run wedge.cfg -o wedge
   [ "$status" -ne 0 ]
   [[ "$output" == *"wedge.cfg:5: a wall or a later inflow covers the whole of this inflow"* ]]
+  sed -e 's/method = "darcy"; //' -e 's/head = /pressure_head = /' wedge.cfg > dry.cfg
+  sed -i 's|permeability = "1e-3 m/s";|& van_genuchten = { alpha = "3 1/m"; n = 3.0; }; pressure_head = "-1 m";|' dry.cfg
+  run sphsolve run dry.cfg -o dry
+  [ "$status" -ne 0 ]
+  [[ "$output" == *"dry.cfg:5: a wall or a later inflow covers the whole of this inflow"* ]]
   sed 's/"0", "10 cm"\]; } );/"0", "9 cm"]; } );/' wedge.cfg > open.cfg
   sphsolve run open.cfg -o open
 }

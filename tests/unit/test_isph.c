@@ -505,6 +505,41 @@ static void iterations_stay(void **state) {
   finish(&run);
 }
 
+/* Nor for soil of little porosity, whose particles are larger than the cells of the solver's grid:
+ * water of two levels over soil, in 2-D and in 3-D. */
+static void sparse_soil_is_solved_as_fast(void **state) {
+  (void)state;
+  static const double eps[2] = {0.1, 0.6};
+  for (int deep = 0; deep < 2; deep++) {
+    int sum[2] = {0};
+    for (int k = 0; k < 2; k++) {
+      const char *y = deep ? "\"0.2 m\", " : "", *low = deep ? "\"0\", " : "";
+      struct run run;
+      char text[1200];
+      snprintf(
+          text, sizeof text,
+          "scene = { method = \"isph\"; end_time = \"9 s\"; };\n"
+          "domain = { size = [\"0.4 m\", %s\"0.6 m\"]; spacing = \"2 cm\"; periodic = [false, "
+          "%s false]; };\n"
+          "regions = ( { type = \"water\"; box = [\"0\", %s\"0\", \"0.2 m\", %s\"0.5 m\"]; },\n"
+          "{ type = \"water\"; box = [\"0.2 m\", %s\"0\", \"0.4 m\", %s\"0.4 m\"]; },\n"
+          "{ type = \"porous\"; box = [\"0\", %s\"0\", \"0.4 m\", %s\"0.3 m\"]; porosity = %g; "
+          "permeability = \"1 cm/s\"; } );\n"
+          "force = { gravity = [\"0\", %s\"-9.81 m/s^2\"]; };\n",
+          y, deep ? "false," : "", low, y, low, y, low, y, eps[k], low);
+      start(&run, text);
+      for (int n = 0; n < 10; n++) {
+        assert_int_equal(isph_advance(&run.s, 2e-3), STATUS_OK);
+        sum[k] += run.s.solve.iterations;
+      }
+      finish(&run);
+    }
+    print_message("%d-D: %.1f iterations at a porosity of %g, %.1f at %g\n", 2 + deep, sum[0] / 10.,
+                  eps[0], sum[1] / 10., eps[1]);
+    assert_true(sum[0] < 1.5 * sum[1]);
+  }
+}
+
 /* Nor for soil whose mobility is 1e-10 of the water's beside it; and in it the pressure is as
  * exact, so that what seeps is the same from step to step. */
 static void fine_soil_is_solved_as_fast(void **state) {
@@ -619,6 +654,7 @@ int main(void) {
       cmocka_unit_test(lists_are_complete),
       cmocka_unit_test(iterations_stay),
       cmocka_unit_test(fine_soil_is_solved_as_fast),
+      cmocka_unit_test(sparse_soil_is_solved_as_fast),
       cmocka_unit_test(walls_hold_by_the_law_of_the_wall),
       cmocka_unit_test(tension_presses),
   };

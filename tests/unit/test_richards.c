@@ -201,6 +201,59 @@ static void fluxes(void **state) {
   retention_free(&soil);
 }
 
+/* Wet soil over dry soil of another kind, with n < 2, half a spacing of 5 cm to their interface:
+ * the flux rises with the head of the wet soil and never jumps, and out of full soil it is what
+ * gravity and suction drive through it. */
+static void interfaces(void **state) {
+  (void)state;
+  static const struct region loam = {
+      .porosity = .45,
+      .permeability = 4.6e-7,
+      .retention = {.given = true, .alpha = 3.24, .n = 1.18, .theta_r = .02, .l = .5}};
+  static const struct region clay = {
+      .porosity = .36,
+      .permeability = 1.2e-6,
+      .retention = {.given = true, .alpha = 4.29, .n = 1.14, .theta_r = .035, .l = .5}};
+  static const struct region till = {.porosity = .48,
+                                     .permeability = 1.3e-7,
+                                     .retention = {.given = true,
+                                                   .alpha = 1 / 2.4,
+                                                   .n = 5.18,
+                                                   .k_alpha = 1 / 2.27,
+                                                   .k_n = 6.24,
+                                                   .theta_r = .07}};
+  static const struct region silt = {
+      .porosity = .34,
+      .permeability = 2.75e-6,
+      .retention = {.given = true, .alpha = 8.63, .n = 1.19, .theta_r = .09, .l = .5}};
+  static const struct {
+    const struct region *wet, *dry;
+    double below, from, to;
+  } pairs[] = {{&loam, &clay, -164, -1e-3, 1e-3}, {&till, &silt, -1.66, .1, .2}};
+  for (size_t k = 0; k < sizeof pairs / sizeof *pairs; k++) {
+    struct retention wet, dry;
+    struct retention_state i, j;
+    struct flux flux, other;
+    assert_int_equal(retention_make(pairs[k].wet, &wet), STATUS_OK);
+    assert_int_equal(retention_make(pairs[k].dry, &dry), STATUS_OK);
+    retention_at(&dry, pairs[k].below, &j);
+    const double step = (pairs[k].to - pairs[k].from) / 1000, full = wet.conductivity[2];
+    double last = 0, slope = 0;
+    for (int n = 0; n <= 1000; n++) {
+      const double h = pairs[k].from + n * step;
+      retention_at(&wet, h, &i);
+      flux_between_soils(&wet, &dry, 2, .1, 1, &i, &j, &flux);
+      assert_true(flux.di > 0 && flux.q > last);
+      assert_true(n == 0 || flux.q - last < 1.5 * step * fmax(flux.di, slope));
+      assert_true(h < 0 || flux.q > full * (1 + h / .05) * (1 - 1e-12));
+      flux_between_soils(&dry, &wet, 2, .1, -1, &j, &i, &other);
+      assert_true(fabs(flux.q + other.q) < 1e-9 * flux.q);
+      last = flux.q, slope = flux.di;
+    }
+    retention_free(&wet), retention_free(&dry);
+  }
+}
+
 /* A grid of `side` x `side` whose columns add up to `rest`, steeper one way than the other; the
  * iterations it takes. */
 static int64_t solve_grid(uint32_t side, double rest) {
@@ -884,14 +937,15 @@ static void too_much(void **state) {
 
 int main(void) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(curves),    cmocka_unit_test(haverkamp),   cmocka_unit_test(gardner),
-      cmocka_unit_test(fluxes),    cmocka_unit_test(rows),        cmocka_unit_test(rain),
-      cmocka_unit_test(fills),     cmocka_unit_test(ditch),       cmocka_unit_test(reservoir),
-      cmocka_unit_test(held_back), cmocka_unit_test(meeting),     cmocka_unit_test(sinking),
-      cmocka_unit_test(joined),    cmocka_unit_test(pit),         cmocka_unit_test(stacked),
-      cmocka_unit_test(fed),       cmocka_unit_test(bared),       cmocka_unit_test(walled_side),
-      cmocka_unit_test(coarse),    cmocka_unit_test(wells),       cmocka_unit_test(evaporation),
-      cmocka_unit_test(sorption),  cmocka_unit_test(too_much),    cmocka_unit_test(falling_head),
-      cmocka_unit_test(ponding),   cmocka_unit_test(dry_gardner), cmocka_unit_test(drain_below)};
+      cmocka_unit_test(curves),       cmocka_unit_test(haverkamp),  cmocka_unit_test(gardner),
+      cmocka_unit_test(fluxes),       cmocka_unit_test(interfaces), cmocka_unit_test(rows),
+      cmocka_unit_test(rain),         cmocka_unit_test(fills),      cmocka_unit_test(ditch),
+      cmocka_unit_test(reservoir),    cmocka_unit_test(held_back),  cmocka_unit_test(meeting),
+      cmocka_unit_test(sinking),      cmocka_unit_test(joined),     cmocka_unit_test(pit),
+      cmocka_unit_test(stacked),      cmocka_unit_test(fed),        cmocka_unit_test(bared),
+      cmocka_unit_test(walled_side),  cmocka_unit_test(coarse),     cmocka_unit_test(wells),
+      cmocka_unit_test(evaporation),  cmocka_unit_test(sorption),   cmocka_unit_test(too_much),
+      cmocka_unit_test(falling_head), cmocka_unit_test(ponding),    cmocka_unit_test(dry_gardner),
+      cmocka_unit_test(drain_below)};
   return cmocka_run_group_tests(tests, NULL, NULL);
 }
