@@ -186,7 +186,6 @@ void isph_free(struct isph *s) {
                     &s->boundary_box,
                     &s->sides,
                     &s->columns,
-                    &s->section_room,
                     &s->column_front,
                     &s->soil_offset};
   for (size_t k = 0; k < sizeof blocks / sizeof *blocks; k++) memory_free(blocks[k]);

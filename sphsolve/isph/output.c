@@ -160,8 +160,8 @@ static void walk_columns(struct history_columns *columns, const void *row) {
     if (n > 5) history_number(columns, "m", read[5], "level_%s", name);
   }
   for (size_t k = 0; k < scene->plane_count; k++)
-    history_number(columns, "m^3/s", isph_section_flux(s, &scene->planes[k], s->section_room[k]),
-                   "flux_%s", scene->planes[k].name);
+    history_number(columns, "m^3/s", isph_section_flux(s, &scene->planes[k]), "flux_%s",
+                   scene->planes[k].name);
   for (size_t k = 0; k < s->on.active_count; k++)
     if (s->on.active[k]->columns != NULL) s->on.active[k]->columns(columns, s);
 }

@@ -8,7 +8,6 @@
 #include "sphsolve/isph/outline.h"
 #include "sphsolve/isph/ranks.h"
 #include "sphsolve/isph/particles.h"
-#include "sphsolve/isph/section.h"
 #include "sphsolve/isph/wall.h"
 
 /* Free water has a particle on each site of the lattice. In soil a site holds only the fraction eps
@@ -326,12 +325,6 @@ static enum status find_room(struct isph *s, const struct site *site, void *cont
   return STATUS_OK;
 }
 
-static enum status find_section_room(struct isph *s, const struct site *site, void *context) {
-  (void)context;
-  isph_sections_add(s, site->x, site->volume);
-  return STATUS_OK;
-}
-
 /* All particles have the mass of a site where the porosity is largest: of free water, unless soil
  * fills the domain. */
 enum status isph_choose_mass(struct isph *s, const struct lattice *lattice) {
@@ -370,9 +363,6 @@ enum status isph_place_water(struct isph *s, const struct lattice *lattice) {
   struct filling filling = {.blocks = &blocks};
   const size_t ranks = (size_t)ranks_count(), own = (size_t)ranks_own();
   size_t total = 0;
-  TRY(isph_sections_begin(s));
-  if (isph_fills_room(s)) TRY(for_sites(s, lattice, find_section_room, NULL));
-  if (isph_fills_room(s)) isph_sections_end(s, lattice);
   if (s->on.soil) TRY(make_blocks(s, lattice, &blocks));
   TRY(for_sites(s, lattice, count_free, &total));
   for (size_t b = 0; b < blocks.count; b++)

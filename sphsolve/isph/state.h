@@ -206,9 +206,8 @@ struct isph {
   struct isph_column *columns;
   double *column_front; /* distance of the foremost particle behind the side, 0 .. 1.1 pitches */
   double wall_volume;
-  double room;          /* bulk volume of the water at the start, m^3 (m^2 in 2-D) */
-  double *section_room; /* [scene's planes]: isph/section.h */
-  double mass_ratio;    /* mass of a particle over that of a cube of free water one spacing wide */
+  double room;       /* bulk volume of the water at the start, m^3 (m^2 in 2-D) */
+  double mass_ratio; /* mass of a particle over that of a cube of free water one spacing wide */
   double support_max, support_now; /* the largest possible, and the present largest */
   double soil_porosity_least;
 

@@ -36,9 +36,9 @@ struct run {
   struct isph s;
 };
 
-/* Through a plane at x, as its particles' volumes count, m^3/s. */
+/* Through a plane at x, m^3/s. */
 static inline double flux_at(const struct isph *s, double x) {
-  return isph_section_flux(s, &(struct flux_plane){.axis = 0, .position = x}, 0);
+  return isph_section_flux(s, &(struct flux_plane){.axis = 0, .position = x});
 }
 
 /* Pa. */
