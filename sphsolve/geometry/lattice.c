@@ -306,7 +306,7 @@ static enum status from_domain(const struct scene *scene, int layers, struct lat
   const size_t from = start[ranks_own()], to = start[ranks_own() + 1];
   const size_t plane = lattice->size[0] * lattice->size[1], first = from / plane, end = to / plane;
   find_thin_walls(scene, lattice);
-  bool wall = lattice->boxes != NULL;
+  bool wall = lattice->shapes != NULL;
   /* With all soil saturated first: if that leaves no site empty, there is no free surface and soil
    * stays saturated. */
   if (fill_sites(scene, pad, inner, true, first, end, lattice) && !saturated_by_default(scene))

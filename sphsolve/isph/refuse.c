@@ -30,29 +30,26 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
   return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
 }
 
-/* Refuses the first wall that counts by its outline, with water on both sides, that is too thin;
- * the tips of its boxes do not matter. A circle is a polygon, .3 % narrower beside its corners. */
-static enum status check_outlines(const struct effect_context *context) {
-  const struct scene *scene = context->scene;
-  const double *size = scene->domain_size, least = WALL_THICKNESS_MIN * context->spacing;
+/* Thickness of a wall that counts by the outline of a round polygon, or 0: the row of sites at its
+ * top may be thin, but joins thicker ones. A polygon with corners may be thin at one, and let water
+ * through if that is beside another wall or a side. */
+static double thickness_of_round(const struct effect_context *context, const struct region *wall) {
+  const struct region *whole = &context->scene->regions[wall->first];
   char unused[EFFECT_WHY];
-  for (size_t k = 0; k < scene->region_count && isph_outline_wanted(context, unused); k++) {
-    const struct region *wall = &scene->regions[k];
-    if (wall->first != k || !isph_may_have_outline(scene, wall)) continue;
-    const struct polygon *p = wall->polygon;
-    const double *extent = wall->extent, near = 1e-6 * context->spacing;
-    double thick = polygon_thickness(p, (double[2]){size[p->plane[0]], size[p->plane[1]]});
-    if (scene->dimensions == 3 && extent[p->axis] > near &&
-        extent[p->axis + 3] < size[p->axis] - near)
-      thick = fmin(thick, extent[p->axis + 3] - extent[p->axis]);
-    if (thick < least * (1 - 3e-3))
-      return FAIL(
-          STATUS_INPUT,
-          "%s:%d: a wall %g m thick with water on both sides lets pressure through; make it "
-          "%g m thick, two spacings, or domain.spacing %g m",
-          scene->path, wall->line, thick, least, thick / WALL_THICKNESS_MIN);
-  }
-  return STATUS_OK;
+  if (!isph_may_have_outline(context->scene, wall) || !isph_outline_wanted(context, unused))
+    return 0;
+  const double width = polygon_round_width(whole->polygon), *extent = whole->extent;
+  const int axis = whole->polygon->axis;
+  return context->scene->dimensions == 3 ? fmin(width, extent[axis + 3] - extent[axis]) : width;
+}
+
+/* Whether a wall is a prism of which no site of the lattice is part, between two of them. */
+static bool is_lost(const struct effect_context *context, const struct region *wall) {
+  const struct lattice *l = context->lattice;
+  bool lost = wall->type == REGION_WALL && wall->polygon != NULL && l->region != NULL;
+  for (size_t site = 0; site < l->count && lost; site++)
+    lost = !(l->region[site] > wall->first && l->region[site] <= wall->end);
+  return lost;
 }
 
 /* Refuses the first wall with water on both sides that is too thin. */
@@ -61,20 +58,27 @@ static enum status check_walls(const struct effect_context *context) {
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
   size_t site = 0;
-  char unused[EFFECT_WHY];
-  const bool outlines = isph_outline_wanted(context, unused);
   if (l->boxes != NULL && l->cut != NULL)
     return FAIL(STATUS_INPUT,
                 "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
                 "m thick, two spacings, or domain.spacing %g m",
                 scene->path, l->thinnest, least, l->thinnest / WALL_THICKNESS_MIN);
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *wall = &scene->regions[k];
+    if (wall->first == k && is_lost(context, wall))
+      return FAIL(
+          STATUS_INPUT,
+          "%s:%d: this wall holds no site of the lattice; make it two spacings thick, %g m, "
+          "or use a smaller domain.spacing",
+          scene->path, wall->line, least);
+  }
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {
         const size_t at[3] = {i, j, k};
         if (l->kind[site] != SITE_WALL || l->region == NULL || l->region[site] == 0) continue;
         const struct region *wall = &scene->regions[l->region[site] - 1];
-        if (outlines && isph_may_have_outline(scene, wall)) continue;
+        if (thickness_of_round(context, wall) > least * (1 - 3e-3)) continue; /* of 64 corners */
         for (int a = 0; a < 3; a++) {
           const double thick = wall->box[a + 3] - wall->box[a];
           if (!isph_scene_uses_axis(context, a) || thick > least * (1 - 1e-6) ||
@@ -435,7 +439,6 @@ enum status isph_refuse(const struct effect_context *context) {
   TRY(check_periodic(context));
   TRY(check_soils(context->scene));
   TRY(check_end(context));
-  TRY(check_outlines(context));
   TRY(check_walls(context));
   TRY(check_windows(context));
   for (size_t k = 0; isph_effects[k] != NULL; k++)

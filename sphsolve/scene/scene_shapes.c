@@ -21,7 +21,7 @@
 
 /* Corners of the polygon that represents a circle of the same area. */
 enum { CORNERS_OF_CIRCLE = 64 };
-/* Scan lines per row, or across an edge, and the largest number of bisections of a row in which the
+/* Scan lines per row, and the largest number of bisections of a row in which the
  * polygon branches. */
 enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };
 
@@ -161,47 +161,20 @@ size_t polygon_scan(const struct polygon *p, int w, double v, double at[POLYGON_
 }
 
 /* Neither beside the box along the axes, nor with all of its corners on one side of the edge. */
-static bool is_within(const double x[2], const double size[2]) {
-  const double near = 1e-6 * fmin(size[0], size[1]);
-  return x[0] > near && x[0] < size[0] - near && x[1] > near && x[1] < size[1] - near;
-}
-
-/* Length of the way from x on edge i straight into a polygon, `into`, to its end, if that is at an
- * edge that faces the first within 45 degrees, and INFINITY otherwise. */
-static double way_through(const struct polygon *p, size_t i, const double x[2],
-                          const double into[2]) {
-  double way = INFINITY;
-  bool faces = false;
-  for (size_t j = 0; j < p->count; j++) {
-    const double *c = p->corner[j], *d = p->corner[(j + 1) % p->count];
-    const double from = (c[0] - x[0]) * into[1] - (c[1] - x[1]) * into[0];
-    const double to = (d[0] - x[0]) * into[1] - (d[1] - x[1]) * into[0];
-    if (j == i || (from > 0) == (to > 0)) continue;
-    const double t = from / (from - to);
-    const double at =
-        (c[0] + t * (d[0] - c[0]) - x[0]) * into[0] + (c[1] + t * (d[1] - c[1]) - x[1]) * into[1];
-    if (!(at > 0 && at < way)) continue;
-    way = at;
-    faces = fabs(to - from) > M_SQRT1_2 * hypot(d[0] - c[0], d[1] - c[1]);
-  }
-  return faces ? way : INFINITY;
-}
-
-double polygon_thickness(const struct polygon *p, const double size[2]) {
+double polygon_round_width(const struct polygon *p) {
   double area = 0, least = INFINITY;
   for (size_t i = 0; i < p->count; i++)
     area += cross((double[2]){0}, p->corner[i], p->corner[(i + 1) % p->count]);
-  for (size_t n = 0; n < SCAN_LINES * p->count; n++) {
-    const size_t i = n / SCAN_LINES;
-    const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count],
-                 t = ((double)(n % SCAN_LINES) + 0.5) / SCAN_LINES;
-    const double x[2] = {a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])};
+  for (size_t i = 0; i < p->count; i++) {
+    const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
+    const double *c = p->corner[(i + 2) % p->count];
     const double length = copysign(hypot(b[0] - a[0], b[1] - a[1]), area);
-    const double into[2] = {(a[1] - b[1]) / length, (b[0] - a[0]) / length};
-    const double way = way_through(p, i, x, into);
-    if (way < least && is_within(x, size) &&
-        is_within((double[2]){x[0] + way * into[0], x[1] + way * into[1]}, size))
-      least = way;
+    const double next = hypot(c[0] - b[0], c[1] - b[1]);
+    const double ahead = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
+    double width = 0; /* of the polygon across this edge */
+    if (!(cross(a, b, c) * area > 0 && ahead > M_SQRT1_2 * fabs(length) * next)) return 0;
+    for (size_t j = 0; j < p->count; j++) width = fmax(width, cross(a, b, p->corner[j]) / length);
+    least = fmin(least, width);
   }
   return least;
 }

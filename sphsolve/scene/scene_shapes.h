@@ -21,9 +21,8 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
 size_t polygon_scan(const struct polygon *polygon, int w, double v, double at[POLYGON_CORNERS_MAX]);
 /* Whether any edge may be in the box from..to of the plane, m: false only if none is. */
 bool polygon_may_meet(const struct polygon *polygon, const double from[2], const double to[2]);
-/* Thickness of a polygon, m: the shortest of some ways straight through it from each edge, of those
- * that end at an edge that faces the first within 45 degrees; INFINITY if there is none with both
- * ends inside a domain of this size. */
-double polygon_thickness(const struct polygon *polygon, const double size[2]);
+/* Width of a convex polygon without a corner of less than 135 degrees, as of a circle, across the
+ * edge where it is least, m; 0 for any other polygon. */
+double polygon_round_width(const struct polygon *polygon);
 
 #endif
