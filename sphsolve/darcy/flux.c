@@ -1,6 +1,7 @@
 #include "sphsolve/darcy/flux.h"
 
 #include <math.h>
+#include <stdbool.h>
 
 #include "sphsolve/darcy/constants.h"
 
@@ -72,7 +73,7 @@ static void hold_within_bounds(double conductivity, double distance, double pull
 
 /* Flux along a path that is saturated all along, or nowhere; *by_distance: its derivative by the
  * length of the path. */
-static void flux_along(double conductivity, double distance, double pull,
+static void flux_along(bool held, double conductivity, double distance, double pull,
                        const struct retention_state *i, const struct retention_state *j,
                        struct flux *flux, double *by_distance) {
   const double dh = i->h - j->h, dk = i->k - j->k, df = retention_fall(i, j);
@@ -102,16 +103,17 @@ static void flux_along(double conductivity, double distance, double pull,
                              pull * (mean_j * rest + mean * rest_slope * (dh * rate_j - rate)));
   *by_distance = conductivity * mean * dh *
                  (pull * rate * pull * rate * along_slope - 1 / (distance * distance));
-  if (pull != 0)
+  if (held && pull != 0)
     hold_within_bounds(conductivity, distance, pull, conductivity * mean * dh / distance, i, j,
                        flux, by_distance);
 }
 
-/* Where the path is saturated at one end only, the length s of its saturated part is that at which
- * both parts carry the same flux; the difference of the two is monotonic in s. */
-void flux_in_soil(double conductivity, double distance, double pull,
-                  const struct retention_state *i, const struct retention_state *j,
-                  struct flux *flux) {
+/* Flux along a path in one soil, `held` if it is half of one between two. Where the path is
+ * saturated at its lower end only, and if held at either, the length s of its saturated part is
+ * that at which both parts carry the same flux; the difference of the two is monotonic in s. */
+static void flux_on_path(bool held, double conductivity, double distance, double pull,
+                         const struct retention_state *i, const struct retention_state *j,
+                         struct flux *flux) {
   const struct retention_state *wet = i->h > j->h ? i : j, *dry = i->h > j->h ? j : i;
   const double sign = wet == j ? 1 : -1;
   const struct retention_state table = {.k = 1, .potential = wet->potential - wet->h};
@@ -119,12 +121,12 @@ void flux_in_soil(double conductivity, double distance, double pull,
   struct flux rest;
   /* without gravity it is this; within rounding of an end, there is one part only */
   double s = distance * wet->h / (wet->h + retention_fall(&table, dry));
-  if (!(wet->h > 0 && dry->h < 0 && pull != 0 && s > low && s < high)) {
-    flux_along(conductivity, distance, pull, i, j, flux, &by_distance);
+  if (!(wet->h > 0 && dry->h < 0 && (held ? pull != 0 : sign * pull > 0) && s > low && s < high)) {
+    flux_along(held, conductivity, distance, pull, i, j, flux, &by_distance);
     return;
   }
   for (int round = 0;; round++) {
-    flux_along(conductivity, distance - s, pull, wet == j ? i : &table, wet == j ? &table : j,
+    flux_along(held, conductivity, distance - s, pull, wet == j ? i : &table, wet == j ? &table : j,
                &rest, &by_distance);
     in_wet = conductivity * (pull - sign * wet->h / s);
     const double open = sign * (in_wet - rest.q);
@@ -147,6 +149,12 @@ void flux_in_soil(double conductivity, double distance, double pull,
   flux->dj = wet == j ? dq_wet : dq_dry;
 }
 
+void flux_in_soil(double conductivity, double distance, double pull,
+                  const struct retention_state *i, const struct retention_state *j,
+                  struct flux *flux) {
+  flux_on_path(false, conductivity, distance, pull, i, j, flux);
+}
+
 void flux_between_soils(const struct retention *soil_i, const struct retention *soil_j, int axis,
                         double distance, double pull, const struct retention_state *i,
                         const struct retention_state *j, struct flux *flux) {
@@ -160,8 +168,8 @@ void flux_between_soils(const struct retention *soil_i, const struct retention *
   for (int round = 0; round < FACE_ITERATIONS_MAX; round++) {
     retention_at(soil_i, h, &at_i);
     retention_at(soil_j, h, &at_j);
-    flux_in_soil(soil_i->conductivity[axis], half, pull, i, &at_i, &one);
-    flux_in_soil(soil_j->conductivity[axis], half, pull, &at_j, j, &two);
+    flux_on_path(true, soil_i->conductivity[axis], half, pull, i, &at_i, &one);
+    flux_on_path(true, soil_j->conductivity[axis], half, pull, &at_j, j, &two);
     const double open = one.q - two.q, fall = one.dj - two.di;
     if (open > 0)
       low = h;

@@ -9,15 +9,18 @@
  * Darcy's, and zero for water at rest, whatever the soil. For a soil with exponential k steady flow
  * is exact (exponential fitting of Scharfetter and Gummel 1969; Szymkiewicz 2009 compares means of
  * K). Where gravity outweighs suction over d, k is that upstream, so that no profile oscillates.
- * Where the soil is saturated at one end only, this holds up to the place where h = 0, and beyond
- * it Darcy's law. With a mean r over both parts more water would flow down to a higher head, which
- * by the steady flow between two heads is never so, and soil under which water is perched would
- * have no steady state that Newton's method finds. The flux is held within the bounds that it has
- * in any soil (hold_within_bounds): without them that of soil with n < 2 is up to 13 % larger or 15
- * % smaller than that of saturated soil drained by gravity, at pressure heads within 1 cm of 0.
+ * Where a water table lies between, the soil saturated below it and not above, this holds down to
+ * the table, and below it Darcy's law. With a mean r over both parts more water would flow down to
+ * a higher head, which by the steady flow between two heads is never so, and soil under which water
+ * is perched would have no steady state that Newton's method finds.
+ *
  * Between two soils the two halves of the path are in series: h at the interface is where both
- * carry the same flux. Where that flux depended on h as it does in no soil, there were several such
- * h, the flux jumped from one to another, and no heads would balance a site, at any time step. */
+ * carry the same flux. The flux in a half is held within the bounds that it has in any soil
+ * (hold_within_bounds), and where h = 0 in it, whichever end is saturated, Darcy's law holds
+ * beyond: for n < 2 it is else up to 13 % larger or 15 % smaller than that of saturated soil
+ * drained by gravity, at pressure heads within 1 cm of 0, several h carry the same flux, which
+ * jumps from one to another, and no heads balance a site, at any time step. Within one soil the
+ * bounds would make the flux less smooth, and more steps fail. */
 #ifndef TOSUI_SPHSOLVE_DARCY_FLUX_H
 #define TOSUI_SPHSOLVE_DARCY_FLUX_H
 
