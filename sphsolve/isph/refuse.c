@@ -5,6 +5,7 @@
 #include <math.h>
 
 #include "common/log.h"
+#include "common/memory.h"
 #include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/effects/rain.h"
 #include "sphsolve/isph/effects/wall_outline.h"
@@ -30,70 +31,87 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
   return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
 }
 
-/* Thickness of a wall that counts by the outline of a round polygon, or 0: the row of sites at its
- * top may be thin, but joins thicker ones. A polygon with corners may be thin at one, and let water
- * through if that is beside another wall or a side. */
-static double thickness_of_round(const struct effect_context *context, const struct region *wall) {
-  const struct region *whole = &context->scene->regions[wall->first];
+/* What the lattice and the outlines say of a wall. */
+struct wall_seen {
+  bool held;    /* a site of the lattice is part of it; of a polygon or body, at its first region */
+  double round; /* its thickness, m, if it counts by the outline of a round polygon */
+};
+
+/* The row of sites at the top of a round wall may be thin, but joins thicker ones. A polygon with
+ * corners may be thin at one, and let water through if that is beside another wall or a side. */
+static void see_walls(const struct effect_context *context, struct wall_seen *seen) {
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
   char unused[EFFECT_WHY];
-  if (!isph_may_have_outline(context->scene, wall) || !isph_outline_wanted(context, unused))
-    return 0;
-  const double width = polygon_round_width(whole->polygon), *extent = whole->extent;
-  const int axis = whole->polygon->axis;
-  return context->scene->dimensions == 3 ? fmin(width, extent[axis + 3] - extent[axis]) : width;
+  const bool outlines = isph_outline_wanted(context, unused);
+  for (size_t site = 0; site < l->count; site++)
+    if (l->region[site] > 0) seen[scene->regions[l->region[site] - 1].first].held = true;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *wall = &scene->regions[k];
+    if (wall->first != k || !outlines || !isph_may_have_outline(scene, wall)) continue;
+    seen[k].round = polygon_round_width(wall->polygon);
+    const int axis = wall->polygon->axis;
+    if (scene->dimensions == 3)
+      seen[k].round = fmin(seen[k].round, wall->extent[axis + 3] - wall->extent[axis]);
+  }
 }
 
-/* Whether a wall is a prism of which no site of the lattice is part, between two of them. */
-static bool is_lost(const struct effect_context *context, const struct region *wall) {
+/* Refuses a wall of which a site is part if it is too thin there, with water on both sides. */
+static enum status check_wall_site(const struct effect_context *context, const struct region *wall,
+                                   const size_t at[3]) {
   const struct lattice *l = context->lattice;
-  bool lost = wall->type == REGION_WALL && wall->polygon != NULL && l->region != NULL;
-  for (size_t site = 0; site < l->count && lost; site++)
-    lost = !(l->region[site] > wall->first && l->region[site] <= wall->end);
-  return lost;
+  const double least = WALL_THICKNESS_MIN * context->spacing;
+  for (int a = 0; a < 3; a++) {
+    const double thick = wall->box[a + 3] - wall->box[a];
+    if (!isph_scene_uses_axis(context, a) || thick > least * (1 - 1e-6) || !is_wet(l, at, a, -1))
+      continue;
+    const double rows = fmax(1, round(thick / l->spacing[a]));
+    if (is_wet(l, at, a, rows))
+      return FAIL(STATUS_INPUT,
+                  "%s:%d: a wall %g m thick in %c with water on both sides lets pressure through; "
+                  "make it %g m thick, two spacings, or domain.spacing %g m",
+                  context->scene->path, wall->line, thick, "xyz"[a], least,
+                  thick / WALL_THICKNESS_MIN);
+  }
+  return STATUS_OK;
 }
 
 /* Refuses the first wall with water on both sides that is too thin. */
 static enum status check_walls(const struct effect_context *context) {
+  enum status status = STATUS_OK;
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
+  struct wall_seen *seen = NULL;
+  const double round = least * cos(M_PI / CORNERS_OF_CIRCLE); /* across its edges */
   size_t site = 0;
   if (l->boxes != NULL && l->cut != NULL)
     return FAIL(STATUS_INPUT,
                 "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
                 "m thick, two spacings, or domain.spacing %g m",
                 scene->path, l->thinnest, least, l->thinnest / WALL_THICKNESS_MIN);
+  if (l->region == NULL) return STATUS_OK;
+  TRY(memory_allocate(&seen, scene->region_count, sizeof *seen, "walls"));
+  see_walls(context, seen);
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *wall = &scene->regions[k];
-    if (wall->first == k && is_lost(context, wall))
-      return FAIL(
-          STATUS_INPUT,
-          "%s:%d: this wall holds no site of the lattice; make it two spacings thick, %g m, "
-          "or use a smaller domain.spacing",
-          scene->path, wall->line, least);
+    if (wall->type != REGION_WALL || wall->polygon == NULL || seen[wall->first].held) continue;
+    TRY(FAIL(STATUS_INPUT,
+             "%s:%d: this wall holds no site of the lattice; make it two spacings thick, %g m, or "
+             "use a smaller domain.spacing",
+             scene->path, wall->line, least));
   }
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {
-        const size_t at[3] = {i, j, k};
-        if (l->kind[site] != SITE_WALL || l->region == NULL || l->region[site] == 0) continue;
+        if (l->kind[site] != SITE_WALL || l->region[site] == 0) continue;
         const struct region *wall = &scene->regions[l->region[site] - 1];
-        if (thickness_of_round(context, wall) > least * (1 - 3e-3)) continue; /* of 64 corners */
-        for (int a = 0; a < 3; a++) {
-          const double thick = wall->box[a + 3] - wall->box[a];
-          if (!isph_scene_uses_axis(context, a) || thick > least * (1 - 1e-6) ||
-              !is_wet(l, at, a, -1))
-            continue;
-          const double rows = fmax(1, round(thick / l->spacing[a]));
-          if (is_wet(l, at, a, rows))
-            return FAIL(STATUS_INPUT,
-                        "%s:%d: a wall %g m thick in %c with water on both sides lets pressure "
-                        "through; make it %g m thick, two spacings, or domain.spacing %g m",
-                        scene->path, wall->line, thick, "xyz"[a], least,
-                        thick / WALL_THICKNESS_MIN);
-        }
+        if (seen[wall->first].round >= round) continue;
+        TRY(check_wall_site(context, wall, (size_t[3]){i, j, k}));
       }
-  return STATUS_OK;
+cleanup:
+  memory_free(&seen);
+  return status;
 }
 
 /* Area of an inflow's window, m^2 (m in 2-D): the product of its lengths without the smallest. */

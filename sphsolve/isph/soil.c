@@ -7,6 +7,7 @@
 #include "sphsolve/isph/effects/porosity.h"
 #include "sphsolve/isph/interface.h"
 #include "sphsolve/isph/kernel.h"
+#include "sphsolve/isph/speed_forecast.h"
 
 /* Soil is a property of space: eps = 1 - sum (1 - eps0) s, with s the fraction of soil in a kernel
  * half as wide as that of the water in the least porous soil (M15 section 4 with soil markers in
@@ -122,28 +123,52 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
   return fraction;
 }
 
-/* Fraction of the part of `box` that no soil from region `next` on occupies: S(box) - S(box and
- * next). `next` belongs to another polygon than the box. */
+/* Fraction of the part of `box` that none of what comes after it occupies, from `next` to before
+ * `end`: soils by their region, later ones first, and after all of them the walls at rest, each by
+ * its region and the number of regions. `next` belongs to another polygon than the box. */
 static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box,
-                                          size_t next, double ahead, const double x[3], double h) {
-  for (; next < s->scene->region_count; next++) {
-    const struct region *region = &s->scene->regions[next];
-    if (region->type != REGION_POROUS) continue;
-    if (region->is_part && isph_soil_is_far(s, region->box, next, 2 * h, x)) continue;
-    struct isph_box both = isph_soil_box(s, next, ahead, x);
+                                          size_t next, size_t end, double ahead, const double x[3],
+                                          double h) {
+  const size_t regions = s->scene->region_count;
+  for (; next < end; next++) {
+    const bool wall = next >= regions;
+    const size_t k = wall ? next - regions : next, before = next - k;
+    const struct region *region = &s->scene->regions[k];
+    if (region->type != (wall ? REGION_WALL : REGION_POROUS)) continue;
+    if (k == region->first && isph_soil_is_far(s, region->extent, k, 2 * h, x))
+      next = before + region->end - 1;
+    if (isph_soil_is_far(s, region->box, k, 2 * h, x)) continue;
+    if (wall && isph_region_speed(s->scene, region) > 0) continue;
+    struct isph_box both = isph_soil_box(s, k, ahead, x);
     bool overlap = true;
     for (int a = 0; a < 3; a++) {
       both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
       overlap = overlap && both.low[a] < both.high[a];
     }
     if (overlap) {
-      struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x, h),
-                           taken = fraction_left(s, &both, region->end, ahead, x, h);
+      struct isph_fraction all = fraction_left(s, box, next + 1, end, ahead, x, h);
+      struct isph_fraction taken = fraction_left(s, &both, before + region->end, end, ahead, x, h);
       isph_fraction_add(&all, -1, &taken);
       return all;
     }
   }
   return fraction_of_box(s, box, x, h);
+}
+
+/* Least part of the kernel outside of walls. */
+#define OPEN_LEAST 1e-2
+
+/* The part of the kernel at x that is outside of walls at rest. Fractions of soil are shares of
+ * this part: a wall that ends at a soil, or lies in it, does not thin it. Sets `end` for
+ * fraction_left, which leaves walls alone if there is no such part, or no wall. */
+static double open_part(const struct isph *s, const double x[3], double h, size_t *end) {
+  const struct isph_box all = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
+  const size_t regions = s->scene->region_count;
+  double open = 1;
+  if (s->wall_box_count > 1) open = fraction_left(s, &all, regions, 2 * regions, 0, x, h).value;
+  const bool walled = open < 1 && open > OPEN_LEAST;
+  *end = walled ? 2 * regions : regions;
+  return walled ? open : 1;
 }
 
 /* Porosity functions of M15 eqs. 9c and 9d, without the factors alpha nu / D50^2 and beta / D50. */
@@ -171,6 +196,8 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
   struct isph_soil_mix mix = ISPH_SOIL_MIX;
+  size_t end;
+  const double open = open_part(s, position, h, &end);
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
@@ -182,8 +209,8 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
     struct isph_box box = isph_soil_box(s, k, ahead, position);
     if (fraction_of_box(s, &box, position, h).value <= 0) continue;
     /* A later soil replaces an earlier one. */
-    const struct isph_fraction left = fraction_left(s, &box, region->end, ahead, position, h);
-    const double w = left.value;
+    const struct isph_fraction left = fraction_left(s, &box, region->end, end, ahead, position, h);
+    const double w = left.value / open;
     if (w <= 0) continue;
     const struct isph_material own = isph_material_of(s, region);
     solid += w * (1 - region->porosity);

@@ -19,8 +19,6 @@
 #include "sphsolve/scene/scene_stl.h"
 #include "sphsolve/scene/stl.h"
 
-/* Corners of the polygon that represents a circle of the same area. */
-enum { CORNERS_OF_CIRCLE = 64 };
 /* Scan lines per row, and the largest number of bisections of a row in which the
  * polygon branches. */
 enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };

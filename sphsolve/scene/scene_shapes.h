@@ -14,6 +14,8 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most);
 
+/* Corners of the polygon that represents a circle of the same area. */
+#define CORNERS_OF_CIRCLE 64
 /* Largest number of corners of a polygon. */
 #define POLYGON_CORNERS_MAX 256
 /* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns

@@ -21,6 +21,7 @@
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/output.h"
 #include "sphsolve/isph/refresh.h"
+#include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/step.h"
 #include "tests/unit/isph_scene.h"
 
@@ -312,6 +313,42 @@ static void coarse_soil_before_fine_stays_even(void **state) {
   print_message("across the flow at most %.2f of its velocity\n", worst);
   assert_true(worst < 1);
   finish(&run);
+}
+
+/* Soil that ends at a wall is the same as soil that goes on behind its face, at the surface of soil
+ * beside the wall too; behind a wall that moves there is water. */
+static void walls_do_not_thin_soil(void **state) {
+  (void)state;
+  static const double at[][2] = {{.05, .095}, {.01, .09}, {.102, .1}, {.15, .1}, {.15, .07}};
+  struct soil_point found[3][5];
+  for (int k = 0; k < 3; k++) {
+    struct run run;
+    char text[1024];
+    snprintf(text, sizeof text,
+             "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+             "domain = { size = [\"0.2 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
+             "false]; };\n"
+             "regions = ( { type = \"water\"; box = [\"0\", \"0\", \"0.2 m\", \"0.15 m\"]; },\n"
+             "{ type = \"porous\"; box = [\"0\", \"0\", \"0.2 m\", \"0.1 m\"]; porosity = 0.4; "
+             "grain_size = \"5 mm\"; },\n"
+             "%s { type = \"wall\"; box = [\"0\", \"0.1 m\", \"0.1 m\", \"0.2 m\"]; %s } );\n"
+             "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+             k == 1 ? "{ type = \"porous\"; box = [\"0\", \"0\", \"0.1 m\", \"0.2 m\"]; porosity = "
+                      "0.4; grain_size = \"5 mm\"; },"
+                    : "",
+             k == 2 ? "velocity = [\"0\", \"1 mm/s\"];" : "");
+    start(&run, text);
+    for (int n = 0; n < 5; n++)
+      isph_soil_at(&run.s, (double[3]){at[n][0], 0, at[n][1]}, 0, &found[k][n]);
+    finish(&run);
+  }
+  for (int n = 0; n < 5; n++) {
+    const struct soil_point *here = &found[0][n], *under = &found[1][n];
+    assert_true(fabs(here->porosity - under->porosity) < 1e-9);
+    assert_true(fabs(here->a / under->a - 1) < 1e-9);
+    if (n != 2 && n != 3) assert_true(fabs(here->porosity - 0.4) < 1e-9);
+  }
+  assert_true(found[2][0].porosity > 0.45);
 }
 
 /* A block of soil that moves round a ring takes the water along. */
@@ -639,6 +676,7 @@ int main(void) {
       cmocka_unit_test(moving_soil_carries_water),
       cmocka_unit_test(a_piston_pushes),
       cmocka_unit_test(coarse_soil_before_fine_stays_even),
+      cmocka_unit_test(walls_do_not_thin_soil),
       cmocka_unit_test(planes_count_what_passes),
       cmocka_unit_test(planes_in_soil_count_what_passes),
       cmocka_unit_test(lists_are_complete),

@@ -266,7 +266,7 @@ static double through_walls(double l, double h, double angle, const char *walls)
  * Perrins, McKenzie, McPhedran 1979, as above. */
 static void cylinders(void) {
   static const double cases[][5] = {
-      {2, 6, .13, .37, .015},   {2, 6, .25, .1, .015},    {3, 9, .5, .5, .01},
+      {2, 6, .13, .37, .03},    {2, 6, .25, .1, .03},     {3, 9, .5, .5, .01},
       {6.1, 18, .13, .37, .01}, {4, 12, .13, .37, .02},   {4, 12, .25, .25, .02},
       {4, 12, .4, .1, .02},     {5.5, 16, .07, .31, .01}, {7, 21, .25, .25, .01},
       {8, 24, .4, .1, .01},     {8, 12, .13, .37, .02},   {8, 12, .25, .25, .02}};
