@@ -33,6 +33,7 @@ static void join_pairs(const struct isph *s, uint32_t *above) {
       for (size_t p = s->pair_first[i], n = p + s->pair_number[i]; p < n; p++) {
         uint32_t j = chunk->pair[p] & PAIR_MASK;
         if (j > i && j < s->local.end) continue; /* found from j as well */
+        if (!(chunk->slope[p] > 0)) continue;    /* behind a wall */
         uint32_t a = first_of(above, (uint32_t)i), b = first_of(above, j);
         if (a < b) above[b] = a;
         if (b < a) above[a] = b;

@@ -18,6 +18,8 @@
 #include "sphsolve/isph/moment.h"
 #include "sphsolve/isph/near_surface.h"
 #include "sphsolve/isph/sort.h"
+#include "sphsolve/isph/outline.h"
+#include "sphsolve/isph/sight.h"
 #include "sphsolve/isph/wall.h"
 
 /* Beyond the last pair of a chunk are pairs with particle 0, of no weight, for loops over eight at
@@ -138,11 +140,12 @@ static enum isph_images images_near(const struct isph *s, const double x[3], dou
   return images;
 }
 
-/* Appends the chosen candidates to a list, with their slopes, and adds them to the sums. */
+/* Appends the chosen candidates to a list, with their slopes, and adds them to the sums. Those that
+ * are `hidden` (NULL: none) fill the neighbourhood as images do, with a slope of 0. */
 TARGETS static void add_chosen(const struct isph *s, const struct isph_candidates *c,
                                const uint16_t *chosen, size_t n, const double x[3], double half,
                                uint32_t *entries, float *slopes, double moment[6],
-                               struct neighbourhood *sums) {
+                               struct neighbourhood *sums, const bool *hidden) {
   struct block b;
   for (size_t at = 0; at < n; at += BLOCK) {
     const size_t here = n - at < BLOCK ? n - at : BLOCK;
@@ -152,19 +155,37 @@ TARGETS static void add_chosen(const struct isph *s, const struct isph_candidate
       for (int a = 0; a < 3; a++) b.r[a][k] = x[a] - c->x[a][from];
       b.volume[k] = c->volume[from], b.turned[k] = c->turned[from];
       b.support[k] = half + c->half[from];
+      if (hidden != NULL && hidden[at + k]) b.turned[k] = b.volume[k];
       entries[at + k] = c->entry[from];
-      turned += c->turned[from];
+      turned += b.turned[k];
     }
     add_block(s, &b, here, turned > 0, moment, sums);
     for (size_t k = 0; k < here; k++) slopes[at + k] = (float)b.slope[k];
+    for (size_t k = 0; k < here && hidden != NULL; k++)
+      if (hidden[at + k]) slopes[at + k] = 0;
   }
+}
+
+/* Finds which of the chosen candidates walls hide from particle i; returns whether any wall can. An
+ * outline is not between two points nearer to each other than both to outlines. */
+static bool hide(const struct isph *s, size_t i, const struct isph_screens *screens,
+                 const struct isph_candidates *c, const uint16_t *chosen, size_t n, bool *hidden) {
+  for (size_t k = 0; k < n && screens->count > 0; k++) {
+    const size_t from = chosen[k], j = c->entry[from] & PAIR_MASK;
+    const double y[3] = {c->x[0][from], c->x[1][from], c->x[2][from]};
+    const double clear = s->facing != NULL ? s->facing[i].distance + s->facing[j].distance : 0;
+    const double reach = 0.5 * s->support[i] + c->half[from];
+    hidden[k] = isph_is_hidden(s, screens, s->position[i], y, reach, clear);
+  }
+  return screens->count > 0;
 }
 
 /* Finds neighbours and sums of particle i among the candidates of its group. */
 static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
-                          const struct isph_candidates *water,
-                          const struct isph_candidates *walls) {
+                          const struct isph_candidates *water, const struct isph_candidates *walls,
+                          const struct isph_screens *screens) {
   uint16_t chosen[CANDIDATES_ROOM];
+  bool hidden[CANDIDATES_ROOM];
   const double *xi = s->position[i], hi = s->support[i];
   const uint32_t own = (uint32_t)i | (uint32_t)IMAGE_NONE << PAIR_BITS;
   struct neighbourhood sums = {0};
@@ -178,7 +199,8 @@ static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
   TRY(grow(chunk, &s->on, chunk->pair_count + n, chunk->wall_count));
   s->pair_first[i] = (uint32_t)chunk->pair_count, s->pair_number[i] = (uint16_t)n;
   add_chosen(s, water, chosen, n, xi, 0.5 * hi, chunk->pair + chunk->pair_count,
-             chunk->slope + chunk->pair_count, sums.moment, &sums);
+             chunk->slope + chunk->pair_count, sums.moment, &sums,
+             hide(s, i, screens, water, chosen, n, hidden) ? hidden : NULL);
   chunk->pair_count += n;
   const double of_water = sums.kernel_sum;
 
@@ -187,7 +209,7 @@ static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
   s->wall_first[i] = (uint32_t)chunk->wall_count, s->wall_number[i] = (uint16_t)n;
   if (n > 0)
     add_chosen(s, walls, chosen, n, xi, hi, chunk->wall + chunk->wall_count,
-               chunk->wall_slope + chunk->wall_count, sums.wall_moment, &sums);
+               chunk->wall_slope + chunk->wall_count, sums.wall_moment, &sums, NULL);
   chunk->wall_count += n;
 
   s->kernel_sum[i] = sums.kernel_sum;
@@ -213,6 +235,7 @@ cleanup:
 static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
   enum status status = STATUS_OK;
   struct isph_candidates water, walls;
+  struct isph_screens screens = {0};
   bool alone = false;
   chunk->pair_count = chunk->wall_count = 0;
   walls.count = 0;
@@ -221,7 +244,9 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
     const double *x = s->position[i];
     const bool water_fits = isph_find_candidates(s, &g, false, &water);
     const bool walls_fit = s->boundary_count == 0 || isph_find_candidates(s, &g, true, &walls);
-    if ((!water_fits || !walls_fit) && !alone) {
+    const double reach = 0.5 * (g.support + s->support_now);
+    const bool screens_fit = isph_screens_find(s, g.low, g.high, reach, &screens);
+    if (!(water_fits && walls_fit && screens_fit) && !alone) {
       alone = true;
       continue;
     }
@@ -230,13 +255,13 @@ static enum status search_chunk(struct isph *s, struct isph_chunk *chunk) {
                   "t = %.4g s: more than %d neighbours at (%.4g, %.4g, %.4g) m: "
                   "the particles have clumped; use a smaller isph.dt",
                   s->time, ISPH_CANDIDATES, x[0], x[1], x[2]);
-    if (!walls_fit)
+    if (!walls_fit || !screens_fit)
       return FAIL(STATUS_NUMERIC,
                   "t = %.4g s: more than %d wall particles within the support of %.3g m at (%.4g, "
                   "%.4g, %.4g) m: soil of so low a porosity needs a smaller isph.support_ratio, or "
                   "is a wall",
                   s->time, ISPH_CANDIDATES, s->support[i], x[0], x[1], x[2]);
-    for (; i < g.end; i++) TRY(search(s, chunk, i, &water, &walls));
+    for (; i < g.end; i++) TRY(search(s, chunk, i, &water, &walls, &screens));
   }
   memset(chunk->pair + chunk->pair_count, 0, BEYOND * sizeof *chunk->pair);
   memset(chunk->slope + chunk->pair_count, 0, BEYOND * sizeof *chunk->slope);

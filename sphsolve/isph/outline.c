@@ -125,7 +125,7 @@ static double image_of(const struct isph *s, const struct isph_chunk *chunk, siz
   const size_t j = chunk->pair[p] & PAIR_MASK;
   const struct isph_facing *own = &s->facing[i], *other = &s->facing[j];
   double r[3], turned[3], normal[3], w, slope;
-  if (own->box != other->box) return 0;
+  if (own->box != other->box || !(chunk->slope[p] > 0)) return 0; /* or behind a wall */
   isph_separation(s, s->position[i], s->position, chunk->pair[p], r);
   isph_turn(IMAGES_REFLECTED, s, chunk->pair[p], other->normal, turned);
   const double reach = 0.5 * (s->support[i] + s->support[j]);
