@@ -8,15 +8,13 @@
 #include "common/memory.h"
 #include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/effects/rain.h"
-#include "sphsolve/isph/effects/wall_outline.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/speed_forecast.h"
 #include "sphsolve/isph/window.h"
-#include "sphsolve/scene/scene_shapes.h"
 
-/* Least thickness in spacings of a wall with water on both sides: within a kernel's support
- * pressure acts through it. The support is 2.4 spacings, and particles keep a fifth of one from
- * each face. */
+/* Least thickness in spacings of a wall with water on both sides, under a surface: air or water of
+ * another level behind a thinner one would count as part of the neighbourhood of water that it
+ * hides. The support is 2.4 spacings, and particles keep a fifth of one from each face. */
 #define WALL_THICKNESS_MIN 2.0
 /* Least water that an inflow brings, in spacings: it comes in whole rows of particles, and less
  * than one never comes. */
@@ -31,31 +29,6 @@ static bool is_wet(const struct lattice *l, const size_t at[3], int axis, double
   return l->kind[(x[2] * l->size[1] + x[1]) * l->size[0] + x[0]] == SITE_FLUID;
 }
 
-/* What the lattice and the outlines say of a wall. */
-struct wall_seen {
-  bool held;    /* a site of the lattice is part of it; of a polygon or body, at its first region */
-  double round; /* its thickness, m, if it counts by the outline of a round polygon */
-};
-
-/* The row of sites at the top of a round wall may be thin, but joins thicker ones. A polygon with
- * corners may be thin at one, and let water through if that is beside another wall or a side. */
-static void see_walls(const struct effect_context *context, struct wall_seen *seen) {
-  const struct lattice *l = context->lattice;
-  const struct scene *scene = context->scene;
-  char unused[EFFECT_WHY];
-  const bool outlines = isph_outline_wanted(context, unused);
-  for (size_t site = 0; site < l->count; site++)
-    if (l->region[site] > 0) seen[scene->regions[l->region[site] - 1].first].held = true;
-  for (size_t k = 0; k < scene->region_count; k++) {
-    const struct region *wall = &scene->regions[k];
-    if (wall->first != k || !outlines || !isph_may_have_outline(scene, wall)) continue;
-    seen[k].round = polygon_round_width(wall->polygon);
-    const int axis = wall->polygon->axis;
-    if (scene->dimensions == 3)
-      seen[k].round = fmin(seen[k].round, wall->extent[axis + 3] - wall->extent[axis]);
-  }
-}
-
 /* Refuses a wall of which a site is part if it is too thin there, with water on both sides. */
 static enum status check_wall_site(const struct effect_context *context, const struct region *wall,
                                    const size_t at[3]) {
@@ -68,49 +41,59 @@ static enum status check_wall_site(const struct effect_context *context, const s
     const double rows = fmax(1, round(thick / l->spacing[a]));
     if (is_wet(l, at, a, rows))
       return FAIL(STATUS_INPUT,
-                  "%s:%d: a wall %g m thick in %c with water on both sides lets pressure through; "
-                  "make it %g m thick, two spacings, or domain.spacing %g m",
+                  "%s:%d: a wall %g m thick in %c with water on both sides is too thin under a "
+                  "surface; make it %g m thick, two spacings, or domain.spacing %g m",
                   context->scene->path, wall->line, thick, "xyz"[a], least,
                   thick / WALL_THICKNESS_MIN);
   }
   return STATUS_OK;
 }
 
-/* Refuses the first wall with water on both sides that is too thin. */
+/* Refuses polygons between the sites, of which no particle would be part. */
+static enum status check_walls_held(const struct effect_context *context) {
+  enum status status = STATUS_OK;
+  const struct lattice *l = context->lattice;
+  const struct scene *scene = context->scene;
+  bool *held = NULL; /* whether a site is part of a region, or of the polygon that it begins */
+  if (l->region == NULL) return STATUS_OK;
+  TRY(memory_allocate(&held, scene->region_count, sizeof *held, "walls"));
+  for (size_t site = 0; site < l->count; site++)
+    if (l->region[site] > 0) held[scene->regions[l->region[site] - 1].first] = true;
+  for (size_t k = 0; k < scene->region_count; k++) {
+    const struct region *wall = &scene->regions[k];
+    if (wall->type != REGION_WALL || wall->polygon == NULL || held[wall->first]) continue;
+    TRY(FAIL(STATUS_INPUT,
+             "%s:%d: this wall holds no site of the lattice; make it a spacing thick, %g m, or use "
+             "a smaller domain.spacing",
+             scene->path, wall->line, context->spacing));
+  }
+cleanup:
+  memory_free(&held);
+  return status;
+}
+
+/* Refuses the first wall under a surface with water on both sides that is too thin. */
 static enum status check_walls(const struct effect_context *context) {
   enum status status = STATUS_OK;
   const struct lattice *l = context->lattice;
   const struct scene *scene = context->scene;
   const double least = WALL_THICKNESS_MIN * context->spacing;
-  struct wall_seen *seen = NULL;
-  const double round = least * cos(M_PI / CORNERS_OF_CIRCLE); /* across its edges */
   size_t site = 0;
+  TRY(check_walls_held(context));
+  if (!context->has_surface) return STATUS_OK;
   if (l->boxes != NULL && l->cut != NULL)
     return FAIL(STATUS_INPUT,
-                "%s: a wall %g m thick with water on both sides lets pressure through; make it %g "
-                "m thick, two spacings, or domain.spacing %g m",
+                "%s: a wall %g m thick with water on both sides is too thin under a surface; make "
+                "it %g m thick, two spacings, or domain.spacing %g m",
                 scene->path, l->thinnest, least, l->thinnest / WALL_THICKNESS_MIN);
-  if (l->region == NULL) return STATUS_OK;
-  TRY(memory_allocate(&seen, scene->region_count, sizeof *seen, "walls"));
-  see_walls(context, seen);
-  for (size_t k = 0; k < scene->region_count; k++) {
-    const struct region *wall = &scene->regions[k];
-    if (wall->type != REGION_WALL || wall->polygon == NULL || seen[wall->first].held) continue;
-    TRY(FAIL(STATUS_INPUT,
-             "%s:%d: this wall holds no site of the lattice; make it two spacings thick, %g m, or "
-             "use a smaller domain.spacing",
-             scene->path, wall->line, least));
-  }
   for (size_t k = 0; k < l->size[2]; k++)
     for (size_t j = 0; j < l->size[1]; j++)
       for (size_t i = 0; i < l->size[0]; i++, site++) {
-        if (l->kind[site] != SITE_WALL || l->region[site] == 0) continue;
+        if (l->kind[site] != SITE_WALL || l->region == NULL || l->region[site] == 0) continue;
         const struct region *wall = &scene->regions[l->region[site] - 1];
-        if (seen[wall->first].round >= round) continue;
         TRY(check_wall_site(context, wall, (size_t[3]){i, j, k}));
       }
 cleanup:
-  memory_free(&seen);
   return status;
 }
 

@@ -19,6 +19,8 @@
 #include "sphsolve/scene/scene_stl.h"
 #include "sphsolve/scene/stl.h"
 
+/* Corners of the polygon that represents a circle of the same area. */
+enum { CORNERS_OF_CIRCLE = 64 };
 /* Scan lines per row, and the largest number of bisections of a row in which the
  * polygon branches. */
 enum { SCAN_LINES = 8, BISECTIONS_MAX = 3 };
@@ -159,24 +161,6 @@ size_t polygon_scan(const struct polygon *p, int w, double v, double at[POLYGON_
 }
 
 /* Neither beside the box along the axes, nor with all of its corners on one side of the edge. */
-double polygon_round_width(const struct polygon *p) {
-  double area = 0, least = INFINITY;
-  for (size_t i = 0; i < p->count; i++)
-    area += cross((double[2]){0}, p->corner[i], p->corner[(i + 1) % p->count]);
-  for (size_t i = 0; i < p->count; i++) {
-    const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
-    const double *c = p->corner[(i + 2) % p->count];
-    const double length = copysign(hypot(b[0] - a[0], b[1] - a[1]), area);
-    const double next = hypot(c[0] - b[0], c[1] - b[1]);
-    const double ahead = (b[0] - a[0]) * (c[0] - b[0]) + (b[1] - a[1]) * (c[1] - b[1]);
-    double width = 0; /* of the polygon across this edge */
-    if (!(cross(a, b, c) * area > 0 && ahead > M_SQRT1_2 * fabs(length) * next)) return 0;
-    for (size_t j = 0; j < p->count; j++) width = fmax(width, cross(a, b, p->corner[j]) / length);
-    least = fmin(least, width);
-  }
-  return least;
-}
-
 bool polygon_may_meet(const struct polygon *p, const double from[2], const double to[2]) {
   for (size_t i = 0; i < p->count; i++) {
     const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];

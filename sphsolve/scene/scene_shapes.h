@@ -14,8 +14,6 @@ enum status scene_read_shape(struct config *config, config_node *group, const st
 enum status scene_cut_shapes(struct config *config, config_node *list, struct scene *scene,
                              size_t most);
 
-/* Corners of the polygon that represents a circle of the same area. */
-#define CORNERS_OF_CIRCLE 64
 /* Largest number of corners of a polygon. */
 #define POLYGON_CORNERS_MAX 256
 /* Intersections of the edges with the line where coordinate `w` of the plane is v, sorted; returns
@@ -23,8 +21,5 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
 size_t polygon_scan(const struct polygon *polygon, int w, double v, double at[POLYGON_CORNERS_MAX]);
 /* Whether any edge may be in the box from..to of the plane, m: false only if none is. */
 bool polygon_may_meet(const struct polygon *polygon, const double from[2], const double to[2]);
-/* Width of a convex polygon without a corner of less than 135 degrees, as of a circle, across the
- * edge where it is least, m; 0 for any other polygon. */
-double polygon_round_width(const struct polygon *polygon);
 
 #endif
