@@ -20,7 +20,7 @@ enum status isph_boundary_add(struct isph *s, size_t *capacity, const double x[3
       status = memory_resize(&s->boundary_kind, n, sizeof *s->boundary_kind, "walls");
     if (status == STATUS_OK)
       status = memory_resize(&s->boundary_box, n, sizeof *s->boundary_box, "walls");
-    if (status == STATUS_OK && (s->on.open_sides || s->on.outlines))
+    if (status == STATUS_OK && (s->on.open_sides || s->wall_box_count > 1))
       status = memory_resize(&s->boundary_volume, n, sizeof *s->boundary_volume, "walls");
     if (status != STATUS_OK) return status;
     *capacity = n;

@@ -94,6 +94,21 @@ static bool is_in(const struct isph_box *box, const double x[3]) {
   return true;
 }
 
+/* The place of x, or if a box holds it, the nearest on its faces. */
+static void out_of(const struct isph_box *box, const double x[3], double place[3]) {
+  double least = INFINITY;
+  int axis = 0;
+  for (int a = 0; a < 3; a++) {
+    const double off = fmin(x[a] - box->low[a], box->high[a] - x[a]);
+    place[a] = x[a];
+    if (off < least) least = off, axis = a;
+  }
+  const double low = box->low[axis], high = box->high[axis], x_axis = x[axis];
+  if (is_in(box, x))
+    place[axis] =
+        x_axis - low < high - x_axis ? nextafter(low, -INFINITY) : nextafter(high, INFINITY);
+}
+
 /* x in the plane of the polygon of a screen. */
 static void in_plane(const struct isph_screen *screen, const double x[3], double at[2]) {
   const struct isph_wall_box *wall = screen->wall;
@@ -104,15 +119,23 @@ static void in_plane(const struct isph_screen *screen, const double x[3], double
   }
 }
 
-/* Whether a wall is between x and y, of which its box holds neither; sets `middle` to that of the
- * part of the line in its box. */
+/* Whether a wall is between x and y; sets `middle` to that of the part of the line in its box. A
+ * point in a box counts as at its nearest face. */
 static bool is_between(const struct isph_screen *screen, const double x[3], const double y[3],
                        double middle[3]) {
-  const double step[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]};
+  const struct isph_box *box = &screen->box;
+  double step[3] = {y[0] - x[0], y[1] - x[1], y[2] - x[2]}, begin[3] = {x[0], x[1], x[2]};
   double from = 0, to = 1, at[2], along[2];
-  if (!isph_box_clip(&screen->box, x, step, &from, &to)) return false;
-  for (int a = 0; a < 3; a++) middle[a] = x[a] + 0.5 * (from + to) * step[a];
-  if (screen->wall->outline == NULL) return !is_in(&screen->box, x) && !is_in(&screen->box, y);
+  if (!isph_box_clip(box, x, step, &from, &to)) return false;
+  if (screen->wall->outline == NULL && (is_in(box, x) || is_in(box, y))) {
+    double end[3];
+    out_of(box, x, begin), out_of(box, y, end);
+    for (int a = 0; a < 3; a++) step[a] = end[a] - begin[a];
+    from = 0, to = 1;
+    if (!isph_box_clip(box, begin, step, &from, &to)) return false;
+  }
+  for (int a = 0; a < 3; a++) middle[a] = begin[a] + 0.5 * (from + to) * step[a];
+  if (screen->wall->outline == NULL) return true;
   in_plane(screen, x, at), in_plane(screen, y, along);
   for (int c = 0; c < 2; c++) along[c] -= at[c];
   return crosses(screen->wall->outline, at, along, from, to);

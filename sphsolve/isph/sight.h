@@ -27,8 +27,8 @@ struct isph_screens {
 bool isph_screens_find(const struct isph *s, const double low[3], const double high[3],
                        double reach, struct isph_screens *screens);
 /* Whether one of them is between x and y, and the way around one edge of it is longer than `reach`
- * or meets another wall; the same for y and x. A box that holds x or y hides nothing, nor an
- * outline if x and y are nearer to each other than `clear`. */
+ * or meets another wall; the same for y and x. An outline hides nothing if x and y are nearer to
+ * each other than `clear`. */
 bool isph_is_hidden(const struct isph *s, const struct isph_screens *screens, const double x[3],
                     const double y[3], double reach, double clear);
 

@@ -198,7 +198,7 @@ struct isph {
   size_t boundary_count;
   double (*boundary_position)[3];
   double *boundary_pressure; /* open sides of given head; NULL without any */
-  double *boundary_volume;   /* NULL without open sides and outlines: all have wall_volume */
+  double *boundary_volume;   /* NULL without open sides and wall boxes: all have wall_volume */
   uint8_t *boundary_kind;
   uint16_t *boundary_box; /* wall box, or open side */
   size_t side_count, column_count;

@@ -92,11 +92,12 @@ enum status isph_wall_fill_box(struct isph *s, size_t index, size_t *capacity) {
   const struct isph_wall_box *box = &s->wall_boxes[index];
   if (box->outline != NULL) return fill_outline(s, index, capacity);
   int n[3];
-  double pitch[3];
+  double pitch[3], volume = 1;
   for (int a = 0; a < 3; a++) {
     n[a] =
         isph_uses_axis(s, a) ? (int)fmax(1, round((box->high[a] - box->low[a]) / s->spacing)) : 1;
     pitch[a] = (box->high[a] - box->low[a]) / n[a];
+    if (isph_uses_axis(s, a)) volume *= pitch[a];
   }
   for (int k = 0; k < n[2]; k++)
     for (int j = 0; j < n[1]; j++)
@@ -110,8 +111,7 @@ enum status isph_wall_fill_box(struct isph *s, size_t index, size_t *capacity) {
         for (size_t later = index + 1; later < s->wall_box_count; later++)
           taken = taken || in_box(s, &s->wall_boxes[later], x);
         if (taken) continue;
-        enum status status =
-            isph_boundary_add(s, capacity, x, BOUNDARY_WALL, index, s->wall_volume);
+        enum status status = isph_boundary_add(s, capacity, x, BOUNDARY_WALL, index, volume);
         if (status != STATUS_OK) return status;
       }
   return STATUS_OK;

@@ -10,17 +10,18 @@
 /* Soil between two heads, and the walls across it. */
 static void begin_between_heads(struct run *run, const char *walls) {
   char text[2048];
-  snprintf(text, sizeof text,
-           "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
-           "domain = { size = [\"0.4 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
-           "false]; };\n"
-           "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.2 m\"]; porosity "
-           "= 0.4; permeability = \"1e-4 m/s\"; },\n"
-           "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 mm\", \"0.2 m\"]; head = \"0.5 m\"; },\n"
-           "{ type = \"inflow\"; box = [\"399 mm\", \"0\", \"0.4 m\", \"0.2 m\"]; head = \"0.4 m\"; "
-           "},\n%s );\n"
-           "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
-           walls);
+  snprintf(
+      text, sizeof text,
+      "scene = { method = \"isph\"; end_time = \"1 s\"; };\n"
+      "domain = { size = [\"0.4 m\", \"0.2 m\"]; spacing = \"1 cm\"; periodic = [false, "
+      "false]; };\n"
+      "regions = ( { type = \"porous\"; box = [\"0\", \"0\", \"0.4 m\", \"0.2 m\"]; porosity "
+      "= 0.4; permeability = \"1e-4 m/s\"; },\n"
+      "{ type = \"inflow\"; box = [\"0\", \"0\", \"1 mm\", \"0.2 m\"]; head = \"0.5 m\"; },\n"
+      "{ type = \"inflow\"; box = [\"399 mm\", \"0\", \"0.4 m\", \"0.2 m\"]; head = \"0.4 m\"; "
+      "},\n%s );\n"
+      "force = { gravity = [\"0\", \"-9.81 m/s^2\"]; };\n",
+      walls);
   start(run, text);
 }
 
@@ -41,7 +42,8 @@ static void walls_let_nothing_through(void **state) {
                                    "cm\", \"15 cm\", \"15 cm\""),
       BOX(194, 0, 196, 200),
       BOX(190, 0, 192, 100) ", " BOX(192, 100, 300, 102) ", " BOX(300, 100, 302, 200),
-      CORNERS("\"10 cm\", \"0\", \"10.2 cm\", \"0\", \"30.2 cm\", \"20 cm\", \"30 cm\", \"20 cm\"")};
+      CORNERS(
+          "\"10 cm\", \"0\", \"10.2 cm\", \"0\", \"30.2 cm\", \"20 cm\", \"30 cm\", \"20 cm\"")};
   const double open = 1e-4 * 0.1 / 0.4 * 0.2 * 0.01;
   for (size_t n = 0; n < sizeof walls / sizeof *walls; n++) {
     struct run run;
