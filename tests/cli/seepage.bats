@@ -618,22 +618,21 @@ END
   for name in pile fine; do analyze seepage $name.hdf --json > $name.json; done
   /usr/bin/python3 - <<'END'
 import json
-off = {}
+told = {}
 # Four particles and eight are under the wall; beside it sloshing was three times as much as the flux.
-for name, most, bar in ("fine", 0.02, 0.03), ("pile", 0.035, 0.06):
+for name, most, bar in ("fine", 0.02, 0.03), ("pile", 0.025, 0.05):
     run = json.load(open(name + ".json"))
     # Finite volumes of 10 to 1.25 cm, extrapolated by the 4/3 of a corner of 270 degrees: 5.0468, 5.0478, 5.0480e-5. The same
     # program is within .02 % of K'/2K of a thin sheet pile (Harr 1962).
     exact = 5.048e-5 / 0.6 * run["head_drop_m"]
     tip, net = run["fluxes_m2_per_s"]["tip"], run["flow_m2_per_s"]
-    off[name] = abs(tip["mean"] / exact - 1), tip["error95"] / exact
-    assert off[name][0] < most, (name, tip)
-    assert tip["in_soil"] and run["through"]["plane"] == "tip" and off[name][0] < off[name][1] < bar, (name, tip)
+    off, told[name] = abs(tip["mean"] / exact - 1), tip["error95"] / exact
+    assert off < most, (name, tip)
+    assert tip["in_soil"] and run["through"]["plane"] == "tip" and off < told[name] < bar, (name, tip)
     assert abs(tip["darcy"] / exact - 1) < 0.01, (name, tip)
     assert abs(net - exact) < run["flow_error95_m2_per_s"] < 0.2 * net, (name, net, exact, run["flow_error95_m2_per_s"])
-    assert name == "fine" or 0.03 * net < abs(net - exact)
-# At half the spacing both the error and the error told are less than half of those.
-assert all(fine < 0.5 * pile for fine, pile in zip(off["fine"], off["pile"])), off
+    assert abs(net - exact) < 0.03 * exact, (name, net, exact)
+assert told["fine"] < 0.5 * told["pile"], told
 # Water passes a layer of 1 m on its way down and up, and not the 6 m from side to side.
 assert 0.04 < json.load(open("foretold.json"))["expected_error"] < 0.07
 END
