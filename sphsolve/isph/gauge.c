@@ -5,6 +5,7 @@
 
 #include "sphsolve/isph/kernel.h"
 #include "sphsolve/isph/ranks.h"
+#include "sphsolve/isph/sight.h"
 #include "sphsolve/isph/wall.h"
 #include "sphsolve/isph/window.h"
 #include "sphsolve/isph/constants.h"
@@ -99,6 +100,15 @@ static double scaled_separation(const struct isph *s, size_t i, const struct isp
  * of particles of a tip. */
 #define FIT_BEYOND 40
 
+/* Whether a wall hides the image at r, in units of its support, of particle i from a point. */
+static bool is_hidden(const struct isph *s, const struct isph_screens *screens, size_t i,
+                      const double point[3], const double r[3]) {
+  const double reach = s->support[i];
+  double x[3];
+  for (int a = 0; a < 3; a++) x[a] = point[a] + reach * r[a];
+  return isph_is_hidden(s, screens, point, x, reach, 0);
+}
+
 /* Pressure and velocity by moving least squares, exact for linear fields; 0 where there is no
  * water, or only to one side and thinner than it is far away. */
 static void fit(const struct isph *s, const double point[3], double value[4]) {
@@ -108,6 +118,8 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
   const int axis[3] = {0, s->dimensions == 3 ? 1 : 2, 2}, n = s->dimensions == 3 ? 4 : 3;
   struct isph_image image[8];
   const int images = images_at(s, point, image);
+  struct isph_screens screens; /* where there are too many for it, the lists of neighbours fail */
+  isph_screens_find(s, point, point, s->support_now, &screens);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++) {
     double sum[COUNT] = {0};
@@ -116,7 +128,7 @@ static void fit(const struct isph *s, const double point[3], double value[4]) {
       const size_t i = first + k / (size_t)images;
       const struct isph_image *of = &image[k % (size_t)images];
       double r[3], w, slope, length = scaled_separation(s, i, of, point, r);
-      if (length >= 1 || is_open(s, i, of)) continue;
+      if (length >= 1 || is_open(s, i, of) || is_hidden(s, &screens, i, point, r)) continue;
       isph_kernel(s->scene->isph.kernel, s->dimensions, length, 1, &w, &slope);
       const double *v = s->velocity[i], *x = s->position[i];
       double basis[4] = {1}, values[VALUES] = {s->pressure[i], v[0], v[1], v[2]};
