@@ -171,11 +171,10 @@ TARGETS static void add_chosen(const struct isph *s, const struct isph_candidate
 static bool hide(const struct isph *s, size_t i, const struct isph_screens *screens,
                  const struct isph_candidates *c, const uint16_t *chosen, size_t n, bool *hidden) {
   for (size_t k = 0; k < n && screens->count > 0; k++) {
-    const size_t from = chosen[k], j = c->entry[from] & PAIR_MASK;
-    const double y[3] = {c->x[0][from], c->x[1][from], c->x[2][from]};
+    const size_t j = c->entry[chosen[k]] & PAIR_MASK;
+    const double reach = 0.5 * s->support[i] + c->half[chosen[k]];
     const double clear = s->facing != NULL ? s->facing[i].distance + s->facing[j].distance : 0;
-    const double reach = 0.5 * s->support[i] + c->half[from];
-    hidden[k] = isph_is_hidden(s, screens, s->position[i], y, reach, clear);
+    hidden[k] = isph_pair_is_hidden(s, screens, i, c->entry[chosen[k]], reach, clear);
   }
   return screens->count > 0;
 }

@@ -7,6 +7,7 @@
 #include <math.h>
 
 #include "sphsolve/isph/constants.h"
+#include "sphsolve/isph/images.h"
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/vector.h"
 
@@ -192,14 +193,20 @@ static bool leads(const struct isph_screens *screens, const double x[3], const d
   return true;
 }
 
-bool isph_is_hidden(const struct isph *s, const struct isph_screens *screens, const double x[3],
-                    const double y[3], double reach, double clear) {
+/* Whether x comes before y in the order of their coordinates. */
+static bool precedes(const double x[3], const double y[3]) {
   int first = 0;
   while (first < 2 && x[first] == y[first]) first++;
-  const double *from = x[first] > y[first] ? y : x, *to = x[first] > y[first] ? x : y;
+  return x[first] < y[first];
+}
+
+bool isph_is_hidden(const struct isph *s, const struct isph_screens *screens, const double x[3],
+                    const double y[3], double reach, double clear) {
+  const double *from = precedes(y, x) ? y : x, *to = precedes(y, x) ? x : y;
   const double step[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
   const bool passes = dot(step, step) < clear * clear; /* outlines */
   const double gap = 0.5 * WALL_GUARD * s->spacing;
+  bool any = false;
   for (size_t n = 0; n < screens->count; n++) {
     const struct isph_screen *screen = &screens->of[n];
     double around[3];
@@ -209,7 +216,25 @@ bool isph_is_hidden(const struct isph *s, const struct isph_screens *screens, co
       to_corner(screen, gap, around);
     else
       to_edge(s, &screen->box, gap, around);
-    return !leads(screens, from, around, to, reach);
+    if (leads(screens, from, around, to, reach)) return false;
+    any = true;
   }
-  return false;
+  return any;
+}
+
+/* Across sides, the pair is looked at from the particle that precedes the other. */
+bool isph_pair_is_hidden(const struct isph *s, const struct isph_screens *screens, size_t i,
+                         uint32_t entry, double reach, double clear) {
+  const uint32_t code = entry >> PAIR_BITS, digit[3] = {code % 3, code / 3 % 3, code / 9};
+  const double *x = s->position[i], *y = s->position[entry & PAIR_MASK];
+  const bool back = code != IMAGE_NONE && precedes(y, x);
+  struct isph_screens there;
+  uint32_t seen = 0, scale = 1; /* code of the image of the other particle */
+  double image[3];
+  for (int a = 0; a < 3; a++, scale *= 3)
+    seen += scale * (back && s->image[code].turn[a] > 0 ? 2 - digit[a] : digit[a]);
+  const double *from = back ? y : x, *to = back ? x : y;
+  for (int a = 0; a < 3; a++) image[a] = to[a] * s->image[seen].turn[a] + s->image[seen].shift[a];
+  if (back && !isph_screens_find(s, from, from, reach, &there)) return false;
+  return isph_is_hidden(s, back ? &there : screens, from, image, reach, clear);
 }

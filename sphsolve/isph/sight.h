@@ -27,9 +27,13 @@ struct isph_screens {
 bool isph_screens_find(const struct isph *s, const double low[3], const double high[3],
                        double reach, struct isph_screens *screens);
 /* Whether one of them is between x and y, and the way around one edge of it is longer than `reach`
- * or meets another wall; the same for y and x. An outline hides nothing if x and y are nearer to
- * each other than `clear`. */
+ * or meets another wall; the same to the bit for y and x. An outline hides nothing if x and y are
+ * nearer to each other than `clear`. */
 bool isph_is_hidden(const struct isph *s, const struct isph_screens *screens, const double x[3],
                     const double y[3], double reach, double clear);
+/* The same for particle i, near whose group the walls are, and the neighbour of a pair entry; from
+ * both it is the same to the bit, or the pressure matrix would not be symmetric. */
+bool isph_pair_is_hidden(const struct isph *s, const struct isph_screens *screens, size_t i,
+                         uint32_t entry, double reach, double clear);
 
 #endif
