@@ -122,9 +122,28 @@ static void fit_box(const struct isph *s, const struct lattice *lattice, struct 
   }
 }
 
-/* Whether an outline divides the cell of a site in soil. */
+/* Whether a box of a wall is a part of a site's cell. */
+static bool is_cut_by_box(const struct isph *s, const struct site *site) {
+  const double near = 1e-6 * s->spacing;
+  for (size_t b = 1; b < s->wall_box_count; b++) {
+    const struct isph_wall_box *wall = &s->wall_boxes[b];
+    bool meets = !wall->region->is_part, covers = true;
+    for (int a = 0; a < 3 && meets; a++) {
+      if (!isph_uses_axis(s, a)) continue;
+      const double low = site->x[a] - 0.5 * site->width[a], high = low + site->width[a];
+      meets = wall->low[a] < high - near && wall->high[a] > low + near;
+      covers = covers && wall->low[a] < low + near && wall->high[a] > high - near;
+    }
+    if (meets && !covers) return true;
+  }
+  return false;
+}
+
+/* Whether a wall divides the cell of a site in soil without a surface. */
 static bool is_cut(const struct isph *s, const struct site *site) {
-  if (!s->on.outlines || !(site->porosity < 1)) return false;
+  if (s->on.surface || !(site->porosity < 1)) return false;
+  if (is_cut_by_box(s, site)) return true;
+  if (!s->on.outlines) return false;
   const struct isph_facing facing = isph_outline_facing(s, site->x);
   return facing.box > 0 && fabs(facing.distance) < 0.5 * sqrt(s->dimensions) * s->spacing;
 }
