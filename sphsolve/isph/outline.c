@@ -9,8 +9,7 @@
 #include "sphsolve/isph/vector.h"
 
 bool isph_may_have_outline(const struct scene *scene, const struct region *region) {
-  const struct region *first = &scene->regions[region->first];
-  return region->type == REGION_WALL && first->polygon != NULL && !first->filled;
+  return region->type == REGION_WALL && scene->regions[region->first].polygon != NULL;
 }
 
 bool isph_has_outline(const struct isph *s, const struct region *region) {

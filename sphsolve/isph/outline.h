@@ -26,8 +26,7 @@ struct isph_facing {
   double distance, normal[3]; /* of its outline; into the water */
 };
 
-/* Whether a region is a wall that may count by the outline of its polygon, and whether it does.
- * Where a polygon is thinner than the spacing, it does not. */
+/* Whether a region is a wall that may count by the outline of its polygon, and whether it does. */
 bool isph_may_have_outline(const struct scene *scene, const struct region *region);
 bool isph_has_outline(const struct isph *s, const struct region *region);
 /* Distance from x to the outline of a box that has one, negative inside, and the normal there.

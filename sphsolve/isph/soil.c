@@ -123,31 +123,23 @@ static struct isph_fraction fraction_of_box(const struct isph *s, const struct i
   return fraction;
 }
 
-/* Fraction of the part of `box` that none of what comes after it occupies, from `next` to before
- * `end`: soils by their region, later ones first, and after all of them the walls at rest, each by
- * its region and the number of regions. `next` belongs to another polygon than the box. */
+/* Fraction of the part of `box` that no soil from region `next` on occupies: S(box) - S(box and
+ * next). `next` belongs to another polygon than the box. */
 static struct isph_fraction fraction_left(const struct isph *s, const struct isph_box *box,
-                                          size_t next, size_t end, double ahead, const double x[3],
-                                          double h) {
-  const size_t regions = s->scene->region_count;
-  for (; next < end; next++) {
-    const bool wall = next >= regions;
-    const size_t k = wall ? next - regions : next, before = next - k;
-    const struct region *region = &s->scene->regions[k];
-    if (region->type != (wall ? REGION_WALL : REGION_POROUS)) continue;
-    if (k == region->first && isph_soil_is_far(s, region->extent, k, 2 * h, x))
-      next = before + region->end - 1;
-    if (isph_soil_is_far(s, region->box, k, 2 * h, x)) continue;
-    if (wall && isph_region_speed(s->scene, region) > 0) continue;
-    struct isph_box both = isph_soil_box(s, k, ahead, x);
+                                          size_t next, double ahead, const double x[3], double h) {
+  for (; next < s->scene->region_count; next++) {
+    const struct region *region = &s->scene->regions[next];
+    if (region->type != REGION_POROUS) continue;
+    if (region->is_part && isph_soil_is_far(s, region->box, next, 2 * h, x)) continue;
+    struct isph_box both = isph_soil_box(s, next, ahead, x);
     bool overlap = true;
     for (int a = 0; a < 3; a++) {
       both.low[a] = fmax(both.low[a], box->low[a]), both.high[a] = fmin(both.high[a], box->high[a]);
       overlap = overlap && both.low[a] < both.high[a];
     }
     if (overlap) {
-      struct isph_fraction all = fraction_left(s, box, next + 1, end, ahead, x, h);
-      struct isph_fraction taken = fraction_left(s, &both, before + region->end, end, ahead, x, h);
+      struct isph_fraction all = fraction_left(s, box, next + 1, ahead, x, h),
+                           taken = fraction_left(s, &both, region->end, ahead, x, h);
       isph_fraction_add(&all, -1, &taken);
       return all;
     }
@@ -155,20 +147,65 @@ static struct isph_fraction fraction_left(const struct isph *s, const struct isp
   return fraction_of_box(s, box, x, h);
 }
 
+/* Most boxes of walls near a place; beyond that they count as open. */
+#define WALLS_NEAR 256
+
+/* Boxes that do not overlap. */
+struct disjoint {
+  size_t count;
+  struct isph_box box[WALLS_NEAR];
+};
+
+static bool intersect(const struct isph_box *p, const struct isph_box *q, struct isph_box *both) {
+  bool any = true;
+  for (int a = 0; a < 3; a++) {
+    both->low[a] = fmax(p->low[a], q->low[a]), both->high[a] = fmin(p->high[a], q->high[a]);
+    any = any && both->low[a] < both->high[a];
+  }
+  return any;
+}
+
+/* Adds the part of a box that is in none of the boxes from number n on. */
+static void add_part(struct disjoint *boxes, size_t n, size_t end, struct isph_box part) {
+  struct isph_box both;
+  while (n < end && !intersect(&part, &boxes->box[n], &both)) n++;
+  if (n == end && boxes->count < WALLS_NEAR) boxes->box[boxes->count++] = part;
+  for (int a = 0; a < 3 && n < end; a++) {
+    struct isph_box beside = part;
+    beside.high[a] = part.low[a] = both.low[a];
+    if (beside.low[a] < beside.high[a]) add_part(boxes, n + 1, end, beside);
+    beside = part;
+    beside.low[a] = part.high[a] = both.high[a];
+    if (beside.low[a] < beside.high[a]) add_part(boxes, n + 1, end, beside);
+  }
+}
+
+/* Finds the walls at rest within 2 h of x. */
+static void find_walls(const struct isph *s, const double x[3], double h, struct disjoint *walls) {
+  const struct region *regions = s->scene->regions;
+  walls->count = 0;
+  for (size_t k = 0; k < s->scene->region_count && s->wall_box_count > 1; k++) {
+    if (regions[k].type != REGION_WALL || isph_region_speed(s->scene, &regions[k]) > 0) continue;
+    if (k == regions[k].first && isph_soil_is_far(s, regions[k].extent, k, 2 * h, x))
+      k = regions[k].end - 1;
+    if (isph_soil_is_far(s, regions[k].box, k, 2 * h, x)) continue;
+    add_part(walls, 0, walls->count, isph_soil_box(s, k, 0, x));
+  }
+}
+
 /* Least part of the kernel outside of walls. */
 #define OPEN_LEAST 1e-2
 
-/* The part of the kernel at x that is outside of walls at rest. Fractions of soil are shares of
- * this part: a wall that ends at a soil, or lies in it, does not thin it. Sets `end` for
- * fraction_left, which leaves walls alone if there is no such part, or no wall. */
-static double open_part(const struct isph *s, const double x[3], double h, size_t *end) {
-  const struct isph_box all = {{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
-  const size_t regions = s->scene->region_count;
+/* The part of the kernel at x that is outside of walls. Fractions of soil are shares of this part:
+ * a wall that ends at a soil, or lies in it, does not thin it. If there is hardly any, walls are
+ * left out. */
+static double open_part(const struct isph *s, const double x[3], double h, struct disjoint *walls) {
   double open = 1;
-  if (s->wall_box_count > 1) open = fraction_left(s, &all, regions, 2 * regions, 0, x, h).value;
-  const bool walled = open < 1 && open > OPEN_LEAST;
-  *end = walled ? 2 * regions : regions;
-  return walled ? open : 1;
+  find_walls(s, x, h, walls);
+  for (size_t k = 0; k < walls->count; k++) open -= fraction_of_box(s, &walls->box[k], x, h).value;
+  if (open > OPEN_LEAST) return open;
+  walls->count = 0;
+  return 1;
 }
 
 /* Porosity functions of M15 eqs. 9c and 9d, without the factors alpha nu / D50^2 and beta / D50. */
@@ -196,8 +233,8 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
   const bool over_eps = scene->isph.form == FORM_M15;
   double solid = 0, share = 0, a = 0, b = 0, inertia = 0, velocity[3] = {0}, paper = 1;
   struct isph_soil_mix mix = ISPH_SOIL_MIX;
-  size_t end;
-  const double open = open_part(s, position, h, &end);
+  struct disjoint walls;
+  const double open = open_part(s, position, h, &walls);
   for (size_t k = 0; k < scene->region_count; k++) {
     const struct region *region = &scene->regions[k];
     if (region->type != REGION_POROUS) continue;
@@ -209,7 +246,13 @@ static void soil_smoothed(const struct isph *s, const double position[3], double
     struct isph_box box = isph_soil_box(s, k, ahead, position);
     if (fraction_of_box(s, &box, position, h).value <= 0) continue;
     /* A later soil replaces an earlier one. */
-    const struct isph_fraction left = fraction_left(s, &box, region->end, end, ahead, position, h);
+    struct isph_fraction left = fraction_left(s, &box, region->end, ahead, position, h);
+    for (size_t n = 0; n < walls.count; n++) {
+      struct isph_box both;
+      if (!intersect(&box, &walls.box[n], &both)) continue;
+      const struct isph_fraction taken = fraction_left(s, &both, region->end, ahead, position, h);
+      isph_fraction_add(&left, -1, &taken);
+    }
     const double w = left.value / open;
     if (w <= 0) continue;
     const struct isph_material own = isph_material_of(s, region);

@@ -127,7 +127,6 @@ struct region {
   struct polygon *polygon; /* owned by region `first`; NULL: the region is a box */
   struct stl *stl;         /* surface of a body, of region `first` alone once it is cut */
   bool is_part;            /* without a polygon: a box of such a body */
-  bool filled;             /* points were added where it is thinner than the spacing */
   size_t first, end;
   double extent[6]; /* extent of the whole polygon or body, as `box` */
   /* porous */

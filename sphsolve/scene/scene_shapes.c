@@ -299,9 +299,7 @@ enum status scene_cut_shapes(struct config *config, config_node *list, struct sc
     parts.count = 0;
     if (region->polygon != NULL || stl) {
       TRY(stl ? scene_cut_stl(scene, region, &parts) : cut(scene, region, &parts));
-      const size_t cut_count = parts.count;
       if (region->type == REGION_WALL) TRY(fill_thin(scene, region, &parts));
-      for (size_t k = 0; k < parts.count; k++) parts.region[k].filled = parts.count > cut_count;
       for (size_t k = 1; k < parts.count; k++) parts.region[k].stl = NULL;
       if (stl) TRY(stl_sort(region->stl, scene->spacing));
       if (parts.count == 0)
