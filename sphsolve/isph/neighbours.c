@@ -179,6 +179,20 @@ static bool hide(const struct isph *s, size_t i, const struct isph_screens *scre
   return screens->count > 0;
 }
 
+/* The same for windows among the chosen wall particles. */
+static bool hide_windows(const struct isph *s, size_t i, const struct isph_screens *screens,
+                         const struct isph_candidates *c, const uint16_t *chosen, size_t n,
+                         bool *hidden) {
+  const bool any = s->on.open_sides && screens->count > 0;
+  for (size_t k = 0; k < n && any; k++) {
+    const size_t from = chosen[k];
+    const double y[3] = {c->x[0][from], c->x[1][from], c->x[2][from]};
+    hidden[k] = s->boundary_kind[c->entry[from] & PAIR_MASK] != BOUNDARY_WALL &&
+                isph_is_hidden(s, screens, s->position[i], y, s->support[i], 0);
+  }
+  return any;
+}
+
 /* Finds neighbours and sums of particle i among the candidates of its group. */
 static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
                           const struct isph_candidates *water, const struct isph_candidates *walls,
@@ -208,7 +222,8 @@ static enum status search(struct isph *s, struct isph_chunk *chunk, size_t i,
   s->wall_first[i] = (uint32_t)chunk->wall_count, s->wall_number[i] = (uint16_t)n;
   if (n > 0)
     add_chosen(s, walls, chosen, n, xi, hi, chunk->wall + chunk->wall_count,
-               chunk->wall_slope + chunk->wall_count, sums.wall_moment, &sums, NULL);
+               chunk->wall_slope + chunk->wall_count, sums.wall_moment, &sums,
+               hide_windows(s, i, screens, walls, chosen, n, hidden) ? hidden : NULL);
   chunk->wall_count += n;
 
   s->kernel_sum[i] = sums.kernel_sum;
