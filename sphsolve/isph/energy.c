@@ -35,7 +35,10 @@
  * limited to friction and to what shifting lowers elsewhere,
  *   lift_factor <= (friction + sum of -m f.dx < 0) / sum of -m f.dx > 0,
  * with friction as above. Otherwise three rows of uneven water stir themselves for ever. That holds
- * whatever else drives the water, so this limit is not the effect's alone but shifting's.
+ * whatever else drives the water, so this limit is not the effect's alone but shifting's. Without
+ * soil, beside windows, all of the water is so limited, at any depth: shallow water
+ * beside a window took ten times as much from shifting as friction dissipated, and went on
+ * sloshing.
  *
  * The projection, whose gradient and divergence are adjoint only up to sum V grad W, and shifting
  * raise the water by 1e-7 to 1e-6 of its energy in a step, as they spread the particles. This is

@@ -64,7 +64,7 @@ static double level_of(const double force[3], const double normal[3]) {
 }
 
 /* Displacement of particle i by shifting. Returns the potential energy per mass by which it lifts
- * free water near a surface, -f.dx, which isph_energy_bound_lift limits. */
+ * free water, over soil only near a surface, -f.dx, which isph_energy_bound_lift limits. */
 static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t i, double dt,
                     double step[3]) {
   const double *v = s->velocity[i], h = 0.5 * s->support[i];
@@ -80,8 +80,8 @@ static double shift(const struct isph *s, const struct isph_chunk *chunk, size_t
   double most = isph_is_driven(s) ? SHIFT_SHARE * size * size / s->shift_stiffness : h * h;
   shift_of(s->gradient_sum[i], h, speed, dt, size, most, weight, step);
   if (near > 0) shift_along(normal, near, s->on.soil ? level_of(s->force, normal) : 0, step);
-  if (!s->on.soil || s->soil_fraction[i] > 0) return 0;
-  return -near * (s->force[0] * step[0] + s->force[1] * step[1] + s->force[2] * step[2]);
+  if (!s->on.soil) return -dot(s->force, step);
+  return s->soil_fraction[i] > 0 ? 0 : -near * dot(s->force, step);
 }
 
 /* Finds the advection velocities (`speeds`), the shifts (`steps`) and the energy by which these
@@ -154,7 +154,7 @@ void isph_move(struct isph *s, double dt) {
   double(*steps)[3] = s->scratch, *lift = s->work[0];
   find_moves(s, dt, displacement, steps, lift);
   if ((s->calm != NULL || s->on.soil) && s->on.shifting) subtract_mean_shift(s, steps);
-  if (s->on.soil && s->on.surface && s->on.shifting) isph_energy_bound_lift(s, lift, steps);
+  if (isph_shifting_is_bound(s)) isph_energy_bound_lift(s, lift, steps);
 #pragma omp parallel for schedule(static)
   for (size_t c = 0; c < s->chunk_count; c++)
     for (size_t i = s->chunks[c].begin; i < s->chunks[c].end; i++) {

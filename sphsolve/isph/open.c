@@ -234,6 +234,26 @@ enum status isph_open_fill(struct isph *s, size_t *capacity) {
   return STATUS_OK;
 }
 
+/* The water beyond a side of given head is at rest, as in a reservoir. On its way in at the
+ * velocity u it gains its kinetic energy from the pressure (Bernoulli), which on the side is P =
+ * rho g (head - z) - rho u^2/2, and what flows out takes its own along (the condition of total
+ * pressure; stability: Bruneau, Fabrie 1994, Int. J. Numer. Methods Fluids 19). With the whole head
+ * the side would give rho u^3/2 for nothing, and shallow water beside it would go on sloshing.
+ * Where the side lets waves out, the water beyond moves with them. */
+static void take_velocity_head(struct isph *s, size_t k, double u) {
+  const struct isph_open_side *side = &s->sides[k];
+  if (!s->on.surface || side->region->radiates) return;
+  const size_t end = side->first + (size_t)(side->cells[0] * side->cells[1] * side->cells[2]);
+  for (size_t c = side->first; c < end; c++) {
+    const struct isph_column *column = &s->columns[c];
+    if (column->first == SIZE_MAX) continue;
+    const double still = isph_window_pressure(s, side, column->at[2]);
+    const double pressure = still - fmin(fmax(0, still), 0.5 * s->density * u * u);
+    for (int l = 0; l < column_layers(s, column); l++)
+      s->boundary_pressure[column->first + (size_t)l] = pressure;
+  }
+}
+
 /* A given pressure does not determine the velocity along a window or its profile, and without
  * further conditions jets and eddies grow there. So within a spacing of a window free water moves
  * normal to it, and with a uniform velocity where it flows in; between one and two spacings this
@@ -270,6 +290,7 @@ void isph_open_straighten(struct isph *s) {
       isph_sum_chunks(s, 2, total);
       if (total[0] > 0) mean = total[1] / total[0];
     }
+    take_velocity_head(s, k, fmax(0, mean * side->inward));
   }
 }
 

@@ -5,7 +5,9 @@
  * B is the fraction of a velocity that the drag of one step leaves: without it the correction in
  * soil of strong drag would be faster than the water.
  *
- * |1 - phi| counts up to 0.05. On the surface only phi > 1 counts. Next to the surface this also
+ * |1 - phi| counts up to 0.05, and from 0.005 on in scenes with soil, or with a surface beside
+ * windows: phi differs by as much at the same density, and small waves on three rows beside a
+ * window grew by its relaxation. On the surface only phi > 1 counts. Next to the surface this also
  * applies if no force acts on the water, and as far as free water is calm (isph/calm.h): neighbours
  * are missing there on one side, so that phi changes under a volume-preserving strain. In calm
  * water phi > 1 counts little there either, since its relaxation damps waves. In seepage without a
@@ -68,7 +70,8 @@ static inline double relaxation_source(const struct isph *s, size_t i, double re
   double deficit = isph_packing_deficit(s, i), eps = s->porosity != NULL ? s->porosity[i] : 1;
   const double crowd = s->crowd_factor * relaxation_crowd(s, i, relaxation_time);
   deficit = fmax(-RELAXATION_MOST, fmin(deficit, RELAXATION_MOST));
-  if (s->porosity != NULL) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
+  const bool uneven = s->porosity != NULL || (s->surface != NULL && s->on.open_sides);
+  if (uneven) deficit -= fmax(-RELAXATION_FREE, fmin(deficit, RELAXATION_FREE));
   if (s->surface != NULL) deficit *= 1 - relaxation_spared(s, i, deficit);
   if (s->porosity != NULL && s->surface == NULL) {
     const double *v = s->velocity[i];

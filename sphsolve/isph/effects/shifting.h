@@ -43,6 +43,7 @@
 #include "sphsolve/isph/state.h"
 #include "sphsolve/isph/constants.h"
 #include "sphsolve/isph/energy.h"
+#include "sphsolve/isph/linear.h"
 
 #define SHIFT_STRENGTH 10.0 /* A */
 
@@ -66,6 +67,12 @@ static inline void shift_along(const double normal[3], double near, double level
   for (int a = 0; a < 3; a++) shift[a] -= near * out * normal[a];
 }
 
+/* Whether the water may be lifted no more than friction pays for: under a surface, but for the free
+ * water whose waves have to persist (isph/linear.h). */
+static inline bool isph_shifting_is_bound(const struct isph *s) {
+  return s->on.shifting && s->on.surface && isph_is_driven(s) && !isph_is_free_water(s);
+}
+
 /* isph/energy.c: limits the shifts `steps` whose `lift`, -f.dx, raises the water, all by the same
  * factor, to the energy that friction and the lowering shifts provide. */
 void isph_energy_bound_lift(const struct isph *s, const double *lift, double (*steps)[3]);
@@ -86,7 +93,7 @@ static inline bool isph_shifting_wanted(const struct effect_context *context,
 static inline enum status isph_shifting_predicted(void *state, double dt) {
   struct isph *s = state;
   (void)dt;
-  if (s->on.soil && s->on.surface && !s->on.energy) isph_energy_find_friction(s);
+  if (isph_shifting_is_bound(s) && !s->on.energy) isph_energy_find_friction(s);
   return STATUS_OK;
 }
 
