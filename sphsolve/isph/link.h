@@ -24,11 +24,13 @@
  * to the permeable soil. With links the divergence has to count what a link carries and not the
  * velocity of the particle at its other end: beside clay the water of gravel moves 1e8 times as
  * fast as the link's. So under a surface the velocity at the face between i and j is (s_i v_i + s_j
- * v_j)/2,   s_i = min(1, k_ij / k_i),   k_i the mean of the links of i, and the divergence 2 V_j
- * slope (v_i - v_face).r, for a link that carries nothing that of a wall. Only the part of r across
- * the edge counts so; along it the link carries s (v_i - v_j), with the lesser s. With s = 1 that
- * is the plain V_j slope (v_i - v_j).r. A wall's velocity counts by s too, with the mobility beside
- * the wall for k: a plate that moves in water over clay does not push the water in the clay. */
+ * v_j)/2,   s_i = k_ij / k_i,   k_i the mean of the links of i: of v*_n above, a mean over links,
+ * it is the part of this link, where soils do not differ in I. And the divergence is 2 V_j slope
+ * (v_i - v_face).r, for a link that carries nothing that of a wall. Only the part of r across the
+ * edge counts so; along it the link carries s (v_i - v_j), with the lesser s, as the matrix weights
+ * it. With s = 1 that is the plain V_j slope (v_i - v_j).r. A wall's velocity counts by s too, with
+ * the mobility beside the wall for k, but of 1 at most: a plate that moves in water over clay does
+ * not push the water in the clay. */
 #ifndef TOSUI_SPHSOLVE_ISPH_LINK_H
 #define TOSUI_SPHSOLVE_ISPH_LINK_H
 
@@ -91,8 +93,8 @@ static inline double isph_link_difference(const struct isph *s, const struct isp
                                           size_t p, size_t i, const double vi[3],
                                           const double vj[3], const double r[3]) {
   const double *n = s->linked[i].normal, k = (double)chunk->mobility[p];
-  const double si = fmin(1, k / s->linked_mobility[i]);
-  const double sj = fmin(1, k / s->linked_mobility[chunk->pair[p] & PAIR_MASK]);
+  const double si = k / s->linked_mobility[i];
+  const double sj = k / s->linked_mobility[chunk->pair[p] & PAIR_MASK];
   const double rn = dot(r, n), across = (2 - si) * dot(vi, n) - sj * dot(vj, n);
   const double along = dot(vi, r) - dot(vj, r) - (dot(vi, n) - dot(vj, n)) * rn;
   return across * rn + fmin(si, sj) * along;
