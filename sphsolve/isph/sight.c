@@ -13,14 +13,14 @@
 
 #define SLACK 1e-6 /* spacings */
 
-/* The image of the box from..to, moved. */
+/* The image of a box that has moved. */
 static struct isph_box image_of(const struct isph *s, const struct isph_image *image,
-                                const double from[3], const double to[3], const double moved[3]) {
+                                const double from[6], const double moved[3]) {
   const double slack = SLACK * s->spacing;
   struct isph_box box;
   for (int a = 0; a < 3; a++) {
     const double p = image->turn[a] * (from[a] + moved[a]) + image->shift[a];
-    const double q = image->turn[a] * (to[a] + moved[a]) + image->shift[a];
+    const double q = image->turn[a] * (from[a + 3] + moved[a]) + image->shift[a];
     const bool used = isph_uses_axis(s, a);
     box.low[a] = used ? fmin(p, q) - slack : -INFINITY;
     box.high[a] = used ? fmax(p, q) + slack : INFINITY;
@@ -28,10 +28,17 @@ static struct isph_box image_of(const struct isph *s, const struct isph_image *i
   return box;
 }
 
-static bool is_far(const struct isph_box *box, const double low[3], const double high[3],
-                   double reach) {
-  for (int a = 0; a < 3; a++)
-    if (box->low[a] > high[a] + reach || box->high[a] < low[a] - reach) return true;
+/* Whether that image is farther than `reach` from the box low..high. */
+static bool is_far(const struct isph *s, const struct isph_image *image, const double box[6],
+                   const double moved[3], const double low[3], const double high[3], double reach) {
+  const double near = reach + 2 * SLACK * s->spacing;
+  for (int a = 0; a < 3; a++) {
+    const double p = image->turn[a] * (box[a] + moved[a]) + image->shift[a];
+    const double q = image->turn[a] * (box[a + 3] + moved[a]) + image->shift[a];
+    if (isph_uses_axis(s, a) &&
+        ((p > high[a] + near && q > high[a] + near) || (p < low[a] - near && q < low[a] - near)))
+      return true;
+  }
   return false;
 }
 
@@ -57,19 +64,19 @@ bool isph_screens_find(const struct isph *s, const double low[3], const double h
         for (size_t b = 1; b < s->wall_box_count; b++) {
           const struct isph_wall_box *wall = &s->wall_boxes[b];
           const struct region *region = wall->region;
-          const double *own = scene_box(wall), *body = region->extent;
+          const double *own = scene_box(wall);
           double moved[3];
           for (int a = 0; a < 3; a++) moved[a] = wall->low[a] - own[a];
-          struct isph_box box = image_of(s, image, body, body + 3, moved);
-          if (wall->outline == NULL && region == &s->scene->regions[region->first] &&
-              is_far(&box, low, high, reach)) {
+          const bool begins = wall->outline == NULL && region->end > region->first + 1 &&
+                              region == &s->scene->regions[region->first];
+          if (begins && is_far(s, image, region->extent, moved, low, high, reach)) {
             b += region->end - region->first - 1;
             continue;
           }
-          box = image_of(s, image, own, own + 3, moved);
-          if (is_far(&box, low, high, reach)) continue;
+          if (is_far(s, image, own, moved, low, high, reach)) continue;
           if (screens->count == SCREENS_MOST) return false;
-          screens->of[screens->count++] = (struct isph_screen){box, wall, image};
+          screens->of[screens->count++] =
+              (struct isph_screen){image_of(s, image, own, moved), wall, image};
         }
       }
   return true;

@@ -185,10 +185,11 @@ static void find_walls(const struct isph *s, const double x[3], double h, struct
   const struct region *regions = s->scene->regions;
   walls->count = 0;
   for (size_t k = 0; k < s->scene->region_count && s->wall_box_count > 1; k++) {
-    if (regions[k].type != REGION_WALL || isph_region_speed(s->scene, &regions[k]) > 0) continue;
-    if (k == regions[k].first && isph_soil_is_far(s, regions[k].extent, k, 2 * h, x))
-      k = regions[k].end - 1;
+    if (regions[k].type != REGION_WALL) continue;
+    const bool begins = k == regions[k].first && regions[k].end > k + 1;
+    if (begins && isph_soil_is_far(s, regions[k].extent, k, 2 * h, x)) k = regions[k].end - 1;
     if (isph_soil_is_far(s, regions[k].box, k, 2 * h, x)) continue;
+    if (isph_region_speed(s->scene, &regions[k]) > 0) continue;
     add_part(walls, 0, walls->count, isph_soil_box(s, k, 0, x));
   }
 }
