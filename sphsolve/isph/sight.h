@@ -9,8 +9,7 @@
 #include "sphsolve/isph/soil.h"
 #include "sphsolve/isph/state.h"
 
-/* Most walls near a group of particles: boxes are a spacing wide and more, those of polygons and
- * bodies rows of sites. */
+/* Most walls near a group of particles; of polygons and bodies each row of sites is one. */
 #define SCREENS_MOST 1024
 
 /* Walls that may be between some particles, as seen from there. */
